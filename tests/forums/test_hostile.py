@@ -52,7 +52,7 @@ async def hears_a_stop(forum: Forum, cursor: str) -> None:
             assert len(event.post.content_hash) == 64
             ears = Addressing(me, {ROBOT}, {"robots"}, NOW - timedelta(days=1), datetime.now(UTC), 120.0)
             if event.post.raw == f"@{ROBOT} stop":
-                assert triage(event.post, ears).call is Route.STOP
+                assert triage(event.post, ears).route is Route.STOP
                 return
             triage(event.post, ears)
 

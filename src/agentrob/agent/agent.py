@@ -260,8 +260,8 @@ class RobotAgent:
                     statuses.append(post)
                 elif post.created_at <= until:
                     heard = self.triage(post)
-                    if heard.call is Route.READ:  # whether a stop came after it cannot be told any more
-                        heard = replace(heard, call=Route.STALE)
+                    if heard.route is Route.READ:  # whether a stop came after it cannot be told any more
+                        heard = replace(heard, route=Route.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
         self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
 
@@ -398,7 +398,7 @@ class RobotAgent:
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.meet(event.post.author)
             heard = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
-            if heard.call in (Route.STOP, Route.HALT):
+            if heard.route in (Route.STOP, Route.HALT):
                 self._stop(event, event.post.author, heard)
             self.known_robots.look_up([name for name in heard.others if name in event.post.mentions])
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
@@ -453,7 +453,7 @@ class RobotAgent:
         if self._clock_set() is None:
             return heard
         again = self.triage(post)
-        return again if again.call in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else heard
+        return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else heard
 
     def triage(self, post: Post, edited: bool = False) -> TriagedPost:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
@@ -476,7 +476,7 @@ class RobotAgent:
     def _stop(self, event: Event, author: Account | None, heard: TriagedPost) -> None:
         assert self._me is not None
         if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
-            self.brake.heard(event, author, heard.language, halt=heard.call is Route.HALT, taken=heard.taken_as_stop)
+            self.brake.heard(event, author, heard.language, halt=heard.route is Route.HALT, taken=heard.taken_as_stop)
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""

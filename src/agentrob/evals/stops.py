@@ -56,7 +56,7 @@ def stops_it(text: str) -> bool:
     addressing = Addressing(
         robot, frozenset({named, "robot"}), ("robots",), _NOW - timedelta(days=1), _NOW, 120.0, {"thread"}, {"command"}
     )
-    return triage(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), addressing).call in (Route.STOP, Route.HALT)
+    return triage(Post("post", "thread", "robots", _SOMEBODY, text, _NOW), addressing).route in (Route.STOP, Route.HALT)
 
 
 def describe(found: StopScore) -> str:

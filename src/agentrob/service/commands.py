@@ -148,9 +148,9 @@ class CommandService:
         heard = agent.triage(
             Post("preview", "preview", board, author, text, now, mentions=mentions(visible_text(text)))
         )
-        if heard.call is not Route.READ:
+        if heard.route is not Route.READ:
             intents = {Route.STOP: Intent.STOP, Route.HALT: Intent.HALT}
-            return Assessment(Understanding(intents.get(heard.call, Intent.NOTHING), heard.language), "rules")
+            return Assessment(Understanding(intents.get(heard.route, Intent.NOTHING), heard.language), "rules")
         trace = uuid4().hex[:12]
         command = Command("", "preview", "", author, agent.name, heard.text, heard.language, now, trace)
         return await agent.course.thinking.consider(QueuedCommand(command), agent.course.terms)
@@ -172,7 +172,7 @@ class CommandService:
         post = written.post
         self._newest_at = max(self._newest_at or post.created_at, post.created_at)
         if written.created or post.id not in self._submitted:
-            self._submitted[post.id] = post, NO_COMMAND.get(self.agent.triage(post).call, CommandState.POSTED)
+            self._submitted[post.id] = post, NO_COMMAND.get(self.agent.triage(post).route, CommandState.POSTED)
             while len(self._submitted) > REMEMBERED:
                 self._submitted.popitem(last=False)
         self._begin_scan()

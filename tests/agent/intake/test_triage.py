@@ -28,7 +28,7 @@ def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.
 
 
 @pytest.mark.parametrize(
-    ("text", "call"),
+    ("text", "route"),
     [
         ("@quadruped walk forward 1 m", Route.READ),
         ("@Quadruped walk forward 1 m", Route.READ),
@@ -54,12 +54,12 @@ def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.
         ("@humanoid stop", Route.NOTHING),
     ],
 )
-def test_what_a_post_is_for_me(text: str, call: Route) -> None:
-    assert triage(post(text), EARS).call is call
+def test_what_a_post_is_for_me(text: str, route: Route) -> None:
+    assert triage(post(text), EARS).route is route
 
 
 @pytest.mark.parametrize(
-    ("text", "call"),
+    ("text", "route"),
     [
         ("stop", Route.STOP),
         ("停！", Route.STOP),
@@ -69,8 +69,8 @@ def test_what_a_post_is_for_me(text: str, call: Route) -> None:
         ("ok", Route.NOTHING),
     ],
 )
-def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str, call: Route) -> None:
-    assert triage(post(text, topic="running"), EARS).call is call
+def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str, route: Route) -> None:
+    assert triage(post(text, topic="running"), EARS).route is route
 
 
 @pytest.mark.parametrize("text", ["@quadruped walk forward 1 m", "@quadruped stop"])
@@ -84,42 +84,42 @@ def test_law_13_a_bare_stop_counts_in_the_thread_of_a_running_command(text: str,
     ],
 )
 def test_law_1_some_are_never_obeyed(author: Account, text: str) -> None:
-    assert triage(post(text, author), EARS).call is Route.NOTHING
+    assert triage(post(text, author), EARS).route is Route.NOTHING
 
 
 def test_law_1_a_commanding_agent_is_read_as_a_human_is() -> None:
     author = replace(ALICE, kind=AccountKind.COMMANDING_AGENT)
-    assert triage(post("@quadruped wave", author), EARS).call is Route.READ
+    assert triage(post("@quadruped wave", author), EARS).route is Route.READ
 
 
-@pytest.mark.parametrize(("age_s", "call"), [(119.9, Route.READ), (120.1, Route.STALE), (86_401, Route.STALE)])
-def test_law_5_old_posts_are_stale(age_s: float, call: Route) -> None:
-    assert triage(post("@quadruped wave", age_s=age_s), EARS).call is call
+@pytest.mark.parametrize(("age_s", "route"), [(119.9, Route.READ), (120.1, Route.STALE), (86_401, Route.STALE)])
+def test_law_5_old_posts_are_stale(age_s: float, route: Route) -> None:
+    assert triage(post("@quadruped wave", age_s=age_s), EARS).route is route
 
 
 def test_law_5_what_is_older_than_the_first_start_is_stale() -> None:
     ears = replace(EARS, watermark_at=NOW - timedelta(seconds=1))
-    assert triage(post("@quadruped wave", age_s=1.0), ears).call is Route.STALE
-    assert triage(post("@quadruped wave", age_s=0.9), ears).call is Route.READ
+    assert triage(post("@quadruped wave", age_s=1.0), ears).route is Route.STALE
+    assert triage(post("@quadruped wave", age_s=0.9), ears).route is Route.READ
 
 
 def test_law_4_of_an_edited_post_only_a_stop_counts() -> None:
-    assert triage(post("@quadruped walk forward 1 m"), EARS, edited=True).call is Route.NOTHING
-    assert triage(post("@quadruped stop"), EARS, edited=True).call is Route.STOP
+    assert triage(post("@quadruped walk forward 1 m"), EARS, edited=True).route is Route.NOTHING
+    assert triage(post("@quadruped stop"), EARS, edited=True).route is Route.STOP
 
 
 def test_a_removed_post_is_nothing_and_another_board_only_stops() -> None:
-    assert triage(replace(post("@quadruped stop"), removed=True), EARS).call is Route.NOTHING
-    assert triage(post("@quadruped wave", board="offtopic"), EARS).call is Route.NOTHING
-    assert triage(post("@quadruped stop", board="offtopic"), EARS).call is Route.STOP
+    assert triage(replace(post("@quadruped stop"), removed=True), EARS).route is Route.NOTHING
+    assert triage(post("@quadruped wave", board="offtopic"), EARS).route is Route.NOTHING
+    assert triage(post("@quadruped stop", board="offtopic"), EARS).route is Route.STOP
 
 
 @given(st.text(max_size=300), st.booleans())
 def test_any_text_is_something_and_without_my_name_never_a_command(text: str, edited: bool) -> None:
     heard = triage(post(text), EARS, edited)
     if "quadruped" not in heard.text.lower() and "dog" not in heard.text.lower():
-        assert heard.call is Route.NOTHING
-    assert not (edited and heard.call in (Route.READ, Route.STALE))
+        assert heard.route is Route.NOTHING
+    assert not (edited and heard.route in (Route.READ, Route.STALE))
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ BUSY = replace(EARS, commands={"9"})
 
 
 @pytest.mark.parametrize(
-    ("text", "topic", "call"),
+    ("text", "topic", "route"),
     [
         ("stop right there", "running", Route.STOP),
         ("@bob careful!", "running", Route.STOP),
@@ -154,42 +154,42 @@ BUSY = replace(EARS, commands={"9"})
         ("@quadruped approve", "running", Route.APPROVE),
     ],
 )
-def test_law_13_while_a_command_moves_in_doubt_it_stops(text: str, topic: str, call: Route) -> None:
+def test_law_13_while_a_command_moves_in_doubt_it_stops(text: str, topic: str, route: Route) -> None:
     heard = triage(post(text, topic=topic), BUSY)
-    assert heard.call is call
-    assert heard.taken_as_stop == (call is Route.STOP)
+    assert heard.route is route
+    assert heard.taken_as_stop == (route is Route.STOP)
 
 
 @pytest.mark.parametrize(
     "text", ["@quadruped wait for me at the door", "@quadruped why did it stop?", "@quadruped careful"]
 )
 def test_law_13_at_rest_only_the_narrow_rule_holds(text: str) -> None:
-    assert triage(post(text), replace(EARS, running_topics=())).call is Route.READ
+    assert triage(post(text), replace(EARS, running_topics=())).route is Route.READ
 
 
 def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may() -> None:
     command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
-    assert triage(command, BUSY).call is Route.READ
-    assert triage(command, BUSY, edited=True).call is Route.STOP
+    assert triage(command, BUSY).route is Route.READ
+    assert triage(command, BUSY, edited=True).route is Route.STOP
 
 
 def test_law_3_a_name_that_the_page_does_not_link_commands_nothing_and_may_stop() -> None:
     """Zero-width signs in a name: another forum shows it, and makes no mention of it."""
     unlinked = replace(post("@quad\u200bruped walk forward 1 m"), mentions=())
-    assert triage(unlinked, EARS).call is Route.NOTHING
-    assert triage(replace(unlinked, mentions=("quadruped",)), EARS).call is Route.READ
-    assert triage(replace(post("@quad\u200bruped stop"), mentions=()), EARS).call is Route.STOP
-    assert triage(post("@quadruped- stop"), EARS).call is Route.STOP
-    assert triage(post("@quadruped- walk forward 1 m"), EARS).call is Route.NOTHING
+    assert triage(unlinked, EARS).route is Route.NOTHING
+    assert triage(replace(unlinked, mentions=("quadruped",)), EARS).route is Route.READ
+    assert triage(replace(post("@quad\u200bruped stop"), mentions=()), EARS).route is Route.STOP
+    assert triage(post("@quadruped- stop"), EARS).route is Route.STOP
+    assert triage(post("@quadruped- walk forward 1 m"), EARS).route is Route.NOTHING
     # The page links it where it is not read: in a heading, perhaps.
-    assert triage(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).call is Route.STOP
-    assert triage(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).call is Route.NOTHING
+    assert triage(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).route is Route.STOP
+    assert triage(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).route is Route.NOTHING
 
 
 def test_law_3_a_post_whose_rendering_differs_leaves_a_mark_approves_nothing_and_stops() -> None:
     def heard(text: str) -> tuple[Route, bool]:
         found = triage(replace(post(text), rendering_differs=True), EARS)
-        return found.call, OMITTED in found.text
+        return found.route, OMITTED in found.text
 
     assert heard("@quadruped walk forward 1 m") == (Route.READ, True)
     assert heard("@quadruped approve") == (Route.READ, True)

@@ -14,7 +14,7 @@ from sqlalchemy import text
 
 from agentrob.board.admin.moderation import erase_content
 from agentrob.board.db.database import open_engine
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.robots.command_view import command_view
 from agentrob.board.robots.commands import CommandRecord
 from agentrob.model import Account, AccountKind, Role
@@ -256,7 +256,7 @@ plain = st.recursive(
 @given(st.fixed_dictionaries({}, optional=dict.fromkeys(RECORD, plain)), st.sampled_from(["steps", "models", "looked"]))
 def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) -> None:
     author = Account("1", "alice", AccountKind.HUMAN, Role.OPERATOR)
-    post = Post("1", "1", "robots", author, "", "", 1, datetime.now(UTC))
+    post = StoredPost("1", "1", "robots", author, "", "", 1, datetime.now(UTC))
     for one in (record, record | {wrapped: [record]}, record | {"looked": {"turns": [record], "usage": [record]}}):
         assert command_view(post, CommandRecord("quadruped", post.created_at, None, one)).robot == "quadruped"
 

@@ -20,7 +20,7 @@ from PIL import Image
 
 from agentrob.board.admin import local_admin, management
 from agentrob.board.content import images
-from agentrob.board.db.records import Event
+from agentrob.board.db.records import StoredEvent
 from agentrob.board.db.writer import Transaction
 from agentrob.board.events import cluster_messages
 from agentrob.board.events.hub import Listener
@@ -185,7 +185,7 @@ def test_law_15_an_emergency_stop_goes_past_a_database_that_cannot_be_written(
 def test_law_15_an_emergency_stop_is_told_to_the_other_processes_as_a_stop_is(board: RunningBoard) -> None:
     hub = board.services.hub
     for kind in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP):
-        pressed = Event("", kind, datetime.now(UTC), robot="quadruped")
+        pressed = StoredEvent("", kind, datetime.now(UTC), robot="quadruped")
         heard = cluster_messages.event_from_json(cluster_messages.event_to_json(pressed), hub)
         assert (heard.kind, heard.robot) == (kind, "quadruped")
     with pytest.raises(ValueError, match="no event that is announced"):

@@ -13,7 +13,7 @@ from sqlalchemy import text
 from agentrob.board.admin.moderation import erase_content
 from agentrob.board.content.store import MAX_SEARCHES
 from agentrob.board.db.database import open_engine
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.search import search
 from agentrob.board.search.fulltext import create_index, drop_index, expression, indexed
 from agentrob.board.search.search import around, terms
@@ -172,7 +172,7 @@ def test_a_search_that_takes_too_long_is_given_up_and_the_page_says_what_to_do(
 def test_law_15_nothing_waits_for_a_search_least_of_all_a_stop(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
-    def slow(*_: object) -> Page[Post]:
+    def slow(*_: object) -> Page[StoredPost]:
         begun.set()
         assert go_on.wait(LIMIT_S)
         return Page(())

@@ -61,7 +61,7 @@ class Inbox:
     def put(self, event: Event, heard: TriagedPost) -> None:
         """Never waits."""
         post = event.post
-        if post is not None and event.kind is EventKind.POST_CREATED and heard.call in _TO_TAKE:
+        if post is not None and event.kind is EventKind.POST_CREATED and heard.route in _TO_TAKE:
             if post.id in self.left_open and post.id not in self.coming:  # heard anew, and so after those stops
                 self._ended.pop(post.id, None)
             self.coming[post.id] = post
@@ -94,7 +94,7 @@ class Inbox:
         saved_s = 0.0
         while True:
             event, heard = await self._waiting.get()
-            save = heard.call is not Route.NOTHING or time.monotonic() - saved_s > 1.0
+            save = heard.route is not Route.NOTHING or time.monotonic() - saved_s > 1.0
             await self._take(event, heard, save)
             saved_s = time.monotonic() if save else saved_s
 
@@ -123,7 +123,7 @@ class Inbox:
     def _not_taken(self, event: Event, heard: TriagedPost) -> None:
         """Tell a command that it could not be taken, unless it is under way."""
         post = event.post
-        if post is None or event.kind is not EventKind.POST_CREATED or heard.call not in _TO_TAKE:
+        if post is None or event.kind is not EventKind.POST_CREATED or heard.route not in _TO_TAKE:
             return
         if self._line.find(post.id) is None:
             self._decline(self._command(post, heard))
@@ -136,14 +136,14 @@ class Inbox:
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
             return
-        if heard.call in (Route.APPROVE, Route.DENY, *_TO_TAKE):
+        if heard.route in (Route.APPROVE, Route.DENY, *_TO_TAKE):
             heard = await self._settled(post, heard)
-        if heard.call in (Route.APPROVE, Route.DENY):
+        if heard.route in (Route.APPROVE, Route.DENY):
             await self._approve(post, heard)
-        if heard.call not in _TO_TAKE:
+        if heard.route not in _TO_TAKE:
             return
-        if heard.call is Route.STALE or post.version > 1:
-            ended: EndReason | None = EndReason.STALE if heard.call is Route.STALE else EndReason.EDITED
+        if heard.route is Route.STALE or post.version > 1:
+            ended: EndReason | None = EndReason.STALE if heard.route is Route.STALE else EndReason.EDITED
         else:
             ended = self._why_stopped(post)
         claim = await self._journal().claim(self._command(post, heard), ended)

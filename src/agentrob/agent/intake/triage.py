@@ -57,7 +57,7 @@ class TriagedPost:
     """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
     not `fresh` is too old to count. `taken_as_stop`: it stops since something moves or waits, and else would not."""
 
-    call: Route
+    route: Route
     text: str = ""
     others: tuple[str, ...] = ()
     fresh: bool = True

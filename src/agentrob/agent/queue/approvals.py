@@ -110,7 +110,7 @@ class Approvals:
         if job is None or why:
             self.spawn(self._answer(post, why))
             return
-        approved = heard.call is Route.APPROVE
+        approved = heard.route is Route.APPROVE
         decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
         if not await self.journal.decide(job.command.post_id, decided):
             self.spawn(self._answer(post, say("agent.approval.nothing", heard.language)))
@@ -123,7 +123,7 @@ class Approvals:
 
     def _meant(self, post: Post, heard: TriagedPost) -> tuple[QueuedCommand | None, str]:
         """The command that a post is about, or why there is none."""
-        denies = heard.call is Route.DENY
+        denies = heard.route is Route.DENY
         found = [job for job in self.line if job.command.topic_id == post.topic_id and _waits(job, denies)]
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
             return named[0], ""
@@ -138,7 +138,7 @@ class Approvals:
     async def _objection(self, job: QueuedCommand, post: Post, heard: TriagedPost) -> str:
         """Why a post may not decide about this command; empty when it may."""
         assert job.asked is not None
-        language, denies = heard.language, heard.call is Route.DENY
+        language, denies = heard.language, heard.route is Route.DENY
         if post.version > 1:
             return say("agent.approval.edited", language)
         if not denies and not heard.fresh:

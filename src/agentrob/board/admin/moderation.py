@@ -19,7 +19,7 @@ from agentrob.board.content.images import path_of
 from agentrob.board.content.writes import add_event, now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import Post, Topic, Version, from_us
+from agentrob.board.db.records import StoredPost, Topic, Version, from_us
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import rights
 from agentrob.board.services import Services
@@ -29,7 +29,7 @@ from agentrob.model import Account, EventKind
 ERASED = "(deleted)"
 
 
-def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
+def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredPost:
     """Show a hidden post again. It counts as an edit, so it starts no motion (law 4).
 
     409 for one that its own author took away: that is for nobody else to undo.
@@ -51,7 +51,7 @@ def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
     return Reader(t.connection).post(post_id)
 
 
-def hidden(reader: Reader, post_id: str) -> tuple[Post, tuple[Version, ...], str]:
+def hidden(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[Version, ...], str]:
     """A post with the text it had before it was hidden, its earlier texts, and who hid it (empty when nobody did)."""
     post = reader.post(post_id)
     p, a = db.posts.c, db.accounts.c

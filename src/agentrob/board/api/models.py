@@ -343,7 +343,7 @@ class Serializer:
     def image(self, i: records.Image) -> ImageOut:
         return ImageOut(id=i.id, url=self.base_url + i.path, width=i.width, height=i.height)
 
-    def post(self, p: records.Post) -> PostOut:
+    def post(self, p: records.StoredPost) -> PostOut:
         return PostOut(
             id=p.id,
             topic_id=p.topic_id,
@@ -363,7 +363,7 @@ class Serializer:
             card=dict(p.card) if p.card is not None else None,
         )
 
-    def event(self, e: records.Event) -> EventOut:
+    def event(self, e: records.StoredEvent) -> EventOut:
         return EventOut(
             id=e.id,
             kind=e.kind,

@@ -25,7 +25,7 @@ from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import Member, ReadingViewer, Stopper, Viewer
 from agentrob.board.content import images, uploads
 from agentrob.board.db.reader import not_found
-from agentrob.board.db.records import Event, Image
+from agentrob.board.db.records import Image, StoredEvent
 from agentrob.board.robots import actions, commands, rights
 from agentrob.board.robots.presence import CameraStream
 from agentrob.board.services import AppServices, Services
@@ -153,7 +153,7 @@ async def reset_robot(services: AppServices, name: str, by: Member, key: Idempot
     return _event(services, by, await actions.reset(services, name, by, key))
 
 
-def _event(services: Services, by: Account, event: Event) -> Response:
+def _event(services: Services, by: Account, event: StoredEvent) -> Response:
     return json_response(serializer(services, by).event(event))
 
 

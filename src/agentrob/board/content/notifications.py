@@ -11,7 +11,7 @@ from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, up
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import ACCOUNT, Reader
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.db.rows import account_from
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import rights
@@ -53,7 +53,7 @@ _UNREAD = {boards: _unread(boards) for boards in (False, True)}
 class Notification:
     """`reason` is a word of `REASONS`; `fresh`: not seen before."""
 
-    post: Post
+    post: StoredPost
     reason: str
     fresh: bool
 

@@ -22,7 +22,7 @@ from agentrob.board.content import writes
 from agentrob.board.content.renderer import Renderer
 from agentrob.board.db.database import open_engine, unavailable
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Board, Event, Image, Post, Topic, Version, Written
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, Written
 from agentrob.board.db.writer import Job, T, Writer
 from agentrob.board.search import search
 from agentrob.board.settings import BoardSettings
@@ -95,11 +95,11 @@ class Store:
     def topic(self, topic_id: str) -> Topic:
         return self.reader.topic(topic_id)
 
-    def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
+    def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[StoredPost]:
         """Oldest first, removed ones among them (empty). 404 when there is no such topic."""
         return self.reader.posts(topic_id, cursor, limit)
 
-    def posts_by(self, author: Account, limit: int = 20) -> tuple[Post, ...]:
+    def posts_by(self, author: Account, limit: int = 20) -> tuple[StoredPost, ...]:
         """Posts of an account, newest first, without removed ones."""
         return self.reader.posts_by(author, limit)
 
@@ -107,14 +107,14 @@ class Store:
         """The cursor of the page of `posts(limit=limit)` that shows this post; None for the first page."""
         return self.reader.cursor_before(post_id, limit)
 
-    def post(self, post_id: str) -> Post:
+    def post(self, post_id: str) -> StoredPost:
         return self.reader.post(post_id)
 
     def versions(self, post_id: str) -> tuple[Version, ...]:
         """Earlier versions, oldest first."""
         return self.reader.versions(post_id)
 
-    def find(self, author: Account, key: str) -> Post | None:
+    def find(self, author: Account, key: str) -> StoredPost | None:
         """The author's own post written under `key`."""
         return self.reader.find(author, key)
 
@@ -131,7 +131,7 @@ class Store:
     def newest_event_id(self) -> str:
         return self.reader.newest_event_id()
 
-    def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[Event, ...]:
+    def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[StoredEvent, ...]:
         """What happened after an event, oldest first. 404 when `after` is no event of this history."""
         return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
@@ -148,7 +148,7 @@ class Store:
         board_id: str | None = None,
         mode: SearchMode = "words",
         tag: str | None = None,
-    ) -> Page[Post]:
+    ) -> Page[StoredPost]:
         """Posts with all the words, newest first, or most alike in meaning first. 404 for what this forum has not, 503
         as for `beside`."""
         return await self._aside(self._finder_by(mode), query, cursor, limit, board_id, tag)
@@ -169,7 +169,7 @@ class Store:
         finally:
             self._pending_searches -= 1
 
-    def _finder_by(self, mode: SearchMode) -> Callable[..., Page[Post]]:
+    def _finder_by(self, mode: SearchMode) -> Callable[..., Page[StoredPost]]:
         if mode == "words":
             return partial(search.find, self._finder)
         if self._embedding_worker is None:
@@ -230,22 +230,22 @@ class Store:
         key: str | None = None,
         images: Sequence[str] = (),
         card: Mapping[str, Any] | Literal["keep"] | None = "keep",
-    ) -> Post:
+    ) -> StoredPost:
         """Replace the text; images given are added; the card stays unless given. Only the author may (403)."""
         text, most = await self.renderer.render(body, editor), self._limits.posts
-        job: Job[Post] = lambda t: writes.edit(t, editor, post_id, text, key, images, card, most)  # noqa: E731
+        job: Job[StoredPost] = lambda t: writes.edit(t, editor, post_id, text, key, images, card, most)  # noqa: E731
         return await self.writer.do(job, first=text.stop)
 
-    async def remove(self, by: Account, post_id: str, reason: str = "") -> Post:
+    async def remove(self, by: Account, post_id: str, reason: str = "") -> StoredPost:
         """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
         return await self.do(lambda t: writes.remove(t, by, post_id, reason))
 
     async def record(
         self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
-    ) -> Event:
+    ) -> StoredEvent:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
         happened_us = writes.now_us() if at_us is None else at_us
-        job: Job[Event] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
+        job: Job[StoredEvent] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
         return await self.writer.do(job, first=kind is EventKind.ROBOT_STOP)
 
     async def add_image(

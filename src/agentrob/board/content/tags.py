@@ -13,7 +13,7 @@ from agentrob.board.auth import limits
 from agentrob.board.content.writes import may_post
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Post, Topic
+from agentrob.board.db.records import StoredPost, Topic
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
@@ -86,7 +86,7 @@ def listed(reader: Reader) -> tuple[Tag, ...]:
     return tuple(Tag(r.tag, r.topics) for r in rows)
 
 
-def posts(reader: Reader, tag: str, limit: int) -> tuple[Post, ...]:
+def posts(reader: Reader, tag: str, limit: int) -> tuple[StoredPost, ...]:
     """The latest posts of topics with a tag, newest first, without what was removed."""
     p = db.posts.c
     topics = [int(topic.id) for topic in reader.topics(None, None, limit, tag).items]  # no other has a later post

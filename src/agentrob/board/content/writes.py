@@ -20,7 +20,7 @@ from agentrob.board.content import notifications
 from agentrob.board.content.rendered import Rendered
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import Board, Event, Image, Post, Topic, Written, from_us
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Written, from_us
 from agentrob.board.db.rows import event_id
 from agentrob.board.db.writer import Transaction
 from agentrob.board.search import fulltext
@@ -142,7 +142,7 @@ def edit(
     images: Sequence[str],
     card: Card | Literal["keep"] | None,
     per_hour: int = 0,
-) -> Post:
+) -> StoredPost:
     """A new text for the editor's own post. The old one is kept as a version, unless it was a robot's `PROGRESS`. 429
     beyond `per_hour` changes."""
     reader = Reader(t.connection)
@@ -173,7 +173,7 @@ def edit(
     return reader.post(post.id)
 
 
-def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
+def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredPost:
     """Hide a post. Its author may, and moderators; again does nothing."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
@@ -195,18 +195,18 @@ def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Post:
     return reader.post(post.id)
 
 
-def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key: str | None, at_us: int) -> Event:
+def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key: str | None, at_us: int) -> StoredEvent:
     """Something that concerns a robot. Under a key used before it is the old event."""
     values = {"robot": robot, "account_id": int(by.id) if by else None}
     if by and key and (old := _used(t.connection, by, f"{kind}:{robot}"[:40], key)):
         at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
-        return Event(event_id(old, at_us), kind, from_us(at_us), robot=robot, account=by)
+        return StoredEvent(event_id(old, at_us), kind, from_us(at_us), robot=robot, account=by)
     number = add_event(t, kind, at_us, **values)
     if by and kind in _AUDITED:
         audit.note(t.connection, by.name, str(kind), f"robot:{robot}")
     if by:
         _use_key(t, by, f"{kind}:{robot}"[:40], key, number)
-    return Event(event_id(number, at_us), kind, from_us(at_us), robot=robot, account=by)
+    return StoredEvent(event_id(number, at_us), kind, from_us(at_us), robot=robot, account=by)
 
 
 def add_image(
@@ -252,7 +252,7 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 
 
-def _only_progress(post: Post) -> bool:
+def _only_progress(post: StoredPost) -> bool:
     """Whether this is a robot's own status post of a command that goes on; people have no cards."""
     state = (post.card or {}).get("state")
     return post.author.kind is AccountKind.ROBOT_AGENT and state in PROGRESS

@@ -12,7 +12,7 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import LARGEST_ID, from_cursor, to_cursor
 from agentrob.board.db.database import unavailable
-from agentrob.board.db.records import Board, Event, Image, Post, Topic, Version, from_us
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, from_us
 from agentrob.board.db.rows import account_from, board_from, event_from, event_id, post_from, topic_from
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Page
@@ -215,20 +215,20 @@ class Reader:
             raise not_found("topic", topic_id)
         return topic_from(row)
 
-    def title_begun_by(self, post: Post) -> str:
+    def title_begun_by(self, post: StoredPost) -> str:
         """The title of a topic when this is its first post, else nothing."""
         p = db.posts.c
         first = self.first(select(func.min(p.id)).where(p.topic_id == int(post.topic_id)))
         return self.topic(post.topic_id).title if first and str(first[0]) == post.id else ""
 
     # ---------------------------------------------------------------- posts
-    def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[Post]:
+    def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[StoredPost]:
         topic = self.topic(topic_id)
         after = from_cursor(cursor) if cursor else 0
         rows = self.rows(_POSTS_OF_TOPIC, of=int(topic.id), after=after, most=_limit(limit) + 1)
         return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
-    def posts_by(self, author: Account, limit: int) -> tuple[Post, ...]:
+    def posts_by(self, author: Account, limit: int) -> tuple[StoredPost, ...]:
         """What an account wrote, newest first, without what was removed."""
         p = db.posts.c
         mine = and_(p.author_id == int(author.id), p.removed.is_(False))
@@ -239,7 +239,7 @@ class Reader:
 
     def latest_posts(
         self, cursor: str | None, limit: int, board_id: str | None = None, topic_id: str | None = None
-    ) -> Page[Post]:
+    ) -> Page[StoredPost]:
         """Newest first, of one board, one topic or of all, without what was removed."""
         p, t = db.posts.c, db.topics.c
         statement = _POSTS.where(p.removed.is_(False)).order_by(p.id.desc()).limit(_limit(limit) + 1)
@@ -269,17 +269,17 @@ class Reader:
         before = self.rows(select(p.id).where(earlier).order_by(p.id).offset(start - 1).limit(1))
         return to_cursor(before[0][0])
 
-    def post(self, post_id: str) -> Post:
+    def post(self, post_id: str) -> StoredPost:
         found = self.posts_by_id([row_id(post_id, "post")])
         if not found:
             raise not_found("post", post_id)
         return found[0]
 
-    def posts_by_id(self, ids: Sequence[int]) -> tuple[Post, ...]:
+    def posts_by_id(self, ids: Sequence[int]) -> tuple[StoredPost, ...]:
         rows, seen = self.rows(_POSTS_BY_ID, ids=ids), self.seen()
         return self._posts(rows if seen is None else [r for r in rows if r.board_id in seen])
 
-    def find(self, author: Account, key: str) -> Post | None:
+    def find(self, author: Account, key: str) -> StoredPost | None:
         p = db.posts.c
         found = self._posts(self.rows(_POSTS.where(p.author_id == int(author.id), p.key == key)))
         return found[0] if found else None
@@ -289,7 +289,7 @@ class Reader:
         rows = self.rows(select(v.version, v.raw, v.until_us).where(v.post_id == int(self.post(post_id).id)))
         return tuple(Version(r.version, r.raw, from_us(r.until_us)) for r in sorted(rows, key=lambda r: r.version))
 
-    def _posts(self, rows: Sequence[Row[Any]]) -> tuple[Post, ...]:
+    def _posts(self, rows: Sequence[Row[Any]]) -> tuple[StoredPost, ...]:
         images = self._images([r.id for r in rows if not r.removed])
         authors = {r.a_id: r for r in rows}  # few people write many posts
         accounts = {a_id: account_from(r) for a_id, r in authors.items()}
@@ -367,7 +367,7 @@ class Reader:
 
     def events(
         self, after: int, limit: int, topic_id: str | None = None, boards: frozenset[str] | None = None
-    ) -> tuple[Event, ...]:
+    ) -> tuple[StoredEvent, ...]:
         """Oldest first, with posts as they are now; of posts only those of `boards` when given."""
         e = db.events.c
         statement = _EVENTS.where(e.id > after).order_by(e.id).limit(_limit(limit))

@@ -94,10 +94,11 @@ class Image:
 
 
 @dataclass(frozen=True, slots=True)
-class Post:
-    """One post. `html` is safe to put into a page as it is. Of a removed post `raw`, `html`, images and card are empty.
+class StoredPost:
+    """A post as the board stores it; `model.Post` is a post as a forum delivers it.
 
-    `card` is the state of a command as the robot's agent sent it (fields of `model.StatusCard`).
+    `html` is safe to put into a page as it is. Of a removed post `raw`, `html`, images and card are empty. `card` is
+    the state of a command as the robot's agent sent it (fields of `model.StatusCard`).
     """
 
     id: str
@@ -132,13 +133,13 @@ class Version:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class StoredEvent:
     """Something that happened, in order. `post` is the post as it is now, not as it was then."""
 
     id: str
     kind: EventKind
     at: datetime
-    post: Post | None = None
+    post: StoredPost | None = None
     robot: str | None = None
     account: Account | None = None
 
@@ -148,5 +149,5 @@ class Written:
     """A post that was written; `created` is False when its key had been used before: then it is the old post."""
 
     topic: Topic
-    post: Post
+    post: StoredPost
     created: bool = True

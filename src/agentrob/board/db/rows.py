@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy import Row
 
-from agentrob.board.db.records import Board, Event, Image, Post, Topic, from_us
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, from_us
 from agentrob.model import Account, AccountKind, EventKind, Role
 
 
@@ -33,8 +33,8 @@ def topic_from(r: Row[Any]) -> Topic:
     )
 
 
-def post_from(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
-    return Post(
+def post_from(r: Row[Any], author: Account, images: tuple[Image, ...]) -> StoredPost:
+    return StoredPost(
         id=str(r.id),
         topic_id=str(r.topic_id),
         board_id=r.board_id,
@@ -53,9 +53,9 @@ def post_from(r: Row[Any], author: Account, images: tuple[Image, ...]) -> Post:
     )
 
 
-def event_from(r: Row[Any], post: Post | None) -> Event:
+def event_from(r: Row[Any], post: StoredPost | None) -> StoredEvent:
     account = account_from(r) if r.a_id is not None and r.robot is not None else None
-    return Event(event_id(r.id, r.at_us), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
+    return StoredEvent(event_id(r.id, r.at_us), EventKind(r.kind), from_us(r.at_us), post, r.robot, account)
 
 
 def event_id(number: int, at_us: int) -> str:

@@ -15,7 +15,7 @@ from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
 from agentrob.board.db.database import CHANNEL
-from agentrob.board.db.records import Event, from_us
+from agentrob.board.db.records import StoredEvent, from_us
 from agentrob.board.events.hub import Hub
 from agentrob.board.robots.presence import LIVE_FOR, PresenceTracker
 from agentrob.errors import BoardError
@@ -67,7 +67,7 @@ class ClusterMessenger:
         self._renewed_s = 0.0
         self._wake = asyncio.Event()
 
-    def announce(self, event: Event) -> None:
+    def announce(self, event: StoredEvent) -> None:
         """Send an event that could not be written."""
         self._events.append((time.monotonic(), event_to_json(event)))
         self._wake.set()
@@ -147,13 +147,13 @@ class ClusterMessenger:
 
 
 # -------------------------------------------------------------------- serialization
-def event_to_json(event: Event) -> str:
+def event_to_json(event: StoredEvent) -> str:
     """Serialize a robot event, without its id: an unwritten event has none."""
     at_us = round(event.at.timestamp() * _SECONDS)
     return json.dumps([str(event.kind), at_us, event.robot, event.account.name if event.account else None])
 
 
-def event_from_json(words: str, hub: Hub) -> Event:
+def event_from_json(words: str, hub: Hub) -> StoredEvent:
     """Parse an event from another process. Raises `ValueError` for kinds that are never sent."""
     kind, at_us, robot, name = json.loads(words)
     if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
@@ -164,4 +164,4 @@ def event_from_json(words: str, hub: Hub) -> Event:
             account = hub.reader.account(str(name))
         except BoardError:  # who pressed is not known then, but that somebody did
             account = None
-    return Event(hub.last_id, EventKind(kind), from_us(at_us), robot=robot, account=account)
+    return StoredEvent(hub.last_id, EventKind(kind), from_us(at_us), robot=robot, account=account)

@@ -20,7 +20,7 @@ from starlette.types import Receive, Scope, Send
 
 from agentrob.board.api.models import EventOut, Serializer, time_out
 from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
-from agentrob.board.db.records import Event
+from agentrob.board.db.records import StoredEvent
 from agentrob.board.events import streams
 from agentrob.errors import BoardError
 from agentrob.model import Account, EventKind
@@ -49,7 +49,7 @@ class EncodedEvent:
     `written`: it is in the database.
     """
 
-    event: Event
+    event: StoredEvent
     number: int
     frame: bytes
     frame_for_author: bytes
@@ -60,7 +60,7 @@ class EncodedEvent:
         return self.event.post.topic_id if self.event.post else None
 
 
-def encode(event: Event, base_url: str, written: bool = True) -> EncodedEvent:
+def encode(event: StoredEvent, base_url: str, written: bool = True) -> EncodedEvent:
     author = event.post.author if event.post and event.post.key is not None else None
     for_all = _frame(Serializer(base_url).event(event))
     for_author = _frame(Serializer(base_url, author).event(event)) if author else for_all
@@ -136,7 +136,7 @@ class Hub:
         self._proven_s: float | None = None
         self._written_s: float | None = None
         #: Tells other processes of an event that could not be written.
-        self.tell_others: Callable[[Event], None] = lambda event: None
+        self.tell_others: Callable[[StoredEvent], None] = lambda event: None
 
     def start(self, reader: Reader) -> None:
         """Start after the newest event."""
@@ -226,7 +226,7 @@ class Hub:
         for listener in list(self._listeners):
             listener.close()
 
-    def announce(self, event: Event) -> None:
+    def announce(self, event: StoredEvent) -> None:
         """Tell all listeners of an event that could not be written (a stop must get through in any case).
 
         Its id is that of the newest written event, so that resuming after it misses nothing.
@@ -234,7 +234,7 @@ class Hub:
         self._tell(event, written=False)
         self.tell_others(event)
 
-    def receive_unwritten(self, event: Event) -> None:
+    def receive_unwritten(self, event: StoredEvent) -> None:
         """Tell all listeners of one that another process could not write."""
         self._tell(event, written=False)
 
@@ -265,7 +265,7 @@ class Hub:
         """The id of the newest event that was told."""
         return self._last_id
 
-    def _tell(self, event: Event, written: bool = True) -> None:
+    def _tell(self, event: StoredEvent, written: bool = True) -> None:
         encoded = encode(event, self.base_url, written)
         for listener in self._listeners:
             listener.offer(encoded)

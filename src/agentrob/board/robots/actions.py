@@ -10,7 +10,7 @@ import structlog
 
 from agentrob.board.content.writes import now_us
 from agentrob.board.db.reader import not_found
-from agentrob.board.db.records import Event, from_us
+from agentrob.board.db.records import StoredEvent, from_us
 from agentrob.board.robots import presence, rights
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
@@ -34,25 +34,25 @@ def known_robot(services: Services, name: str) -> Account:
     return account
 
 
-async def stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+async def stop(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Stop a robot. Every signed-in account may; there is no limit, and no disk stands in its way."""
     name = known_robot(services, robot).name
     return await _record_or_announce(services, EventKind.ROBOT_STOP, name, by, key)
 
 
-async def emergency_stop(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+async def emergency_stop(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Stop a robot and lock it until its owner releases it. Every signed-in account may, as `stop`."""
     name = known_robot(services, robot).name
     return await _record_or_announce(services, EventKind.ROBOT_ESTOP, name, by, key)
 
 
-async def release(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+async def release(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Ask a robot's agent to release it. 403 for all but its owner and admins; the agent asks for the right again."""
     name = check_owner(services, robot, by)
     return await services.store.record(EventKind.ROBOT_RELEASE, name, by, key=key)
 
 
-async def home(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+async def home(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Ask a robot's agent to make its home where it stands. As `release`."""
     name = check_owner(services, robot, by)
     return await services.store.record(EventKind.ROBOT_HOME, name, by, key=key)
@@ -85,7 +85,7 @@ def _told_owner(services: Services, robot: str) -> str:
     return told.lower() if isinstance(told, str) else ""
 
 
-async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> Event:
+async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Put a simulated room back. 403 for those who may not command."""
     name = known_robot(services, robot).name
     kept = rights.settings_of(services.store.reader, name)
@@ -121,7 +121,7 @@ def watch(services: Services, robot: str) -> None:
 
 def _tell_agent(services: Services, robot: str) -> None:
     services.presence.robot(robot).called_s = time.monotonic()
-    services.hub.announce(Event(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
+    services.hub.announce(StoredEvent(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
 
 
 def _tell_agent_again(services: Services, robot: str) -> None:
@@ -133,13 +133,13 @@ def _tell_agent_again(services: Services, robot: str) -> None:
 
 async def _record_or_announce(
     services: Services, kind: EventKind, robot: str, by: Account | None, key: str | None
-) -> Event:
+) -> StoredEvent:
     at_us = now_us()
     writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key, at_us=at_us))
     try:
         return await asyncio.wait_for(asyncio.shield(writing), TELL_S)
     except (TimeoutError, BoardError):
-        event = Event(services.hub.last_id, kind, from_us(at_us), robot=robot, account=by)
+        event = StoredEvent(services.hub.last_id, kind, from_us(at_us), robot=robot, account=by)
         services.hub.announce(event)
     try:
         return await asyncio.wait_for(asyncio.shield(writing), WRITE_S - TELL_S)

@@ -13,7 +13,7 @@ from sqlalchemy import select
 
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
-from agentrob.board.db.records import Post, Written
+from agentrob.board.db.records import StoredPost, Written
 from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import Services
@@ -30,13 +30,13 @@ class PendingApproval:
     """One robot that waits with the command of a post, as its `answer` says. `may`: whoever looks may approve it."""
 
     robot: str
-    post: Post
-    answer: Post
+    post: StoredPost
+    answer: StoredPost
     may: bool
 
 
 def waiting(
-    services: Services, post: Post, robots: Iterable[Account], viewer: Account | None
+    services: Services, post: StoredPost, robots: Iterable[Account], viewer: Account | None
 ) -> tuple[PendingApproval, ...]:
     """Which of these robots wait with this post's command."""
     store = services.store
@@ -48,7 +48,7 @@ def waiting(
     )
 
 
-def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None) -> dict[str, PendingApproval]:
+def in_thread(services: Services, posts: Iterable[StoredPost], viewer: Account | None) -> dict[str, PendingApproval]:
     """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
     asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == CommandState.WAITING]
     if viewer is None or not asking:
@@ -63,7 +63,7 @@ def in_thread(services: Services, posts: Iterable[Post], viewer: Account | None)
     return {post_id: one for post_id, one in found.items() if one.may}
 
 
-def of_post(services: Services, post: Post, viewer: Account | None) -> tuple[PendingApproval, ...]:
+def of_post(services: Services, post: StoredPost, viewer: Account | None) -> tuple[PendingApproval, ...]:
     """Which robots wait with this post's command; they are among those whose line it is in."""
     presence = services.presence
     robots = [
@@ -84,14 +84,14 @@ async def say(services: Services, by: Account, post_id: str, robot: str, approve
     return await services.store.reply(by, post.topic_id, text, key=key, reply_to=post.id)
 
 
-def _asks(store: Store, robot: Account, post: Post) -> Post | None:
+def _asks(store: Store, robot: Account, post: StoredPost) -> StoredPost | None:
     """The robot's status post of this command, written under the key of its claim, when it says that it waits."""
     status = store.find(robot, f"claim:{post.id}")
     waits = status is not None and not status.removed and (status.card or {}).get("state") == CommandState.WAITING
     return status if waits else None
 
 
-def _decided(store: Store, robot: str, post: Post, asks: Post) -> bool:
+def _decided(store: Store, robot: str, post: StoredPost, asks: StoredPost) -> bool:
     """Whether somebody who may has pressed a button already: its agent has only not heard it yet."""
     p = db.posts.c
     said = [f"@{robot} {word}" for words in _WORDS.values() for word in words]
@@ -100,7 +100,7 @@ def _decided(store: Store, robot: str, post: Post, asks: Post) -> bool:
     return any(_may(store, robot, one.author, post) for one in store.reader.posts_by_id([r.id for r in rows]))
 
 
-def _may(store: Store, robot: str, account: Account | None, post: Post) -> bool:
+def _may(store: Store, robot: str, account: Account | None, post: StoredPost) -> bool:
     return account is not None and rights.approves(rights.settings_of(store.reader, robot), account, post.author)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
-from agentrob.board.db.records import Image, Post, from_text
+from agentrob.board.db.records import Image, StoredPost, from_text
 from agentrob.board.robots.commands import CommandRecord
 from agentrob.board.robots.view import op_in_words
 from agentrob.model import CommandState
@@ -31,7 +31,7 @@ MOST = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class StepView:
     """One step: what was asked beside what was measured, in words; `outcome` is a bare word, `why` a sentence."""
 
     asked: str
@@ -42,7 +42,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class ModelView:
     """One model that was asked: who, how many tokens, how long, and what failed."""
 
     name: str
@@ -52,7 +52,7 @@ class Model:
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class CallView:
     """One call of a tool by a model, and what came of it; `step` is the robot's step that it was, if any."""
 
     tool: str
@@ -73,22 +73,22 @@ class CommandView:
     """
 
     robot: str
-    reply: Post | None
+    reply: StoredPost | None
     status: str
     message: str
     trace_id: str
     verdict: tuple[str, str, str]
     timeline: tuple[tuple[str, datetime, str], ...]
-    steps: tuple[Step, ...]
+    steps: tuple[StepView, ...]
     planned: bool
     facts: tuple[tuple[str, str], ...]
-    models: tuple[Model, ...]
-    calls: tuple[Call, ...]
+    models: tuple[ModelView, ...]
+    calls: tuple[CallView, ...]
     pictures: tuple[tuple[str, Image], ...]
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
-def command_view(post: Post, told: CommandRecord) -> CommandView:
+def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
     """The view of one record; fields of the wrong type are left out rather than believed."""
     record = told.record
     verdict = _map(record.get("verdict"))
@@ -121,7 +121,7 @@ def _message(record: Mapping[str, Any]) -> str:
 
 
 def _timeline(
-    post: Post, reply: Post | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
+    post: StoredPost, reply: StoredPost | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
 ) -> tuple[tuple[str, datetime, str], ...]:
     ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
     moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
@@ -139,10 +139,10 @@ def _timeline(
     return (("posted", post.created_at, ""), *told)
 
 
-def _step(step: Mapping[str, Any]) -> Step:
+def _step(step: Mapping[str, Any]) -> StepView:
     seconds = _number(step.get("duration_s"))
     why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
-    return Step(
+    return StepView(
         asked=_deed(step, _map(step.get("asked"))),
         measured=_amounts(_map(step.get("measured"))) or _unmeasured(_text(step.get("unmeasured"), 40)),
         outcome=_text(step.get("outcome"), 24),
@@ -156,9 +156,9 @@ def _unmeasured(why: str) -> str:
     return f"unknown: {why.replace('_', ' ')}" if why else "–"
 
 
-def _asked(step: Mapping[str, Any]) -> Step:
+def _asked(step: Mapping[str, Any]) -> StepView:
     """A step of a plan that came to nothing."""
-    return Step(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not begun", "", "")
+    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not begun", "", "")
 
 
 def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
@@ -211,22 +211,22 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
     return [(name, value) for name, value in facts if value]
 
 
-def _model(usage: Mapping[str, Any]) -> Model:
+def _model(usage: Mapping[str, Any]) -> ModelView:
     tokens = [_number(usage.get(key)) for key in ("input_tokens", "output_tokens")]
     latency, cost = _number(usage.get("latency_ms")), _number(usage.get("cost"))
     said = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens) + " tokens"
     money = "" if cost is None else f", {cost:.4f} {_text(usage.get('currency'), 8)}"
     name = f"{_text(usage.get('mind'), 60)} ({_text(usage.get('model'), 80)})"
-    return Model(
+    return ModelView(
         name, said + money, "" if latency is None else f"{latency / 1000:.2f} s", _text(usage.get("failed"), 200)
     )
 
 
-def _call(turn: Mapping[str, Any]) -> Call:
+def _call(turn: Mapping[str, Any]) -> CallView:
     arguments = ", ".join(f"{_text(k, 40)}={_text(v, 80)}" for k, v in list(_map(turn.get("arguments")).items())[:8])
     outcome = _text(turn.get("outcome"), 60) or _text(turn.get("problem"), 300)
     step, latency = _number(turn.get("step")), _number(turn.get("latency_ms"))
-    return Call(
+    return CallView(
         tool=_text(turn.get("tool"), 60),
         arguments=arguments,
         step=f"step {step:.0f}" if step else "",
@@ -236,7 +236,7 @@ def _call(turn: Mapping[str, Any]) -> Call:
     )
 
 
-def _pictures(reply: Post | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
+def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
     """The pictures of the reply with what they are; only as pictures when their number is another one."""
     if reply is None:
         return ()

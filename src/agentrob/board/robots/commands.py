@@ -13,7 +13,7 @@ from sqlalchemy import and_, insert, select, update
 from agentrob.board.content.writes import now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import Post, from_us
+from agentrob.board.db.records import StoredPost, from_us
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
@@ -28,7 +28,7 @@ class CommandRecord:
 
     robot: str
     at: datetime
-    reply: Post | None
+    reply: StoredPost | None
     record: Mapping[str, Any]
 
 
@@ -54,7 +54,7 @@ def save_record(t: Transaction, by: Account, post_id: str, reply_id: str | None,
         t.connection.execute(insert(db.commands).values(**key, **values))
 
 
-def records_of(reader: Reader, post_id: str) -> tuple[Post, tuple[CommandRecord, ...]]:
+def records_of(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[CommandRecord, ...]]:
     """The post of a command and what robots recorded of it, in the order of their names.
 
     Of a removed post nothing is told: a record may repeat its words. 404 when it is not there or not to be seen.

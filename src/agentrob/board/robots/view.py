@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from agentrob.board.db.records import Post, from_text
+from agentrob.board.db.records import StoredPost, from_text
 from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.robots.presence import LIVE_FOR
@@ -160,14 +160,14 @@ def robot(services: Services, name: str) -> tuple[Account, RobotView]:
     return account, _look(services, account)
 
 
-def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[Post]) -> frozenset[str]:
+def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[StoredPost]) -> frozenset[str]:
     """Which of the robots that show pictures in these posts show them to others only."""
     reader = services.store.reader
     shown = {p.author.name for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
     return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
 
 
-def owners(services: Services, posts: Iterable[Post]) -> dict[str, str]:
+def owners(services: Services, posts: Iterable[StoredPost]) -> dict[str, str]:
     """Whose the robots are that wrote some posts; those that are nobody's are left out."""
     reader = services.store.reader
     robots = {p.author.name for p in posts if p.author.kind is AccountKind.ROBOT_AGENT}

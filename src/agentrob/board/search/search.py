@@ -17,7 +17,7 @@ from agentrob.board.content.markdown import unmarked
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.search.fulltext import INDEXED, Where, index_query
 from agentrob.errors import BoardError
 from agentrob.language.complexity import nfkc
@@ -75,7 +75,7 @@ def find(
     limit: int = 20,
     board_id: str | None = None,
     tag: str | None = None,
-) -> Page[Post]:
+) -> Page[StoredPost]:
     """Posts with all the words, of one board or of all, of topics with a tag, newest first, without removed ones and
     those on boards that are not seen.
 
@@ -97,7 +97,7 @@ def boards_seen(reader: Reader, board_id: str | None) -> list[str]:
     return [board for board in boards if board_id in (None, board)]
 
 
-def in_order(reader: Reader, ids: Sequence[int]) -> tuple[Post, ...]:
+def in_order(reader: Reader, ids: Sequence[int]) -> tuple[StoredPost, ...]:
     """The posts in the order in which they were found."""
     found = {int(post.id): post for post in reader.posts_by_id(ids)}
     return tuple(found[i] for i in ids if i in found)

@@ -14,7 +14,7 @@ from sqlalchemy import BindParameter, String, bindparam, text
 
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.search.fulltext import TAGGED
 from agentrob.board.search.search import boards_seen, given_up, in_order, terms
@@ -41,7 +41,7 @@ def find(
     limit: int = 20,
     board_id: str | None = None,
     tag: str | None = None,
-) -> Page[Post]:
+) -> Page[StoredPost]:
     """Posts alike in meaning, most alike first, of one board or of all that are seen, of topics with a tag when one is
     given. Raises `BoardError` 422, 503."""
     begin = from_cursor(cursor) if cursor else 0

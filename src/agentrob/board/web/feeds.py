@@ -13,7 +13,7 @@ from starlette.responses import Response
 
 from agentrob.board.auth.access import ReadingViewer
 from agentrob.board.content import tags
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.robots import actions
 from agentrob.board.services import AppServices, get_services
 from agentrob.board.web.templating import render_feed
@@ -58,7 +58,7 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
     return _feed(request, f"@{account.name}", f"/robots/{account.name}", posts)
 
 
-def _feed(request: Request, title: str, path: str, posts: Sequence[Post]) -> Response:
+def _feed(request: Request, title: str, path: str, posts: Sequence[StoredPost]) -> Response:
     services = get_services(request)
     topics = {topic_id: services.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     updated = max((post.edited_at or post.created_at for post in posts), default=datetime.fromtimestamp(0, UTC))

@@ -14,7 +14,7 @@ from agentrob.board.auth.access import AnyViewer, ReadingViewer
 from agentrob.board.content import notifications, reach, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db import schema as db
-from agentrob.board.db.records import Post, Topic
+from agentrob.board.db.records import StoredPost, Topic
 from agentrob.board.robots import view as robot_view
 from agentrob.board.search import search
 from agentrob.board.services import AppServices, Services
@@ -45,7 +45,7 @@ async def search_page(
 ) -> Response:
     """`board` and `tag` narrow it when they are not empty."""
     problem, status = "", 200
-    page: Page[Post] = Page(())
+    page: Page[StoredPost] = Page(())
     try:
         query = search.checked(q)
         page = await services.store.search(query, after, board_id=board or None, mode=by, tag=tags.plain(tag) or None)
@@ -65,7 +65,7 @@ async def latest(request: Request, services: AppServices, viewer: ReadingViewer,
     return show(request, viewer, "latest.html", data, here="latest")
 
 
-def _with_topics(services: Services, posts: tuple[Post, ...]) -> list[tuple[Topic, Post]]:
+def _with_topics(services: Services, posts: tuple[StoredPost, ...]) -> list[tuple[Topic, StoredPost]]:
     topics = {topic_id: services.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     return [(topics[post.topic_id], post) for post in posts]
 

@@ -13,7 +13,7 @@ from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content import uploads
 from agentrob.board.content.store import Store
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices
@@ -93,7 +93,9 @@ async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_
     return go(path_of(services.store, changed))
 
 
-def _edit(request: Request, viewer: Viewer, found: Post, typed: Composed, error: BoardError | None = None) -> Response:
+def _edit(
+    request: Request, viewer: Viewer, found: StoredPost, typed: Composed, error: BoardError | None = None
+) -> Response:
     typed = replace(typed, problem=forms.problem(error))
     data = {"post": found, "typed": typed, "key": forms.nonce(), "may_upload": uploads.may(viewer.account)}
     return show(request, viewer, "edit.html", data, status=error.status if error else 200)
@@ -119,7 +121,7 @@ def named(store: Store, post_ids: Iterable[str | None]) -> dict[str, str]:
     return {post.id: post.author.name for post in store.reader.posts_by_id(ids)} if ids else {}
 
 
-def path_of(store: Store, post: Post, done: str = "") -> str:
+def path_of(store: Store, post: StoredPost, done: str = "") -> str:
     """Where a post is to be seen: the page of its topic that shows it."""
     cursor = store.cursor_before(post.id, POSTS)
     query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("done", done)) if v)

@@ -12,7 +12,7 @@ from starlette.responses import HTMLResponse, Response
 from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content.store import Store
-from agentrob.board.db.records import Image, Post, Topic
+from agentrob.board.db.records import Image, StoredPost, Topic
 from agentrob.board.robots import actions, approvals, rights
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.view import RobotView
@@ -147,10 +147,10 @@ async def person(request: Request, services: AppServices, viewer: ReadingViewer,
 
 
 # ------------------------------------------------------------------ pieces
-def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, Post]]:
+def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, StoredPost]]:
     """An account's latest posts, each with its topic; with `once` only the latest one of each topic."""
     posts = store.posts_by(author, 5 * _LATEST if once else _LATEST)
-    newest: dict[str, Post] = {}
+    newest: dict[str, StoredPost] = {}
     for post in posts:
         newest.setdefault(post.topic_id if once else post.id, post)
     return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
@@ -167,6 +167,6 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
     return about | {"waiting": asking, "key": forms.nonce()}
 
 
-def _last_picture(posts: Sequence[Post]) -> tuple[Post, Image] | None:
+def _last_picture(posts: Sequence[StoredPost]) -> tuple[StoredPost, Image] | None:
     """The last picture that a robot put into an answer: of its photos the first, which stand before the drawings."""
     return next(((post, image) for post in posts for image in post.images if not image.moving), None)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from agentrob.board.auth import visibility
 from agentrob.board.auth.access import Viewer
-from agentrob.board.db.records import Post
+from agentrob.board.db.records import StoredPost
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import Services
@@ -29,7 +29,7 @@ def posts_of_topic(services: Services, viewer: Viewer, topic_id: str, after: str
     """For a viewer who may read the topic. 404, and 422 for a bad cursor."""
 
     def make() -> tuple[Shown, int]:
-        page: Page[Post] = services.store.posts(topic_id, after, limit)
+        page: Page[StoredPost] = services.store.posts(topic_id, after, limit)
         hidden = robot_view.hidden_cameras(services, viewer.account, page.items)
         authors = {post.id: post.author.name for post in page.items}
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}

@@ -13,7 +13,7 @@ from starlette.responses import HTMLResponse, Response
 from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content import reach, tags, uploads
-from agentrob.board.db.records import Post, Topic
+from agentrob.board.db.records import StoredPost, Topic
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import api_docs, feeds, find, forms
@@ -131,7 +131,7 @@ async def reply(request: Request, services: AppServices, viewer: AnyViewer, topi
     return go(path_of(services.store, written))
 
 
-async def _replied(request: Request, author: Account, topic_id: str, typed: Composed, form: FormData) -> Post:
+async def _replied(request: Request, author: Account, topic_id: str, typed: Composed, form: FormData) -> StoredPost:
     text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
     key = forms.key(form, topic_id, text)
     answered = typed.reply_to or None

@@ -32,7 +32,7 @@ from agentrob.mcp.forum.arguments import Arguments, input_schema
 from agentrob.mcp.forum.identity import Accounts, Identity
 from agentrob.mcp.forum.prompts import PROMPTS, filled
 from agentrob.mcp.forum.subscriptions import Subscriptions
-from agentrob.mcp.forum.tools import BY_NAME, Call, Tool, allowed, as_available
+from agentrob.mcp.forum.tools import BY_NAME, CallContext, Tool, allowed, as_available
 
 log = structlog.get_logger(__name__)
 Context = ServerRequestContext[Any, Any]
@@ -134,7 +134,7 @@ class ForumServer:
         if tool is None:
             raise self._refused(name, tools)
         given = _validated(await as_available(tool, who), arguments)
-        call = Call(who, trace_id, self._accounts, tools, functools.partial(self._subscribe_legacy, ctx, who))
+        call = CallContext(who, trace_id, self._accounts, tools, functools.partial(self._subscribe_legacy, ctx, who))
         result = await tool.run(call, given)
         if tool.name == "login_account" and ctx.protocol_version not in MODERN_PROTOCOL_VERSIONS:
             await ctx.session.send_tool_list_changed()

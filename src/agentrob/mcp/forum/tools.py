@@ -27,8 +27,8 @@ WAIT_HEARTBEAT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
-    """The caller of a tool and the trace id. `accounts` is None where accounts cannot be switched (HTTP)."""
+class CallContext:
+    """Who calls a tool, and the trace id of the call. `accounts` is None where accounts cannot be switched (HTTP)."""
 
     who: Identity
     trace_id: str
@@ -44,7 +44,7 @@ class Tool:
     name: str
     toolset: str
     arguments: type[a.Arguments]
-    run: Callable[[Call, Any], Awaitable[r._Result]]
+    run: Callable[[CallContext, Any], Awaitable[r._Result]]
     writes: bool = False
     stdio_only: bool = False
     destructive: bool = False
@@ -56,11 +56,11 @@ class Tool:
 
 
 # ---------------------------------------------------------------------- reading
-async def get_manual(call: Call, args: a.GetManual) -> r.Manual:
+async def get_manual(call: CallContext, args: a.GetManual) -> r.Manual:
     return r.Manual(text=manual(args.tool, {t.name: t.description for t in call.tools}))
 
 
-async def list_boards(call: Call, args: a.ListBoards) -> r.Boards:
+async def list_boards(call: CallContext, args: a.ListBoards) -> r.Boards:
     start = number_in(unseal("list_boards", "", args.cursor), "at")
     boards = await call.who.forum.boards()
     end = start + args.limit
@@ -68,14 +68,14 @@ async def list_boards(call: Call, args: a.ListBoards) -> r.Boards:
     return r.Boards(boards=tuple(map(board_info, boards[start:end])), next=following)
 
 
-async def list_posts(call: Call, args: a.ListPosts) -> r.Topics:
+async def list_posts(call: CallContext, args: a.ListPosts) -> r.Topics:
     cursor = place_in(unseal("list_posts", args.board_id, args.cursor))
     page = await call.who.forum.topics(args.board_id, cursor, args.limit)
     topics = tuple(map(topic_info, page.items))
     return r.Topics(topics=topics, next=_next("list_posts", args.board_id, page), untrusted=r.UNTRUSTED)
 
 
-async def get_topic(call: Call, args: a.GetTopic) -> r.TopicPosts:
+async def get_topic(call: CallContext, args: a.GetTopic) -> r.TopicPosts:
     forum, state = call.who.forum, unseal("get_topic", args.topic_id, args.cursor)
     topic = topic_info(await forum.topic(args.topic_id))
     if (post_id := place_in(state, "post")) is not None:
@@ -86,7 +86,7 @@ async def get_topic(call: Call, args: a.GetTopic) -> r.TopicPosts:
     return r.TopicPosts(topic=topic, posts=posts, next=_next("get_topic", args.topic_id, page), untrusted=r.UNTRUSTED)
 
 
-async def _rest(call: Call, args: a.GetTopic, post_id: str, start: int) -> r.PostInfo:
+async def _rest(call: CallContext, args: a.GetTopic, post_id: str, start: int) -> r.PostInfo:
     """One post with its body from `start` on."""
     whole = post_info(await call.who.forum.post(post_id))
     if whole.topic_id != args.topic_id:
@@ -111,7 +111,7 @@ def _next(tool: str, place: str, page: Page[Any]) -> str | None:
     return seal(tool, place, at=page.next) if page.next is not None else None
 
 
-async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
+async def search_posts(call: CallContext, args: a.SearchPosts) -> r.Found:
     forum, by_meaning = call.who.forum, isinstance(args, a.SearchPostsByMeaning) and args.mode == "meaning"
     if by_meaning and isinstance(forum, SemanticSearcher):
         find = forum.search_semantic
@@ -127,7 +127,7 @@ async def search_posts(call: Call, args: a.SearchPosts) -> r.Found:
     )
 
 
-async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notifications:
+async def list_notifications(call: CallContext, args: a.ListNotifications) -> r.Notifications:
     forum = call.who.forum
     if not isinstance(forum, Notifications):
         raise ForumUnoffered("this forum has no notifications; subscribe_topic returns new posts")
@@ -138,7 +138,7 @@ async def list_notifications(call: Call, args: a.ListNotifications) -> r.Notific
     )
 
 
-async def subscribe_topic(call: Call, args: a.SubscribeTopic) -> r.TopicUpdates:
+async def subscribe_topic(call: CallContext, args: a.SubscribeTopic) -> r.TopicUpdates:
     """Subscribe first, then wait, so that no post in between is missed."""
     forum = call.who.forum
     topic = await forum.topic(args.topic_id)
@@ -166,7 +166,7 @@ def _new_posts(events: Sequence[Event], after: str, topic_id: str) -> tuple[str,
 
 
 # ---------------------------------------------------------------------- writing
-async def create_topic(call: Call, args: a.CreateTopic) -> r.WrittenPost:
+async def create_topic(call: CallContext, args: a.CreateTopic) -> r.WrittenPost:
     who = call.who
     body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     images = who.media.get(args.images)
@@ -175,7 +175,7 @@ async def create_topic(call: Call, args: a.CreateTopic) -> r.WrittenPost:
     return r.WrittenPost(post=_cut([written.post], 400)[0], created=written.created)
 
 
-async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.WrittenPost:
+async def reply_to_topic(call: CallContext, args: a.ReplyToTopic) -> r.WrittenPost:
     who = call.who
     body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     written = await who.forum.reply(
@@ -189,7 +189,7 @@ async def reply_to_topic(call: Call, args: a.ReplyToTopic) -> r.WrittenPost:
     return r.WrittenPost(post=_cut([written.post], 400)[0], created=written.created)
 
 
-async def edit_post(call: Call, args: a.EditPost) -> r.WrittenPost:
+async def edit_post(call: CallContext, args: a.EditPost) -> r.WrittenPost:
     who = call.who
     body = with_tag(args.body, await who.me(), args.status, call.trace_id)
     images = who.media.get(args.images)
@@ -212,19 +212,19 @@ def _card(given: dict[str, Any]) -> StatusCard:
     return made
 
 
-async def upload_media(call: Call, args: a.UploadMedia) -> r.Uploaded:
+async def upload_media(call: CallContext, args: a.UploadMedia) -> r.Uploaded:
     media_id, kind, size = call.who.media.put(args.data)
     return r.Uploaded(media_id=media_id, media_type=kind, bytes=size, expires_s=KEEP_S)
 
 
 # ---------------------------------------------------------------------- accounts
-async def login_account(call: Call, args: a.LoginAccount) -> r.SignedIn:
+async def login_account(call: CallContext, args: a.LoginAccount) -> r.SignedIn:
     assert call.accounts is not None
     identity = await call.accounts.switch(args.account.lower(), args.token)
     return r.SignedIn(account=account_info(await identity.me()), accounts=call.accounts.names)
 
 
-async def register_account(call: Call, args: a.RegisterAccount) -> r.SignedIn:
+async def register_account(call: CallContext, args: a.RegisterAccount) -> r.SignedIn:
     assert call.accounts is not None
     forum = call.who.forum
     if not isinstance(forum, Registrar):
@@ -234,7 +234,7 @@ async def register_account(call: Call, args: a.RegisterAccount) -> r.SignedIn:
     return r.SignedIn(account=account_info(made.account), accounts=call.accounts.names)
 
 
-async def manage_permissions(call: Call, args: a.ManagePermissions) -> r.SignedIn:
+async def manage_permissions(call: CallContext, args: a.ManagePermissions) -> r.SignedIn:
     forum = call.who.forum
     if not isinstance(forum, Permissions):
         raise ForumUnoffered("this forum does not let programs change rights")
