@@ -15,8 +15,8 @@ import httpx2
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 
-from agentrob.board.web.templating import STATES
-from agentrob.demo.visitor import FINAL, LIMIT_S
+from agentrob.demo.visitor import LIMIT_S
+from agentrob.model import CommandState
 from tests.demo.running import ROOT, RUNNING, RunningDemo, end_left, start_demo
 
 pytestmark = [pytest.mark.sim, pytest.mark.browser]
@@ -98,7 +98,7 @@ def write_post(page: Page, url: str, title: str, body: str) -> None:
 
 
 #: What the chip of a command says once it has ended.
-FINAL_CHIP = re.compile("|".join(rf"^\s*{STATES.get(state, state)}\s*$" for state in FINAL), re.IGNORECASE)
+FINAL_CHIP = re.compile("|".join(rf"^\s*{s.label}\s*$" for s in CommandState if s.is_final), re.IGNORECASE)
 
 
 def wait_for(answer: Locator, chip: str) -> None:
