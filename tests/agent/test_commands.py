@@ -39,7 +39,7 @@ async def test_never_mind_takes_back_what_its_author_asked_for_and_has_not_begun
     async with scene.agent() as agent:
         async with scene.driver.client() as other, other.lease("somebody at the console"):
             running = await scene.post("alice", "@quadruped turn left 20 degrees")
-            await scene.until(lambda: agent.line.moving)
+            await scene.until(lambda: agent.queue.moving)
             mine = [await scene.post("alice", f"@quadruped turn left {angle} degrees") for angle in (30, 40)]
             hers = await scene.post("carol", "@quadruped turn right 30 degrees")
             took = await scene.post("alice", "@quadruped never mind")
@@ -57,7 +57,7 @@ async def test_never_mind_with_a_new_command_replaces_the_old_one(scene: Scene) 
     async with scene.agent() as agent:
         async with scene.driver.client() as other, other.lease("somebody at the console"):
             await scene.post("alice", "@quadruped turn left 20 degrees")
-            await scene.until(lambda: agent.line.moving)
+            await scene.until(lambda: agent.queue.moving)
             old = await scene.post("alice", "@quadruped turn left 30 degrees")
             await scene.state(old, "queued")
             new = await scene.post("alice", "@quadruped never mind, turn right 50 degrees")

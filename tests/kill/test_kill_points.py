@@ -59,22 +59,22 @@ def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more
     return Point(f"board, {name}", "board", "agentrob.board." + target, when, ends, **more)
 
 
-TURN, THINKING, COURSE = "agent.agent:", "agent.understanding.understand:", "agent.pipeline:"
+AGENT, UNDERSTAND, PIPELINE = "agent.agent:", "agent.understanding.understand:", "agent.pipeline:"
 STATUS = "agent.reporting.status_post:StatusPost."
 JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverClient."
 FORUM = "forums.agentrob.forum:BoardForum."
 #: Nothing has moved yet, so it is all done after the restart, once.
 BEFORE_MOTION = [
-    agent("post not heard yet", TURN + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
-    agent("post heard", TURN + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
-    agent("post perceived", TURN + "triage", "after", DONE, 1),
+    agent("post not heard yet", AGENT + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
+    agent("post heard", AGENT + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
+    agent("post perceived", AGENT + "triage", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
     agent("taken, cursor saved", "agent.store.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
-    agent("to be planned", THINKING + "extract", "before", DONE, 1),
-    agent("planned", THINKING + "extract", "after", DONE, 1),
-    agent("to be screened", THINKING + "judge", "before", DONE, 1),
-    agent("screened", THINKING + "judge", "after", DONE, 1),
+    agent("to be planned", UNDERSTAND + "extract", "before", DONE, 1),
+    agent("planned", UNDERSTAND + "extract", "after", DONE, 1),
+    agent("to be screened", UNDERSTAND + "judge", "before", DONE, 1),
+    agent("screened", UNDERSTAND + "judge", "after", DONE, 1),
     agent("thought kept", JOURNAL + "once", "after", DONE, 1),
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
@@ -85,7 +85,7 @@ BEFORE_MOTION = [
 #: Begun and not known to be finished: never again, whatever had moved.
 BEGUN = [
     agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
-    agent("allowed again", COURSE + "permission", "after", INTERRUPTED, 0),
+    agent("allowed again", PIPELINE + "permission", "after", INTERRUPTED, 0),
     agent("lease taken", CLIENT + "_call", "after", INTERRUPTED, 0, containing="'POST', '/lease'"),
     agent("step told", STATUS + "show", "after", INTERRUPTED, 0, containing="state=<CommandState.RUNNING"),
     agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),

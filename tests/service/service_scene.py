@@ -71,7 +71,7 @@ class Service:
         async with asyncio.timeout(60), self.scene.driver.client() as client:
             while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
-        job = self.agent.line.moving
+        job = self.agent.queue.moving
         assert job is not None
         assert job.command.post_id == command["id"]
 

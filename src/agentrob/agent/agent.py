@@ -1,6 +1,7 @@
 """The agent of one robot: a post comes in, the robot moves, a reply goes out.
 
-Here it lives, hears and accepts; `course` takes each command through the deeds. Only these two know their neighbours.
+This module starts and ends the agent, receives events and accepts commands; `pipeline` carries out each command. Only
+these two modules know all parts of the agent.
 """
 
 from __future__ import annotations
@@ -95,24 +96,31 @@ class RobotAgent:
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
-        self.channel = EventStream(forum, "", settings.poll_s, listens, self._notice)
+        self.event_stream = EventStream(forum, "", settings.poll_s, listens, self._notice)
         self._on_end = on_end
         self.records = Records(self.folder)
-        self.line = CommandQueue(self._line_changed)
+        self.queue = CommandQueue(self._queue_changed)
         self.inbox = Inbox(
-            name, lambda: self.journal, self.line, lambda at: self.brake.why_not(at), self._settle, self._take_up,  # noqa: PLW0108 (the brake comes later)
-            self._decline, self._approve,
+            name, lambda: self.journal, self.queue,
+            lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
+            self._settle, self._take_up, self._decline, self._approve,
         )  # fmt: skip
-        self.alarm = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
-        self.stops = StopReplies(forum, driver, settings, self.channel.now, self._stop_reply, self._compared)
-        self.brake = StopHandler(
-            self.line, self.inbox, self.stops, self.alarm, lambda: self._journal, self.channel, self._spawn
+        self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
+        self.stops = StopReplies(forum, driver, settings, self.event_stream.now, self._stop_reply, self._compared)
+        self.stop_handler = StopHandler(
+            self.queue,
+            self.inbox,
+            self.stops,
+            self.moderator_alert,
+            lambda: self._journal,
+            self.event_stream,
+            self._spawn,
         )
         self.owner = OwnerActions(
-            name, settings, forum, driver, self.stops, self.brake, self.channel.now, self._line_changed
+            name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
         stage = forum if isinstance(forum, RobotPages) else None
-        self.presence = Presence(stage, driver, name, settings, lambda: self.line.posts, self.owner) if stage else None
+        self.presence = Presence(stage, driver, name, settings, lambda: self.queue.posts, self.owner) if stage else None
         seen_by = settings.room_camera
         live, view = stage is not None and bool(seen_by), settings.recording.view
         self.recorder = Recorder(
@@ -121,10 +129,10 @@ class RobotAgent:
             None if live and view == "room" else look_of(settings, driver),
         )
         seen = self.recorder.see if view in ("auto", "room") else lambda _: None
-        moving = lambda: self.line.moving is not None  # noqa: E731
+        moving = lambda: self.queue.moving is not None  # noqa: E731
         self.camera = Camera(stage, name, seen_by, moving, seen) if stage and seen_by else None
         self._journal: Journal | None = None
-        self._course: Pipeline | None = None
+        self._pipeline: Pipeline | None = None
         self._me: Account | None = None
         self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -164,7 +172,7 @@ class RobotAgent:
             try:
                 await self.inbox.take_waiting()
                 # What waits for an approval, or until we may write again, waits on next time.
-                while busy := self._tasks - self.line.asking() - self.course.denied:
+                while busy := self._tasks - self.queue.asking() - self.pipeline.denied:
                     await asyncio.wait(busy, timeout=0.2)
                 await prune(self.journal, self.records, self.settings.retention)
             finally:
@@ -192,18 +200,18 @@ class RobotAgent:
                          robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
         await self.owner.learn_page()
         await self.known_robots.list_robots()
-        newest = await insist(self.channel.set_clock)
+        newest = await insist(self.event_stream.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
-            at = (begun := self.channel.compared_at).isoformat()
+            at = (begun := self.event_stream.compared_at).isoformat()
             await self.journal.put_all(cursor=newest, cursor_at=at, watermark=at)
         self._begun = begun, elapsed_s()
-        await self.brake.remember(self.journal, begun)
-        self.channel.cursor = await self.journal.get("cursor") or newest
-        self._course = self._make_course()
+        await self.stop_handler.remember(self.journal, begun)
+        self.event_stream.cursor = await self.journal.get("cursor") or newest
+        self._pipeline = self._make_pipeline()
         await self._resume()
-        if begun > self.channel.now() - LOOK_BACK:
-            await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
+        if begun > self.event_stream.now() - LOOK_BACK:
+            await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
 
@@ -226,8 +234,8 @@ class RobotAgent:
             begun = await self.journal.moved(claim.command.post_id)
             job = QueuedCommand(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
-            limits = self._watermark_at, self.brake.stopped_at, self.settings.max_post_age_s
-            why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.channel.now(), *limits)
+            limits = self._watermark_at, self.stop_handler.stopped_at, self.settings.max_post_age_s
+            why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.event_stream.now(), *limits)
             if not begun and why:
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
@@ -239,13 +247,13 @@ class RobotAgent:
         """Hear what was missed; `ForumNotFound` as `EventStream.events`."""
         while events := await insist(self._missed):
             for event in events:
-                self.channel.cursor = event.id
+                self.event_stream.cursor = event.id
                 self._hear_safely(event)
 
     async def _missed(self) -> Sequence[Event]:
         """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
         try:
-            return await self.forum.changes(self.channel.cursor)
+            return await self.forum.changes(self.event_stream.cursor)
         except ForumMalformed as e:
             raise ForumUnreachable(str(e)) from None
 
@@ -259,17 +267,17 @@ class RobotAgent:
                 if is_open(post, self._me) and post.reply_to not in self.inbox.coming:
                     statuses.append(post)
                 elif post.created_at <= until:
-                    heard = self.triage(post)
-                    if heard.route is Route.READ:  # whether a stop came after it cannot be told any more
-                        heard = replace(heard, route=Route.STALE)
-                    await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), heard)
-        self._spawn(close_unknown(self.forum, self.journal, statuses, self.course.moves))
+                    triaged = self.triage(post)
+                    if triaged.route is Route.READ:  # whether a stop came after it cannot be told any more
+                        triaged = replace(triaged, route=Route.STALE)
+                    await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), triaged)
+        self._spawn(close_unknown(self.forum, self.journal, statuses, self.pipeline.moves))
 
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
         self._ending = True
-        self.line.close()
-        if (job := self.line.moving) is not None:
+        self.queue.close()
+        if (job := self.queue.moving) is not None:
             job.end(EndReason.SHUTDOWN)
             if job.task is not None:
                 await asyncio.wait({job.task}, timeout=LAST_WORDS_S)
@@ -289,34 +297,34 @@ class RobotAgent:
         return self._journal
 
     @property
-    def course(self) -> Pipeline:
-        if self._course is None:
+    def pipeline(self) -> Pipeline:
+        if self._pipeline is None:
             raise JournalError("the agent has not been started")
-        return self._course
+        return self._pipeline
 
-    def _make_course(self) -> Pipeline:
-        names = self._ears().names
+    def _make_pipeline(self) -> Pipeline:
+        names = self._addressing().names
         approvals = Approvals(
             self.name,
-            self._ears().me.name,
+            self._addressing().me.name,
             self.settings,
             self.forum,
             self.journal,
-            self.line,
-            self.channel.now,
+            self.queue,
+            self.event_stream.now,
             self._spawn,
         )
-        pace, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
+        rate_limiter, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
 
         def over_limit(command: Command) -> bool:
             account = command.author.id
-            return pace.exceeded(account) or bool(most and self.line.number_of(account) > most)
+            return rate_limiter.exceeded(account) or bool(most and self.queue.number_of(account) > most)
 
-        thinking = Assessor(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
+        assessor = Assessor(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
         return Pipeline(
-            self.name, self.settings, self.forum, self.driver, thinking, self.journal,
-            self.channel, self.line, self.stops, approvals, self.records, self.recorder, self._store,
-            pace, Surroundings(self.settings.scene), self._line_changed, lambda: self._ending,
+            self.name, self.settings, self.forum, self.driver, assessor, self.journal,
+            self.event_stream, self.queue, self.stops, approvals, self.records, self.recorder, self._store,
+            rate_limiter, Surroundings(self.settings.scene), self._queue_changed, lambda: self._ending,
             self._on_end, owner=self.owner, clock_set=self._clock_set,
         )  # fmt: skip
 
@@ -347,7 +355,7 @@ class RobotAgent:
     async def _listen(self) -> None:
         while True:
             try:
-                async for event in self.channel.events():
+                async for event in self.event_stream.events():
                     self._hear_safely(event)
             except ForumNotFound:
                 with contextlib.suppress(ForumError):
@@ -358,30 +366,30 @@ class RobotAgent:
     async def _begin_anew(self) -> bool:
         """The forum does not know our last event: go on after it (True) where it merely keeps that no more; or it was
         replaced by another: end all, let nothing older move."""
-        newest = await insist(self.channel.set_clock)
+        newest = await insist(self.event_stream.set_clock)
         with contextlib.suppress(ForumNotFound):
-            await insist(partial(self.forum.changes, self.channel.cursor))
+            await insist(partial(self.forum.changes, self.event_stream.cursor))
             return True
         if (gap := await gap_after(self.forum, self.journal)) is not None:
             since, until = gap
             _log.warning("events of while I was away are not kept any more", robot=self.name, since=since, until=until)
-            self.channel.cursor = BEFORE_ALL
+            self.event_stream.cursor = BEFORE_ALL
             await self._look_back(since, until)
             return True
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
-        self._begun = self.channel.compared_at, elapsed_s()
+        self._begun = self.event_stream.compared_at, elapsed_s()
         self.inbox.clear()
-        for job in self.line:
+        for job in self.queue:
             job.end(EndReason.REPLACED)
-        if tasks := {job.task for job in self.line if job.task}:
+        if tasks := {job.task for job in self.queue if job.task}:
             _, late = await asyncio.wait(tasks, timeout=DRIVER_WAIT_S)
             for task in late:
                 task.cancel()
         await self.journal.set_aside()
-        begun = self.channel.compared_at.isoformat()
+        begun = self.event_stream.compared_at.isoformat()
         await self.journal.put_all(watermark=begun, cursor=newest, cursor_at=begun)
-        self.channel.cursor = newest
-        await self._look_back(self.channel.now() - LOOK_BACK, self._watermark_at)
+        self.event_stream.cursor = newest
+        await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
         return False
 
     def _hear_safely(self, event: Event) -> None:
@@ -394,15 +402,15 @@ class RobotAgent:
     def _hear(self, event: Event) -> None:
         """Never waits: a stop is on its way to the driver before anything else is done with any event."""
         self._notice(event.at)
-        heard = TriagedPost(Route.NOTHING)
+        triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.meet(event.post.author)
-            heard = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
-            if heard.route in (Route.STOP, Route.HALT):
-                self._stop(event, event.post.author, heard)
-            self.known_robots.look_up([name for name in heard.others if name in event.post.mentions])
+            triaged = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
+            if triaged.route in (Route.STOP, Route.HALT):
+                self._stop(event, event.post.author, triaged)
+            self.known_robots.look_up([name for name in triaged.others if name in event.post.mentions])
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
-            self._stop(event, event.account, heard)
+            self._stop(event, event.account, triaged)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
             self._stop(event, event.account, TriagedPost(Route.HALT))
         elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
@@ -413,7 +421,7 @@ class RobotAgent:
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
-            self.inbox.put(event, heard)
+            self.inbox.put(event, triaged)
 
     # ------------------------------------------------------------------ the forum's clock
     @property
@@ -421,20 +429,20 @@ class RobotAgent:
         """Nothing that was posted before then is a command. Not later than when we began, by the forum's clock as it
         goes now: it may have been set back since."""
         begun_at, begun_s = self._begun
-        return min(begun_at, self.channel.at(begun_s))
+        return min(begun_at, self.event_stream.at(begun_s))
 
     def _notice(self, at: datetime) -> None:
         """The forum said that it is this time: when that is not so, what it said comes late, or its clock was set."""
         idle = self._comparing is None or self._comparing.done()
-        if idle and self.channel.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
+        if idle and self.event_stream.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
             self._comparing = self._spawn(self._compare_clocks())
 
     async def _compare_clocks(self) -> None:
-        step = self.channel.step
+        step = self.event_stream.step
         with contextlib.suppress(ForumError, TimeoutError):
             async with asyncio.timeout(COMPARING_S):
-                await self.channel.set_clock()
-        if self.channel.step is step:  # what came is merely late, and so may more be
+                await self.event_stream.set_clock()
+        if self.event_stream.step is step:  # what came is merely late, and so may more be
             self._compared_s = elapsed_s()
 
     async def _compared(self) -> None:
@@ -444,43 +452,45 @@ class RobotAgent:
 
     def _clock_set(self) -> timedelta | None:
         """By how much the forum's clock was set, if that was just noticed."""
-        step = self.channel.step
+        step = self.event_stream.step
         return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
 
-    async def _settle(self, post: Post, heard: TriagedPost) -> TriagedPost:
+    async def _settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
         """What a post is, once the clocks are compared: only then it is known whether it is fresh."""
         await self._compared()
         if self._clock_set() is None:
-            return heard
+            return triaged
         again = self.triage(post)
-        return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else heard
+        return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else triaged
 
     def triage(self, post: Post, edited: bool = False) -> TriagedPost:
         """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
         try:
-            return triage(post, self._ears(), edited)
+            return triage(post, self._addressing(), edited)
         except Exception:
             _log.error("post not understood", robot=self.name, post=post.id, trace=traceback.format_exc())
             return TriagedPost(Route.NOTHING)
 
-    def _ears(self) -> Addressing:
+    def _addressing(self) -> Addressing:
         assert self._me is not None
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
-        topics = self.line.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
+        topics = self.queue.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
         return Addressing(
-            self._me, names, self.settings.boards, self._watermark_at, self.channel.now(),
-            self.settings.max_post_age_s, topics, {*self.line.posts, *self.inbox.coming, *self.inbox.left_open},
+            self._me, names, self.settings.boards, self._watermark_at, self.event_stream.now(),
+            self.settings.max_post_age_s, topics, {*self.queue.posts, *self.inbox.coming, *self.inbox.left_open},
             self.known_robots.names,
         )  # fmt: skip
 
-    def _stop(self, event: Event, author: Account | None, heard: TriagedPost) -> None:
+    def _stop(self, event: Event, author: Account | None, triaged: TriagedPost) -> None:
         assert self._me is not None
         if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
-            self.brake.heard(event, author, heard.language, halt=heard.route is Route.HALT, taken=heard.taken_as_stop)
+            self.stop_handler.heard(
+                event, author, triaged.language, halt=triaged.route is Route.HALT, taken=triaged.taken_as_stop
+            )
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
-        return self.brake.pulled(by, posted_at)
+        return self.stop_handler.pulled(by, posted_at)
 
     def _stop_reply(self, told: StopReply) -> str:
         how = self.owner.how_to_release(told.language)
@@ -496,16 +506,16 @@ class RobotAgent:
         assert self._me is not None
         await self._compared()
         allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
-        fresh = (self.channel.now() - at).total_seconds() <= self.settings.max_post_age_s
+        fresh = (self.event_stream.now() - at).total_seconds() <= self.settings.max_post_age_s
         if not self.settings.room_reset or not allowed or not fresh:
             return
-        if len(self.line):
-            ended = self.line.end_all(EndReason.STOP)
+        if len(self.queue):
+            ended = self.queue.end_all(EndReason.STOP)
             for job in ended:
                 job.stopped_by = account.name
             await self.stops.stop(account.name, at)
             await self.journal.end([job.command.post_id for job in ended], EndReason.STOP)
-            if (moving := self.line.moving) is not None and moving.task is not None:
+            if (moving := self.queue.moving) is not None and moving.task is not None:
                 await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
         try:
             await reset_room(self.driver, self.settings, account.name)
@@ -513,20 +523,20 @@ class RobotAgent:
             _log.warning("room not reset", robot=self.name, error=str(e))
 
     def _decline(self, command: Command) -> None:
-        self._spawn(self.course.decline(command))
+        self._spawn(self.pipeline.decline(command))
 
-    async def _approve(self, post: Post, heard: TriagedPost) -> None:
-        await self.course.approvals.hear(post, heard)
+    async def _approve(self, post: Post, triaged: TriagedPost) -> None:
+        await self.pipeline.approvals.hear(post, triaged)
 
     def _take_up(self, job: QueuedCommand) -> None:
         self.stops.new_command()
-        self.line.enter(job)
-        job.task = self._spawn(self.course.run(job))
+        self.queue.enter(job)
+        job.task = self._spawn(self.pipeline.run(job))
 
-    def _line_changed(self) -> None:
+    def _queue_changed(self) -> None:
         if self.presence:
             self.presence.changed()
-        if self.camera and self.line.moving:
+        if self.camera and self.queue.moving:
             self.camera.wake()
-        for job in self.line:
-            self.course.show_place(job)
+        for job in self.queue:
+            self.pipeline.show_place(job)

@@ -1,4 +1,4 @@
-"""The course of one command through the deeds, from its claim on the forum to its final reply."""
+"""Carry out one command, from its claim on the forum to its final reply."""
 
 from __future__ import annotations
 
@@ -89,16 +89,16 @@ class Pipeline:
     settings: RobotConfig
     forum: Forum
     driver: DriverClient
-    thinking: Assessor
+    assessor: Assessor
     journal: Journal
-    channel: EventStream
-    line: CommandQueue
+    event_stream: EventStream
+    queue: CommandQueue
     stops: StopReplies
     approvals: Approvals
     records: Records
     recorder: Recorder
     store: ImageStore | None
-    pace: RateLimiter
+    rate_limiter: RateLimiter
     surroundings: Surroundings
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
@@ -111,10 +111,10 @@ class Pipeline:
 
     @property
     def terms(self) -> CommandTerms:
-        names = tuple(self.thinking.names)
+        names = tuple(self.assessor.names)
         return CommandTerms(
-            self.settings.allow_flip, self.channel.step_s, robot=self.name, scene=self.surroundings.scene, names=names,
-            boards=tuple(self.settings.boards), rights=own_rights(self.settings),
+            self.settings.allow_flip, self.event_stream.step_s, robot=self.name, scene=self.surroundings.scene,
+            names=names, boards=tuple(self.settings.boards), rights=own_rights(self.settings),
         )  # fmt: skip
 
     async def run(self, job: QueuedCommand) -> None:
@@ -125,7 +125,7 @@ class Pipeline:
         except Exception as e:
             report = await self._faulted(job, e)
         finally:
-            self.line.leave(job)
+            self.queue.leave(job)
         if report is not None:
             try:
                 await self._tell(job, report)
@@ -144,7 +144,7 @@ class Pipeline:
             trace = "".join(traceback.format_exception(error))
             _log.error("command failed", post=job.command.post_id, trace=trace)
             message = self._because(job, "internal")
-        plan = job.thought.understanding.plan if job.thought is not None else Plan()
+        plan = job.assessment.understanding.plan if job.assessment is not None else Plan()
         execution = job.run.execution() if job.run is not None else None
         if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
             with self._beside(job, "what was measured is not read"):
@@ -175,7 +175,7 @@ class Pipeline:
 
     async def _decide(self, job: QueuedCommand) -> Report | None:
         """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
-        thinking = asyncio.ensure_future(self.thinking.think(job, self.terms))
+        thinking = asyncio.ensure_future(self.assessor.think(job, self.terms))
         try:
             return await self._claimed(job, thinking)
         finally:
@@ -187,7 +187,7 @@ class Pipeline:
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         # A person who speaks to a robot always gets an answer; programs would answer each other without end.
         person = job.command.author.kind is AccountKind.HUMAN
-        silent = not job.known and not (person and addresses(job.command.text, self.thinking.names))
+        silent = not job.known and not (person and addresses(job.command.text, self.assessor.names))
         if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
             await self.journal.finish(post_id, CommandState.NOTHING)
             return None
@@ -198,7 +198,7 @@ class Pipeline:
         if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
             thinking.cancel()
             await self.journal.cancel(post_id)
-            self.line.leave(job)
+            self.queue.leave(job)
             claimed = await insist(partial(self.forum.post, job.status.post_id))
             if not await left_open(self.forum, claimed, self.moves):
                 await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
@@ -206,12 +206,12 @@ class Pipeline:
             return self._report(
                 job, CommandState.INTERRUPTED, message=say("agent.interrupted.claim", job.command.language)
             )
-        thought: Assessment = await thinking
-        if thought.understanding.cancels:
+        assessment: Assessment = await thinking
+        if assessment.understanding.cancels:
             job.took_back = await self._take_back(job)
-        if job.ended is None and thought.understanding.intent is Intent.COMMAND:
-            return await self._obey(job, thought)
-        return await self._answer(job, thought)
+        if job.ended is None and assessment.understanding.intent is Intent.COMMAND:
+            return await self._obey(job, assessment)
+        return await self._answer(job, assessment)
 
     async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
         """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
@@ -219,7 +219,7 @@ class Pipeline:
         card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
         shown = Shown(words.seen(command.language, command.trace_id), card)
         written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
-        job.note("seen", self.channel.now())
+        job.note("seen", self.event_stream.now())
         now = written.post
         if not written.created:
             state = now.card.state if now.card else ""
@@ -255,10 +255,10 @@ class Pipeline:
     async def _denied(self, job: QueuedCommand, seconds: float) -> None:
         """The forum denies us the claim: others go before it meanwhile, and once it is too old it only waits to be
         told so."""
-        await self.line.aside(job, seconds)
+        await self.queue.aside(job, seconds)
         if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
             job.end(EndReason.EXPIRED)
-            self.line.leave(job)
+            self.queue.leave(job)
             await self.journal.end([job.command.post_id], EndReason.EXPIRED)
 
     async def moves(self, trace_id: str) -> bool:
@@ -267,9 +267,9 @@ class Pipeline:
             return await self.driver.holder() == holder_of(trace_id)
         return False
 
-    async def _answer(self, job: QueuedCommand, thought: Assessment) -> Report:
+    async def _answer(self, job: QueuedCommand, assessment: Assessment) -> Report:
         """Everything that moves nothing."""
-        language, understood = job.command.language, thought.understanding
+        language, understood = job.command.language, assessment.understanding
         if job.ended is not None:
             await self.journal.cancel(job.command.post_id)
             return await self._ended(job, understood.plan)
@@ -288,14 +288,14 @@ class Pipeline:
                     CommandState.ANSWERED,
                     message=words.disarmed(understood.question) or say("talk.question", language),
                 )
-            case Intent.ASK_BACK if thought.verdict is not None:
-                return self._report(job, CommandState.REFUSED, verdict=thought.verdict)
+            case Intent.ASK_BACK if assessment.verdict is not None:
+                return self._report(job, CommandState.REFUSED, verdict=assessment.verdict)
             case Intent.ASK_BACK:
                 return self._report(
                     job, CommandState.ASKS_BACK, message=understood.question or say("agent.ask.default", language)
                 )
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
-                ended = self.line.end_before(job, EndReason.STOP)
+                ended = self.queue.end_before(job, EndReason.STOP)
                 for other in ended:
                     other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
@@ -305,7 +305,7 @@ class Pipeline:
 
     async def _take_back(self, job: QueuedCommand) -> int:
         """End what its author posted before and has not begun to move; how many commands that were."""
-        before = self.line.end_waiting(job, EndReason.TAKEN_BACK)
+        before = self.queue.end_waiting(job, EndReason.TAKEN_BACK)
         await self.journal.end([other.command.post_id for other in before], EndReason.TAKEN_BACK)
         return len(before)
 
@@ -313,9 +313,9 @@ class Pipeline:
         try:
             state = await self.driver.state()
             more = self.owner.of_state(state, language) if self.owner else []
-            return "\n\n".join([words.state_text(state, len(self.line) - 1, language), *more])
+            return "\n\n".join([words.state_text(state, len(self.queue) - 1, language), *more])
         except RobotError as e:
-            return words.state_text(None, len(self.line) - 1, language, str(e))
+            return words.state_text(None, len(self.queue) - 1, language, str(e))
 
     async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
         """A command that was ended from outside, before it moved or while it did."""
@@ -341,9 +341,9 @@ class Pipeline:
         message = job.stopped_by if status is CommandState.STOPPED else self._because(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
-    async def _obey(self, job: QueuedCommand, thought: Assessment) -> Report:
+    async def _obey(self, job: QueuedCommand, assessment: Assessment) -> Report:
         """A command: judged, then in line, then moved."""
-        plan, verdict, command = thought.understanding.plan, thought.verdict, job.command
+        plan, verdict, command = assessment.understanding.plan, assessment.verdict, job.command
         assert verdict is not None
         if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
             asks = verdict.decision is Decision.ASK_BACK
@@ -355,7 +355,7 @@ class Pipeline:
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
         self.show_place(job)
-        if not await self.line.turn(job, self.settings.queue_expiry_s):
+        if not await self.queue.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
             return await self._ended(job, plan)
         kept = True
@@ -370,7 +370,7 @@ class Pipeline:
         if text == CommandState.CANCELLED:
             return await self._ended(job, plan)
         if text == CommandState.INTERRUPTED:
-            await self.stops.stop("interrupted command", self.channel.now())
+            await self.stops.stop("interrupted command", self.event_stream.now())
             return self._report(job, CommandState.INTERRUPTED, plan, verdict=verdict)
         execution = job.run.execution() if job.run is not None else self._read(text)
         return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
@@ -401,18 +401,18 @@ class Pipeline:
         """Wait while this account may not command again; a refusal when that is long."""
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
-        if most and len(self.line.of_same_author(job)) >= most:
+        if most and len(self.queue.of_same_author(job)) >= most:
             return Verdict(Decision.REFUSE, "rate.waiting", say("agent.rate.waiting", language, count=most))
-        await self.line.in_order(job)
-        while job.ended is None and (wait := self.pace.take(author.id)) is not None:
+        await self.queue.in_order(job)
+        while job.ended is None and (wait := self.rate_limiter.take(author.id)) is not None:
             if not wait.short:
                 count = self.settings.rates.commands_per_hour
                 return Verdict(
                     Decision.REFUSE, wait.rule, say(f"agent.{wait.rule}", language, minutes=wait.minutes, count=count)
                 )
             self._show(job, say("agent.held", language, seconds=wait.seconds), CommandState.QUEUED)
-            await self.line.hold(job, wait.seconds)
-        self.line.pace(job)
+            await self.queue.hold(job, wait.seconds)
+        self.queue.pace(job)
         return None
 
     async def _move(self, job: QueuedCommand, plan: Plan) -> str:
@@ -421,22 +421,22 @@ class Pipeline:
             raise NotBegun
         job.moving = True
         self.on_motion()
-        known = job.thought is not None and job.thought.goal is not None
+        known = job.assessment is not None and job.assessment.goal is not None
         terms = replace(self.terms, known=known, approval=job.decided)
         allowed = partial(self._permitted, job, terms)
         hooks = ExecutionHooks(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=allowed,
             ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
-            alive=self.channel.prove,
-            silent=lambda: self.channel.silent,
+            alive=self.event_stream.prove,
+            silent=lambda: self.event_stream.silent,
             stop=self.stops.quietly,
             on_step=partial(self._show_step, job, plan),
-            step_s=self.channel.step_s,
+            step_s=self.event_stream.step_s,
             on_run=partial(setattr, job, "run"),
         )
         try:
-            with self.channel, self.recorder.filming(job.command.post_id):
+            with self.event_stream, self.recorder.filming(job.command.post_id):
                 execution = await self._carried_out(job, plan, hooks)
         finally:
             job.moving = False
@@ -457,7 +457,7 @@ class Pipeline:
         with self._beside(job, "surroundings not brought up to date"):
             self.surroundings.after(execution.results, execution.looked)
         with self._beside(job, "times not noted"):
-            now, now_s = self.channel.now(), time.monotonic()
+            now, now_s = self.event_stream.now(), time.monotonic()
             if execution.first_motion_s is not None:
                 job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
             ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
@@ -470,14 +470,16 @@ class Pipeline:
 
     async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
         """The plan's steps, or those that a model finds on the way to the goal."""
-        thought, seeing = job.thought, self.thinking.eyes
-        if thought is None or thought.goal is None:
+        assessment, seeing = job.assessment, self.assessor.eyes
+        if assessment is None or assessment.goal is None:
             return await execute(self.driver, job.command, plan, hooks)
         if seeing is None:
             return Execution(CommandState.FAILED, message="no model with eyes is configured any more")
         capabilities = await self.driver.capabilities()
         language = job.command.language
-        visual_task = visual_task_of(thought.goal, seeing, capabilities, self.settings.look, language, thought.usage)
+        visual_task = visual_task_of(
+            assessment.goal, seeing, capabilities, self.settings.look, language, assessment.usage
+        )
         return await run_visual_task(self.driver, job.command, visual_task, hooks)
 
     # ------------------------------------------------------------------ tell
@@ -488,7 +490,7 @@ class Pipeline:
             and not job.held
             and not job.begun
             and "seen" in job.timings_ms
-            and (place := self.line.place(job))
+            and (place := self.queue.place(job))
         ):
             self._show(job, words.queued(job.command.language, place), CommandState.QUEUED, place=place)
 
@@ -564,7 +566,7 @@ class Pipeline:
         summary, by_model, calls, page = None, "", b"", ""
         pictures: tuple[Picture, ...] = ()
         with self._beside(job, "no summary"):
-            summary = await self.thinking.summary(job, report)
+            summary = await self.assessor.summary(job, report)
             by_model = worded(summary, language)
         with self._beside(job, "calls of the model not listed"):
             calls = visual_calls.lines(looked) if looked else b""
@@ -577,12 +579,12 @@ class Pipeline:
             kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
-            facts = self.records.write(report, job.thought, **more)
+            facts = self.records.write(report, job.assessment, **more)
         told: list[str] = []
         with self._beside(job, "notes left out"):
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             told += visual_text.paragraphs(looked, report.results, language, refused=False)
-            told += notes(job.thought, self.thinking.mind.name, language, used)
+            told += notes(job.assessment, self.assessor.mind.name, language, used)
             told += await self.owner.ways_out(report) if self.owner else []
 
         def text(pictures: Sequence[Picture]) -> str:
@@ -596,5 +598,5 @@ class Pipeline:
 
 def _goal(job: QueuedCommand) -> str:
     """What is to be looked for, in our words; empty for a plan."""
-    goal = job.thought.goal if job.thought else None
+    goal = job.assessment.goal if job.assessment else None
     return in_words(goal, job.command.language) if goal else ""

@@ -60,8 +60,8 @@ class CommandService:
         self._news = asyncio.Event()
         self._scans: set[asyncio.Task[None]] = set()
         self._robot, self._readiness = _Coalesced(self._ask_robot), _Coalesced(self._ask_readiness)
-        line = agent.line
-        metrics.watch(lambda: len(line), lambda: float(line.moving is not None), lambda: agent.channel.silent_s)
+        queue = agent.queue
+        metrics.watch(lambda: len(queue), lambda: float(queue.moving is not None), lambda: agent.event_stream.silent_s)
 
     def ended(self, report: Report) -> None:
         """Count a final report and notify webhooks and waiting requests. Never raises: the agent must go on."""
@@ -78,11 +78,11 @@ class CommandService:
         return await self._robot.get()
 
     async def _ask_robot(self) -> models.Robot:
-        agent, silent_s = self.agent, self.agent.channel.silent_s
-        moving = agent.line.moving
+        agent, silent_s = self.agent, self.agent.event_stream.silent_s
+        moving = agent.queue.moving
         facts: dict[str, Any] = {
             "name": agent.name, "model": agent.settings.model, "simulated": agent.settings.simulated,
-            "state": "offline", "boards": list(agent.settings.boards), "waiting": len(agent.line),
+            "state": "offline", "boards": list(agent.settings.boards), "waiting": len(agent.queue),
             "moving": moving.command.post_id if moving else None,
             "forum_silent_s": round(silent_s, 3) if math.isfinite(silent_s) else None,
         }  # fmt: skip
@@ -101,7 +101,7 @@ class CommandService:
         return await self.agent.driver.look()
 
     def queue(self) -> models.Queue:
-        return models.Queue(items=[self._of_job(job) for job in self.agent.line])
+        return models.Queue(items=[self._of_job(job) for job in self.agent.queue])
 
     async def command(self, post_id: str, wait_s: float, released: Released) -> models.Command:
         """A command as it is now; waits at most `wait_s` for its end. 404 when this agent does not know it."""
@@ -117,7 +117,7 @@ class CommandService:
 
     async def _find(self, post_id: str) -> models.Command:
         agent = self.agent
-        if (job := agent.line.find(post_id)) is not None:
+        if (job := agent.queue.find(post_id)) is not None:
             return self._of_job(job)
         if (record := await asyncio.to_thread(agent.records.read, post_id)) is not None:
             return _of_record(record)
@@ -134,17 +134,17 @@ class CommandService:
         self._ready()
         author = await caller.refresh()
         assert author is not None  # the configuration says so
-        thought = await self._thought(self._addressed(text), author)
-        understood = thought.understanding
+        assessment = await self._assess(self._addressed(text), author)
+        understood = assessment.understanding
         return models.Preview(
             intent=str(understood.intent), language=understood.language, plan=_steps(understood.plan),
-            notes=list(understood.plan.notes), question=understood.question, mind=thought.mind, author=author.name,
-            verdict=_judged(thought.verdict) if understood.intent in (Intent.COMMAND, Intent.ASK_BACK) else None,
+            notes=list(understood.plan.notes), question=understood.question, mind=assessment.mind, author=author.name,
+            verdict=_judged(assessment.verdict) if understood.intent in (Intent.COMMAND, Intent.ASK_BACK) else None,
         )  # fmt: skip
 
-    async def _thought(self, text: str, author: Account) -> Assessment:
+    async def _assess(self, text: str, author: Account) -> Assessment:
         agent = self.agent
-        now, board = agent.channel.now(), next(iter(agent.settings.boards), "")
+        now, board = agent.event_stream.now(), next(iter(agent.settings.boards), "")
         heard = agent.triage(
             Post("preview", "preview", board, author, text, now, mentions=mentions(visible_text(text)))
         )
@@ -153,7 +153,7 @@ class CommandService:
             return Assessment(Understanding(intents.get(heard.route, Intent.NOTHING), heard.language), "rules")
         trace = uuid4().hex[:12]
         command = Command("", "preview", "", author, agent.name, heard.text, heard.language, now, trace)
-        return await agent.course.thinking.consider(QueuedCommand(command), agent.course.terms)
+        return await agent.pipeline.assessor.consider(QueuedCommand(command), agent.pipeline.terms)
 
     async def submit(self, caller: Caller, new: models.NewCommand, key: str | None) -> models.Submitted:
         """Post the command on the forum by the caller's account; the agent receives it from there."""
@@ -181,7 +181,7 @@ class CommandService:
     async def cancel(self, caller: Caller, post_id: str) -> models.Command:
         """Cancel a command of the caller's own that does not move the robot yet."""
         self._ready()
-        author, job = await caller.refresh(), self.agent.line.find(post_id)
+        author, job = await caller.refresh(), self.agent.queue.find(post_id)
         if job is None:
             found = await self._find(post_id)
             if found.ended:
@@ -222,9 +222,9 @@ class CommandService:
         heard = False
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(SCAN_S):
-                await self.agent.channel.poke()
-                heard = await self.agent.channel.prove()
-        return models.Scanned(heard=heard, waiting=len(self.agent.line))
+                await self.agent.event_stream.poke()
+                heard = await self.agent.event_stream.prove()
+        return models.Scanned(heard=heard, waiting=len(self.agent.queue))
 
     def _begin_scan(self) -> None:
         """Scan in the background. At most one runs and one waits, which sees whatever is new by then."""
@@ -250,7 +250,7 @@ class CommandService:
         agent, ready = self.agent, self.agent.ready.is_set()
 
         async def forum() -> bool:
-            if agent.channel.silent_s < 5.0:
+            if agent.event_stream.silent_s < 5.0:
                 return True
             try:
                 async with asyncio.timeout(3.0):
@@ -289,9 +289,9 @@ class CommandService:
         found = _of_command(job.command, state)
         if shown is not None:
             found.step, found.steps, found.doing = shown.step, shown.steps, shown.doing
-        found.place = self.agent.line.place(job)
-        if job.thought is not None:
-            found.plan, found.verdict = _steps(job.thought.understanding.plan), _judged(job.thought.verdict)
+        found.place = self.agent.queue.place(job)
+        if job.assessment is not None:
+            found.plan, found.verdict = _steps(job.assessment.understanding.plan), _judged(job.assessment.verdict)
         return found
 
     def _of_post(self, post: Post, state: CommandState) -> models.Command:

@@ -56,7 +56,7 @@ async def test_within_the_cooldown_it_waits_and_others_go_before_it(driver: Driv
         assert state(held) == "queued"
         third = await scene.post("carol", TURN)
         assert state(await scene.final(third)) == "done"
-        assert [job.command.post_id for job in agent.line] == [second.id]
+        assert [job.command.post_id for job in agent.queue] == [second.id]
         begun_s = time.monotonic()
         assert state(await scene.final(second)) == "done"
         assert time.monotonic() - begun_s < 8

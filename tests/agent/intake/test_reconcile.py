@@ -52,7 +52,7 @@ async def test_law_6_events_that_are_not_kept_any_more_cost_no_command_its_answe
             assert await op.final(first) == ["done"]
             cut_off = await op.post(f"@{ROBOT} walk forward 5 metres slowly")
             await until(driver, lambda state: state.mode == "walking")
-            agent.line.close()
+            agent.queue.close()
         lost = await op.post(f"@{ROBOT} walk forward 1 metre")
         for _ in range(6):
             await op.post("nothing for a robot")

@@ -189,7 +189,7 @@ class Laws(RuleBasedStateMachine):
         topic = self.world.posts[self._pick(n).post_id].topic_id if self.asked else "1"
         counts = account.kind in OBEYED and not account.suspended
         if how == "bare":
-            counts = counts and self.agent is not None and topic in self.agent.line.topics()
+            counts = counts and self.agent is not None and topic in self.agent.queue.topics()
         post_id = ""
         if how == "button":
             self.world.emit(EventKind.ROBOT_STOP, robot=ROBOT, account=account)
@@ -251,7 +251,7 @@ class Laws(RuleBasedStateMachine):
         self.later += 1
         self.world.clock_offset_s += LATER_S
         if self.agent is not None:
-            self._run(self.agent.channel.set_clock())
+            self._run(self.agent.event_stream.set_clock())
 
     # ---------------------------------------------------------------- rules: how far commands get
     @rule(times=st.integers(0, 6))
@@ -329,7 +329,7 @@ class Laws(RuleBasedStateMachine):
                 self.world.topics[self.world.posts[asked.post_id].topic_id], MODERATOR, f"@{ROBOT} deny",
                 next(self.keys), (), reply_to=asked.post_id,
             )  # fmt: skip
-        self._run(self._until(lambda: self.agent is not None and not self.agent.line and self._quiet()))
+        self._run(self._until(lambda: self.agent is not None and not self.agent.queue and self._quiet()))
 
     def _only_a_later_post_moves_it(self) -> None:
         """After all that, a command that nobody objects to moves: the machine sees motions at all."""
@@ -545,9 +545,9 @@ class Laws(RuleBasedStateMachine):
     def _quiet(self) -> bool:
         agent = self.agent
         assert agent is not None
-        if agent.channel.cursor != str(len(self.world.events)) or not agent.inbox.empty:
+        if agent.event_stream.cursor != str(len(self.world.events)) or not agent.inbox.empty:
             return False
-        waiting = {job.task for job in agent.line if self._waits(job)}
+        waiting = {job.task for job in agent.queue if self._waits(job)}
         return all(task.done() or task in waiting for task in agent._tasks)
 
     def _waits(self, job: QueuedCommand) -> bool:
@@ -555,10 +555,10 @@ class Laws(RuleBasedStateMachine):
         if job.command.text in self.gates.mind.held:
             return job.ended is None  # nobody waits for what is thought about a command that was ended
         assert self.agent is not None
-        if job.task in self.agent.line.asking():
+        if job.task in self.agent.queue.asking():
             return job.ended is None
         if not job.moving:
-            return self.agent.line.place(job) > 0 and job.ended is None
+            return self.agent.queue.place(job) > 0 and job.ended is None
         if self.gates.lease.held:
             return True
         stopped = self.stand.robot.stopped > self.stopped_when_sent

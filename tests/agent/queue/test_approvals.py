@@ -60,19 +60,19 @@ async def answered(scene: Scene, post: Post) -> str:
 
 def held_in_line(agent: RobotAgent) -> asyncio.Event:
     """Nobody's turn comes until the event is set."""
-    let, turn = asyncio.Event(), agent.line.turn
+    let, turn = asyncio.Event(), agent.queue.turn
 
     async def held(job: QueuedCommand, expiry_s: float) -> bool:
         await let.wait()
         return await turn(job, expiry_s)
 
-    agent.line.turn = held  # type: ignore[method-assign]
+    agent.queue.turn = held  # type: ignore[method-assign]
     return let
 
 
 async def heard(scene: Scene, agent: RobotAgent) -> None:
     """Until the agent has taken in all that happened."""
-    await scene.until(lambda: agent.channel.cursor == str(len(scene.world.events)) and agent.inbox.empty)
+    await scene.until(lambda: agent.event_stream.cursor == str(len(scene.world.events)) and agent.inbox.empty)
 
 
 def record(scene: Scene, post: Post) -> Any:
@@ -204,7 +204,7 @@ async def test_law_4_what_changed_between_the_approval_and_the_motion_moves_noth
         post = await asked.post("alice", WAVE)
         await asked.state(post, "waiting")
         given = await say(asked, "carol", YES, post)
-        await asked.until(lambda: (job := agent.line.find(post.id)) and job.decided)
+        await asked.until(lambda: (job := agent.queue.find(post.id)) and job.decided)
         match what:
             case "the approval is edited":
                 await asked.world.sign_in("carol").edit(given.id, f"{YES} not yet")
@@ -340,7 +340,7 @@ async def test_law_6_it_waits_on_after_a_restart_and_is_done_once(asked: Scene, 
         await asked.state(post, "waiting")
         if when == "before":
             await say(asked, "carol", YES, post)
-            await asked.until(lambda: (job := agent.line.find(post.id)) and job.decided)
+            await asked.until(lambda: (job := agent.queue.find(post.id)) and job.decided)
     if when == "while away":
         await say(asked, "carol", YES, post)
     async with asked.agent():
@@ -383,7 +383,7 @@ async def test_law_7_one_that_came_to_need_an_approval_while_it_was_queued_is_re
     async with free.agent() as agent:
         held_in_line(agent)
         post = await free.post("alice", WAVE)
-        await free.until(lambda: (job := agent.line.find(post.id)) and job.paced)
+        await free.until(lambda: (job := agent.queue.find(post.id)) and job.paced)
     async with strict.agent():
         final = await strict.final(post)
     assert (final.card.state, "This needs an approval" in final.raw) == ("refused", True)

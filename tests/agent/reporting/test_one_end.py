@@ -110,7 +110,7 @@ async def test_law_6_a_claim_whose_end_another_told_moves_nothing_any_more(scene
         guess = replace(seen.card, state="interrupted", trace_id="theirs")
         told = await other(scene).edit(seen.id, f"{GUESS}.", card=guess)
         mind.let.set()
-        await scene.until(lambda: not agent.line)
+        await scene.until(lambda: not agent.queue)
     assert await place(scene.driver) == pytest.approx(stood, abs=0.02)
     assert [r.raw for r in scene.replies(post)] == [told.raw]
 
@@ -247,7 +247,7 @@ async def test_law_18_an_answer_that_was_denied_is_told_as_soon_as_the_account_m
         post = await scene.post("alice", f"{WALK}, then turn left 90 degrees")
         await scene.state(post, "running")
         async with suspended(scene):
-            await scene.until(lambda: not agent.line.moving)
+            await scene.until(lambda: not agent.queue.moving)
             seen = forum.denied
             meanwhile = await scene.post("alice", f"@{ROBOT} turn right 30 degrees")
             await scene.until(lambda: forum.denied > seen + 3)
@@ -268,7 +268,7 @@ async def test_law_18_an_answer_that_was_denied_is_told_after_a_restart_too(scen
             post = await scene.post("alice", WALK)
             await scene.state(post, "running")
             scene.world.suspend(ROBOT)
-            await scene.until(lambda: not agent.line)
+            await scene.until(lambda: not agent.queue)
             await scene.until(lambda: forum.denied > 3)
         async with scene.agent(forum=(again := Noticing(scene.world, ROBOT))):
             await scene.until(lambda: again.denied)
@@ -328,7 +328,7 @@ async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_whe
             await until(slow_driver, lambda state: state.pose.x_m > 0.3)
             await asyncio.to_thread(suspend, board, True)
             async with asyncio.timeout(60):
-                while agent.line.moving or not agent.course.denied:  # noqa: ASYNC110 (no event tells it)
+                while agent.queue.moving or not agent.pipeline.denied:  # noqa: ASYNC110 (no event tells it)
                     await asyncio.sleep(0.05)
             await asyncio.to_thread(suspend, board, False)
             assert (await alice.final(topic))[0] in ("interrupted", "cancelled")

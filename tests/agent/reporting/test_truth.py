@@ -300,7 +300,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
         async with scene.agent() as agent:
             post = await scene.post("alice", TWO_STEPS)
             await scene.state(post, "running")
-            await scene.until(lambda: not len(agent.line))
+            await scene.until(lambda: not len(agent.queue))
 
     async def away(*_: Any) -> Any:
         raise RobotUnreachable("no driver answers")
@@ -318,7 +318,7 @@ async def test_an_agent_that_is_ended_says_so_once(tmp_path: Path) -> None:
     try:
         async with scene.agent() as agent:
             post = await scene.post("alice", f"@{ROBOT} walk forward 4 metres")
-            await scene.until(lambda: agent.line.moving)
+            await scene.until(lambda: agent.queue.moving)
             await scene.state(post, "running")
         reply = await scene.final(post)
     finally:

@@ -84,7 +84,7 @@ class Play:
     # ---------------------------------------------------------------- the agent, and what stands for its course
     async def start(self) -> None:
         self.agent = RobotAgent(ROBOT, robot_settings(), self.robot, Robot(), RulesMind(), self.folder)  # type: ignore[arg-type]
-        self.agent._make_course = lambda: self  # type: ignore[assignment, method-assign, return-value]
+        self.agent._make_pipeline = lambda: self  # type: ignore[assignment, method-assign, return-value]
         await self.agent._start()
         self._note_heard()
         await self.idle()
@@ -111,7 +111,7 @@ class Play:
             self.ran.append(post_id)
             later = [place for place in self.stops if self.commands[post_id] < place <= self.heard]
             assert not later, f"ran after the stops {later}, that were posted after it"
-        self.agent.line.leave(job)
+        self.agent.queue.leave(job)
         await journal.finish(post_id, CommandState.CANCELLED)
 
     def show_place(self, job: QueuedCommand) -> None:
@@ -140,8 +140,8 @@ class Play:
             case "beat":
                 self.agent._notice(self.world.now())
             case "hear":
-                for event in await self.robot.changes(self.agent.channel.cursor):
-                    self.agent.channel.cursor = event.id
+                for event in await self.robot.changes(self.agent.event_stream.cursor):
+                    self.agent.event_stream.cursor = event.id
                     self.agent._hear_safely(event)
                     self._note_heard()
             case "take":
@@ -167,7 +167,7 @@ class Play:
         return str(len(self.world.events))
 
     def _note_heard(self) -> None:
-        self.heard = max(self.heard, int(self.agent.channel.cursor))
+        self.heard = max(self.heard, int(self.agent.event_stream.cursor))
         for post_id, place in self.commands.items():
             if place <= self.heard:
                 self.heard_after.setdefault(post_id, len(self.world.events))

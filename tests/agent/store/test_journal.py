@@ -152,7 +152,7 @@ async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None
         await scene.state(far, "running")
         await scene.post("alice", f"@{ROBOT} stop")
         posts[far.id] = (await scene.final(far)).card
-        await scene.until(lambda: not len(agent.line))
+        await scene.until(lambda: not len(agent.queue))
         while await agent.journal.open_claims():  # noqa: ASYNC110 (a database)
             await asyncio.sleep(0.01)
         told = {post: await state(agent.journal, post) for post in posts}

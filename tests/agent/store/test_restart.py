@@ -75,7 +75,7 @@ async def test_laws_4_5_and_14_what_was_ended_stays_ended_after_a_restart(scene:
                 await scene.until(lambda: scene.replies(said))
             case "removed":
                 scene.world.remove(post.id)
-                await scene.until(lambda: all(job.ended for job in agent.line))
+                await scene.until(lambda: all(job.ended for job in agent.queue))
     if what == "removed":
         scene.world.posts[post.id] = replace(scene.world.posts[post.id], removed=False)
     stood = await place(scene.driver)
@@ -110,10 +110,12 @@ async def test_law_5_a_command_left_open_moves_after_a_restart_only_while_it_is_
         assert (await scene.final(posts[0])).card.state == "done"
         await scene.final(posts[1])
         claim = await agent.journal.claimed(posts[0].id)
-        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent.brake.stopped_at, 120) is None
+        assert claim.why_not(agent.event_stream.now(), agent._watermark_at, agent.stop_handler.stopped_at, 120) is None
         scene.world.clock_offset_s = 125
-        await agent.channel.set_clock()
-        assert claim.why_not(agent.channel.now(), agent._watermark_at, agent.brake.stopped_at, 120) == "stale"
+        await agent.event_stream.set_clock()
+        assert (
+            claim.why_not(agent.event_stream.now(), agent._watermark_at, agent.stop_handler.stopped_at, 120) == "stale"
+        )
 
 
 async def test_law_14_a_bare_stop_counts_while_its_command_is_still_in_the_inbox(scene: Scene) -> None:
@@ -186,7 +188,7 @@ async def test_an_agent_whose_forum_was_replaced_begins_anew_and_moves_nothing_o
     async with scene.agent() as agent:
         for _ in range(3):
             await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))
-        await agent.journal.put("cursor", agent.channel.cursor)
+        await agent.journal.put("cursor", agent.event_stream.cursor)
     scene.world = other = MemoryForum.world()
     for name in ("alice", "bob"):
         scene.person(name)
@@ -210,7 +212,7 @@ async def test_a_forum_replaced_while_the_agent_runs_ends_what_it_did_and_is_ser
             scene.person(name)
         scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
         agent.forum._world = scene.world
-        await scene.until(lambda: agent.channel.cursor == "0")
+        await scene.until(lambda: agent.event_stream.cursor == "0")
         post = await scene.post("alice", "@quadruped turn right 90 degrees")
         assert (await scene.final(post)).card.state == "done"
 
@@ -294,7 +296,7 @@ async def test_law_6_a_motion_that_the_agent_s_end_overtook_has_not_begun(scene:
     async with scene.agent() as agent:
         agent._ending = True
         post = await scene.post("alice", "@quadruped walk forward 0.2 metres")
-        await scene.until(lambda: scene.replies(post) and not agent.line)
+        await scene.until(lambda: scene.replies(post) and not agent.queue)
     assert [reply.card.state for reply in scene.replies(post)] == ["seen"]
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
     async with scene.agent():
@@ -331,9 +333,9 @@ async def test_a_press_of_the_reset_button_that_is_old_resets_nothing(
     scene.settings = robot_settings(room_reset="http://127.0.0.1:9/reset")
     async with scene.agent() as agent:
         alice = await scene.world.sign_in("alice").me()
-        await agent._reset(alice, agent.channel.now() - timedelta(seconds=scene.settings.max_post_age_s + 5))
+        await agent._reset(alice, agent.event_stream.now() - timedelta(seconds=scene.settings.max_post_age_s + 5))
         assert resets == []
-        await agent._reset(alice, agent.channel.now())
+        await agent._reset(alice, agent.event_stream.now())
         assert resets == ["alice"]
 
 
@@ -378,7 +380,7 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
         running = await scene.state(post, "running")
         if told:
             assert (await scene.final(post)).card.state == "done"  # type: ignore[union-attr]
-            await scene.until(lambda: not agent.line)
+            await scene.until(lambda: not agent.queue)
     if not told:  # as a crash leaves it: nobody told the end
         scene.world.posts[running.id] = running
     for name, content in copy.items():
@@ -405,7 +407,7 @@ async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
         with sqlite3.connect(scene.folder / "copy") as copy, sqlite3.connect(agent.folder / "journal.sqlite") as now:
             now.backup(copy)
         assert (await scene.final(post)).card.state == "done"
-        await scene.until(lambda: not agent.line)
+        await scene.until(lambda: not agent.queue)
     for file in agent.folder.glob("journal.sqlite*"):
         file.unlink()
     (scene.folder / "copy").rename(agent.folder / "journal.sqlite")
@@ -480,7 +482,7 @@ async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_i
 async def test_law_14_a_stop_ends_a_command_that_waits_for_a_busy_robot(scene: Scene) -> None:
     async with scene.agent() as agent, scene.driver.client() as other, other.lease("somebody at the console"):
         post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
-        await scene.until(lambda: agent.line.moving)
+        await scene.until(lambda: agent.queue.moving)
         await scene.post("bob", f"@{ROBOT} stop")
         assert (await scene.final(post)).card.state == "stopped"
 

@@ -114,7 +114,7 @@ async def test_law_13_and_15_a_stop_goes_past_a_call_that_waits_and_past_every_l
     async with client_of(service) as client:
         waiting = asyncio.create_task(ask(client, "submit_command", text="walk forward 5 m", wait_s=30))
         async with asyncio.timeout(60):
-            while service.agent.line.moving is None:  # noqa: ASYNC110
+            while service.agent.queue.moving is None:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
         service.parts.auth._limit = type(service.parts.auth._limit)(1)  # everything else is refused from now on
         stopped = (await ask(client, "stop"))["data"]["stop"]

@@ -1,4 +1,4 @@
-"""A screened plan, step by step under its mandate, through the robot's driver: the only deed that moves anything.
+"""Carry out a screened plan step by step under its mandate: the only code of the agent that moves a robot.
 
 What was measured is kept on the `Run` as it is measured, before anything else is done with it, so that no fault of ours
 can lose it (law 18).

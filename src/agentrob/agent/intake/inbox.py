@@ -32,7 +32,7 @@ class Inbox:
         self,
         robot: str,
         journal: Callable[[], Journal],
-        line: CommandQueue,
+        queue: CommandQueue,
         stopped: Callable[[datetime], EndReason | None],
         settled: Callable[[Post, TriagedPost], Awaitable[TriagedPost]],
         take_up: Callable[[QueuedCommand], None],
@@ -46,7 +46,7 @@ class Inbox:
         self._ended: dict[str, EndReason] = {}
         self._robot = robot
         self._journal = journal
-        self._line = line
+        self._queue = queue
         self._stopped = stopped
         self._settled = settled
         self._take_up = take_up
@@ -58,14 +58,14 @@ class Inbox:
     def empty(self) -> bool:
         return self._waiting.empty() and not self.coming
 
-    def put(self, event: Event, heard: TriagedPost) -> None:
+    def put(self, event: Event, triaged: TriagedPost) -> None:
         """Never waits."""
         post = event.post
-        if post is not None and event.kind is EventKind.POST_CREATED and heard.route in _TO_TAKE:
+        if post is not None and event.kind is EventKind.POST_CREATED and triaged.route in _TO_TAKE:
             if post.id in self.left_open and post.id not in self.coming:  # heard anew, and so after those stops
                 self._ended.pop(post.id, None)
             self.coming[post.id] = post
-        self._waiting.put_nowait((event, heard))
+        self._waiting.put_nowait((event, triaged))
 
     def end_coming(self, why: EndReason = EndReason.STOP, until: datetime | None = None) -> None:
         """What was heard, and is not in line yet, does not move: all of it, or what was posted `until` then."""
@@ -93,9 +93,9 @@ class Inbox:
         """Take what is there and what comes, for ever."""
         saved_s = 0.0
         while True:
-            event, heard = await self._waiting.get()
-            save = heard.route is not Route.NOTHING or time.monotonic() - saved_s > 1.0
-            await self._take(event, heard, save)
+            event, triaged = await self._waiting.get()
+            save = triaged.route is not Route.NOTHING or time.monotonic() - saved_s > 1.0
+            await self._take(event, triaged, save)
             saved_s = time.monotonic() if save else saved_s
 
     async def take_waiting(self) -> None:
@@ -103,32 +103,32 @@ class Inbox:
         while not self._waiting.empty():
             await self._take(*self._waiting.get_nowait(), save=True)
 
-    async def _take(self, event: Event, heard: TriagedPost, save: bool) -> None:
+    async def _take(self, event: Event, triaged: TriagedPost, save: bool) -> None:
         """Accept what was heard; `save`: after a restart go on after it."""
         try:
-            await self.accept(event, heard)
+            await self.accept(event, triaged)
             if save and event.id:
                 await self._journal().put_all(cursor=event.id, cursor_at=event.at.isoformat())
         except JournalError as e:
             _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
-            self._not_taken(event, heard)
+            self._not_taken(event, triaged)
         except Exception:  # no post ends the agent, which must hear the next stop
             _log.error("post not taken", robot=self._robot, trace=traceback.format_exc())
-            self._not_taken(event, heard)
+            self._not_taken(event, triaged)
         finally:
             if event.post is not None:
                 self.coming.pop(event.post.id, None)
                 self._ended.pop(event.post.id, None)
 
-    def _not_taken(self, event: Event, heard: TriagedPost) -> None:
+    def _not_taken(self, event: Event, triaged: TriagedPost) -> None:
         """Tell a command that it could not be taken, unless it is under way."""
         post = event.post
-        if post is None or event.kind is not EventKind.POST_CREATED or heard.route not in _TO_TAKE:
+        if post is None or event.kind is not EventKind.POST_CREATED or triaged.route not in _TO_TAKE:
             return
-        if self._line.find(post.id) is None:
-            self._decline(self._command(post, heard))
+        if self._queue.find(post.id) is None:
+            self._decline(self._command(post, triaged))
 
-    async def accept(self, event: Event, heard: TriagedPost) -> None:
+    async def accept(self, event: Event, triaged: TriagedPost) -> None:
         """Claim a post in the journal and begin its turn; end what was edited or removed."""
         post = event.post
         if post is None:
@@ -136,17 +136,17 @@ class Inbox:
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
             return
-        if heard.route in (Route.APPROVE, Route.DENY, *_TO_TAKE):
-            heard = await self._settled(post, heard)
-        if heard.route in (Route.APPROVE, Route.DENY):
-            await self._approve(post, heard)
-        if heard.route not in _TO_TAKE:
+        if triaged.route in (Route.APPROVE, Route.DENY, *_TO_TAKE):
+            triaged = await self._settled(post, triaged)
+        if triaged.route in (Route.APPROVE, Route.DENY):
+            await self._approve(post, triaged)
+        if triaged.route not in _TO_TAKE:
             return
-        if heard.route is Route.STALE or post.version > 1:
-            ended: EndReason | None = EndReason.STALE if heard.route is Route.STALE else EndReason.EDITED
+        if triaged.route is Route.STALE or post.version > 1:
+            ended: EndReason | None = EndReason.STALE if triaged.route is Route.STALE else EndReason.EDITED
         else:
             ended = self._why_stopped(post)
-        claim = await self._journal().claim(self._command(post, heard), ended)
+        claim = await self._journal().claim(self._command(post, triaged), ended)
         if not claim.new:
             return
         if (tag := split_tag(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
@@ -164,7 +164,7 @@ class Inbox:
 
     async def _amend(self, post: Post) -> None:
         """A post was edited or removed: what it had asked for is ended."""
-        if (job := self._line.find(post.id)) is None:
+        if (job := self._queue.find(post.id)) is None:
             return
         if post.removed:
             why = EndReason.REMOVED
@@ -175,8 +175,8 @@ class Inbox:
         job.end(why)
         await self._journal().end([post.id], why)
 
-    def _command(self, post: Post, heard: TriagedPost) -> Command:
+    def _command(self, post: Post, triaged: TriagedPost) -> Command:
         return Command(
-            post.id, post.topic_id, post.content_hash, post.author, self._robot, heard.text, heard.language,
+            post.id, post.topic_id, post.content_hash, post.author, self._robot, triaged.text, triaged.language,
             post.created_at, uuid4().hex[:12],
         )  # fmt: skip

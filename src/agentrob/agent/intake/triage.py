@@ -68,30 +68,37 @@ class TriagedPost:
         return language_of(self.text)
 
 
-def triage(post: Post, ears: Addressing, edited: bool = False) -> TriagedPost:
+def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedPost:
     """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
-    if post.removed or not obeyed(post.author, ears.me):
+    if post.removed or not obeyed(post.author, addressing.me):
         return TriagedPost(Route.NOTHING)
     text = text_in(post)
     named = mentions(text)
     # In doubt it stops: by a name that another forum does not link, links where it is not read, or that ends in a slip.
-    mine = ears.me.name in post.mentions or any({name, name.rstrip("-_")} & set(ears.names) for name in named)
+    mine = addressing.me.name in post.mentions or any(
+        {name, name.rstrip("-_")} & set(addressing.names) for name in named
+    )
     # Only a name that is read and that the page links commands; further names of `mentions` need be no accounts.
-    called = any(name in ears.names and (name in post.mentions or name != ears.me.name) for name in named)
-    others = tuple(name for name in named if name not in ears.names)
+    called = any(name in addressing.names and (name in post.mentions or name != addressing.me.name) for name in named)
+    others = tuple(name for name in named if name not in addressing.names)
     # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
     # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
-    robots = tuple(name for name in others if name in ears.robots)
-    here = mine or (not robots and post.topic_id in ears.running_topics)
+    robots = tuple(name for name in others if name in addressing.robots)
+    here = mine or (not robots and post.topic_id in addressing.running_topics)
     if here and (stop := stop_intent(text)):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others)
     # While anything moves or waits, in doubt it stops; a command under way does not stop itself.
-    doubted = here and ears.running_topics and (edited or post.id not in ears.commands) and approval_in(text) is None
-    if doubted and (stop := stop_while_moving(text, tuple(ears.names), robots)):
+    doubted = (
+        here
+        and addressing.running_topics
+        and (edited or post.id not in addressing.commands)
+        and approval_in(text) is None
+    )
+    if doubted and (stop := stop_while_moving(text, tuple(addressing.names), robots)):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others, taken_as_stop=True)
-    if edited or not called or post.board_id not in ears.boards:
+    if edited or not called or post.board_id not in addressing.boards:
         return TriagedPost(Route.NOTHING, text, others)
-    fresh = _fresh(post, ears)
+    fresh = _fresh(post, addressing)
     if (said := approval_in(text)) is not None:
         return TriagedPost(Route.APPROVE if said is ApprovalIntent.APPROVE else Route.DENY, text, others, fresh)
     return TriagedPost(Route.READ if fresh else Route.STALE, text, others)
@@ -109,6 +116,6 @@ def language_of(text: str) -> Language:
     return registry.language_of(text)
 
 
-def _fresh(post: Post, ears: Addressing) -> bool:
-    age_s = (ears.now_at - post.created_at).total_seconds()
-    return post.created_at > ears.watermark_at and age_s <= ears.max_age_s
+def _fresh(post: Post, addressing: Addressing) -> bool:
+    age_s = (addressing.now_at - post.created_at).total_seconds()
+    return post.created_at > addressing.watermark_at and age_s <= addressing.max_age_s

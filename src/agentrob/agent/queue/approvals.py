@@ -50,7 +50,7 @@ class Approvals:
     settings: RobotConfig
     forum: Forum
     journal: Journal
-    line: CommandQueue
+    queue: CommandQueue
     now: Callable[[], datetime]
     spawn: Callable[[Coroutine[Any, Any, Any]], object]
     _settled_at: dict[str, datetime] = field(default_factory=dict)
@@ -73,7 +73,7 @@ class Approvals:
             await job.unless_ended(self._tell(job, understood, needed, job.asked.until_at))
         left_s = self.wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
         left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
-        await self.line.hold(job, max(0.0, left_s), until=lambda: job.decided)
+        await self.queue.hold(job, max(0.0, left_s), until=lambda: job.decided)
         if job.ended is None and job.decided is None:
             job.end(EndReason.LAPSED)
             await self.journal.end([job.command.post_id], EndReason.LAPSED)
@@ -98,22 +98,22 @@ class Approvals:
         self._settled_at = recent | {topic_id: at}
 
     # ---------------------------------------------------------------- hearing
-    async def hear(self, post: Post, heard: TriagedPost) -> None:
+    async def hear(self, post: Post, triaged: TriagedPost) -> None:
         """Count a post that approves or denies, or say why it does not count. Hearing it again changes nothing."""
         if await self.journal.counted(post.id):
             return
-        job, why = self._meant(post, heard)
-        if job is None and not heard.fresh:
+        job, why = self._meant(post, triaged)
+        if job is None and not triaged.fresh:
             return  # perhaps it was counted by a journal that is lost
         if job is not None:
-            why = await self._objection(job, post, heard)
+            why = await self._objection(job, post, triaged)
         if job is None or why:
             self.spawn(self._answer(post, why))
             return
-        approved = heard.route is Route.APPROVE
+        approved = triaged.route is Route.APPROVE
         decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
         if not await self.journal.decide(job.command.post_id, decided):
-            self.spawn(self._answer(post, say("agent.approval.nothing", heard.language)))
+            self.spawn(self._answer(post, say("agent.approval.nothing", triaged.language)))
             return
         _log.info("approval", robot=self.name, post=job.command.post_id, by=post.author.name, approved=approved)
         self._settle(post.topic_id, post.created_at)
@@ -121,43 +121,43 @@ class Approvals:
         if not approved:
             job.end(EndReason.DENIED)
 
-    def _meant(self, post: Post, heard: TriagedPost) -> tuple[QueuedCommand | None, str]:
+    def _meant(self, post: Post, triaged: TriagedPost) -> tuple[QueuedCommand | None, str]:
         """The command that a post is about, or why there is none."""
-        denies = heard.route is Route.DENY
-        found = [job for job in self.line if job.command.topic_id == post.topic_id and _waits(job, denies)]
+        denies = triaged.route is Route.DENY
+        found = [job for job in self.queue if job.command.topic_id == post.topic_id and _waits(job, denies)]
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
             return named[0], ""
         if not found:
-            return None, say("agent.approval.nothing", heard.language)
+            return None, say("agent.approval.nothing", triaged.language)
         settled_at = self._settled_at.get(post.topic_id)
         shortly = settled_at is not None and post.created_at - settled_at <= timedelta(seconds=OTHER_S)
         if len(found) > 1 or post.reply_to is not None or (shortly and not denies):
-            return None, say("agent.approval.which", heard.language)
+            return None, say("agent.approval.which", triaged.language)
         return found[0], ""
 
-    async def _objection(self, job: QueuedCommand, post: Post, heard: TriagedPost) -> str:
+    async def _objection(self, job: QueuedCommand, post: Post, triaged: TriagedPost) -> str:
         """Why a post may not decide about this command; empty when it may."""
         assert job.asked is not None
-        language, denies = heard.language, heard.route is Route.DENY
+        language, denies = triaged.language, triaged.route is Route.DENY
         if post.version > 1:
             return say("agent.approval.edited", language)
-        if not denies and not heard.fresh:
+        if not denies and not triaged.fresh:
             return say("agent.approval.stale", language, seconds=self.settings.max_post_age_s)
         if not denies and post.created_at < job.asked.asked_at - timedelta(seconds=CLOCK_S):
             return say("agent.approval.early", language)
         if denies and post.author.id == job.command.author.id:
             return ""  # who asked may take it back in any words
-        verdict = await self._may(job, post, heard)
+        verdict = await self._may(job, post, triaged)
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
-    async def _may(self, job: QueuedCommand, post: Post, heard: TriagedPost) -> Verdict:
+    async def _may(self, job: QueuedCommand, post: Post, triaged: TriagedPost) -> Verdict:
         try:
             async with asyncio.timeout(ASK_S):
                 rights = await rights_on(self.forum, job.command, self._terms)
         except (ForumError, TimeoutError):
-            reason = say("agent.approval.unverified", heard.language)
+            reason = say("agent.approval.unverified", triaged.language)
             return Verdict(Decision.REFUSE, "command.unverified", reason)
-        return may_approve(post.author, job.command.author, heard.language, rights)
+        return may_approve(post.author, job.command.author, triaged.language, rights)
 
     async def _answer(self, post: Post, text: str) -> None:
         try:

@@ -47,7 +47,7 @@ class QueuedCommand:
     took_back: int = 0
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
-    thought: Assessment | None = None
+    assessment: Assessment | None = None
     looked: LoopRecord | None = None
     run: Run | None = None
     status: Any = None

@@ -15,22 +15,22 @@ from agentrob.minds.usage import Usage
 from agentrob.model import Language
 
 
-def notes(thought: Assessment | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
+def notes(assessment: Assessment | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
     """Paragraphs for a report; `asked` is the mind of the configuration, `more` what models took after the thought.
 
     None where no model had a part in it.
     """
-    if thought is None:
+    if assessment is None:
         return []
     said = []
-    if thought.fallback and thought.fallback != OVER:
-        by = say("agent.mind.rules", language) if thought.mind == "rules" else quote(thought.mind)
+    if assessment.fallback and assessment.fallback != OVER:
+        by = say("agent.mind.rules", language) if assessment.mind == "rules" else quote(assessment.mind)
         said.append(
-            say("agent.mind.fallback", language, asked=quote(asked), why=_why(thought.fallback, language), by=by)
+            say("agent.mind.fallback", language, asked=quote(asked), why=_why(assessment.fallback, language), by=by)
         )
-    if thought.screened is not None and thought.screened.failed not in ("", OVER):
-        said.append(say("agent.mind.unscreened", language, why=_why(thought.screened.failed, language)))
-    line = usage_line((*thought.usage, *more), language)
+    if assessment.screened is not None and assessment.screened.failed not in ("", OVER):
+        said.append(say("agent.mind.unscreened", language, why=_why(assessment.screened.failed, language)))
+    line = usage_line((*assessment.usage, *more), language)
     joint = "" if language == "zh" else " "
     return [part for part in (joint.join(said), line and f"*{line}*") if part]
 

@@ -42,7 +42,7 @@ FRESH_S = 30.0
 ASK_S = 1.0
 _LOCKED = frozenset({"halted", "halt"})
 _HOMELESS = frozenset({"not_homed", "odometry_jump"})
-Deed = Literal["release", "home"]
+OwnerAction = Literal["release", "home"]
 _log = structlog.get_logger()
 
 
@@ -59,7 +59,7 @@ class OwnerActions:
         forum: Forum,
         driver: DriverClient,
         stops: StopReplies,
-        brake: StopHandler,
+        stop_handler: StopHandler,
         now: Callable[[], datetime],
         changed: Callable[[], None],
     ) -> None:
@@ -69,7 +69,7 @@ class OwnerActions:
         self._forum = forum
         self._driver = driver
         self._stops = stops
-        self._brake = brake
+        self._stop_handler = stop_handler
         self._now = now
         self._changed = changed
         self._page = ""
@@ -79,22 +79,22 @@ class OwnerActions:
     async def pressed(self, event: Event, me: Account) -> None:
         """Release the robot or set its home, when whoever pressed may and did so just now. Never moves anything."""
         by = event.account
-        deed: Deed = "release" if event.kind is EventKind.ROBOT_RELEASE else "home"
+        action: OwnerAction = "release" if event.kind is EventKind.ROBOT_RELEASE else "home"
         if by is None or not obeyed(by, me):
             return
         pressed_s = time.monotonic() - max(0.0, (self._now() - event.at).total_seconds())
         async with self._one_at_a_time:
             try:
-                why = await self._objection(by, deed, pressed_s)
-                done, said = (False, why) if why else await self._do(deed, by.name, event.at, pressed_s)
+                why = await self._objection(by, action, pressed_s)
+                done, said = (False, why) if why else await self._do(action, by.name, event.at, pressed_s)
             except RobotError as e:
                 done, said = False, f"{e}."
         level = _log.info if done else _log.warning
-        level("owner's button", robot=self._name, deed=deed, by=by.name, done=done, said=said)
-        self.told = {"deed": deed, "by": by.name, "at": self._now().isoformat(), "done": done, "said": said}
+        level("owner's button", robot=self._name, action=action, by=by.name, done=done, said=said)
+        self.told = {"deed": action, "by": by.name, "at": self._now().isoformat(), "done": done, "said": said}
         self._changed()
 
-    async def _objection(self, by: Account, deed: Deed, pressed_s: float) -> str:
+    async def _objection(self, by: Account, action: OwnerAction, pressed_s: float) -> str:
         """Why this press does not count, on today's rights; empty when it does."""
         if time.monotonic() - pressed_s > FRESH_S:
             return f"It was pressed more than {FRESH_S:.0f} s before I heard of it. Look at the robot, and press again."
@@ -105,7 +105,7 @@ class OwnerActions:
             return "I could not check whether this account may do that. Press again."
         if account is None or account.id != by.id:
             return "This account is no longer there."
-        verdict = may(account, deed, "en", self._settings.owner, rights)
+        verdict = may(account, action, "en", self._settings.owner, rights)
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
     async def _rights(self) -> RobotRights:
@@ -116,15 +116,15 @@ class OwnerActions:
         except (ForumNotFound, ForumDenied):
             return RobotRights()
 
-    async def _do(self, deed: Deed, by: str, at: datetime, pressed_s: float) -> tuple[bool, str]:
+    async def _do(self, action: OwnerAction, by: str, at: datetime, pressed_s: float) -> tuple[bool, str]:
         """Whether it was done, and what came of it in English. Raises `RobotError`."""
-        if deed == "home":
+        if action == "home":
             await self._driver.home(by)
             return True, "Its home is where it stood then."
         await self._stops.settled()
-        ahead, lock = self._brake.clear(), None
+        ahead, lock = self._stop_handler.clear(), None
         if (await self._driver.state()).halted:
-            self._brake.released(at)  # first: nothing that was posted before it finds the robot free
+            self._stop_handler.released(at)  # first: nothing that was posted before it finds the robot free
             lock = await self._driver.release(by, pressed_s)
         said = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
         if ahead is not None:
@@ -148,14 +148,14 @@ class OwnerActions:
     def how_to_home(self, language: Language) -> str:
         return self._how("home", language)
 
-    def _how(self, deed: Deed, language: Language) -> str:
+    def _how(self, action: OwnerAction, language: Language) -> str:
         owner = self._settings.owner
         who = say("agent.owner.named", language, owner=quote(owner)) if owner else say("agent.owner.any", language)
         if not isinstance(self._forum, RobotControls):
-            return say(f"agent.how.{deed}.shell", language, robot=self._name)
+            return say(f"agent.how.{action}.shell", language, robot=self._name)
         page = say("agent.owner.page", language)
         page = f"[{page}]({self._page})" if self._page else page
-        return say(f"agent.how.{deed}", language, who=who, page=page, robot=self._name)
+        return say(f"agent.how.{action}", language, who=who, page=page, robot=self._name)
 
     async def ways_out(self, report: Report) -> list[str]:
         """Paragraphs for a command that did not move since the robot is locked or has no home: who did that, and how

@@ -37,10 +37,10 @@ class Stopped:
     heard_s: float
     past: bool = False
 
-    def at(self, channel: EventStream) -> datetime:
+    def at(self, event_stream: EventStream) -> datetime:
         """Nothing that was posted then or before moves any more. Never more than `STEP` later than when the stop was
         heard, by the forum's clock as it goes now."""
-        heard_at = channel.at(self.heard_s)
+        heard_at = event_stream.at(self.heard_s)
         if self.posted_at > heard_at + STEP:  # the forum's clock has been set back since
             return heard_at
         return max(self.posted_at, heard_at) if self.past else self.posted_at
@@ -52,20 +52,20 @@ class StopHandler:
 
     def __init__(
         self,
-        line: CommandQueue,
+        queue: CommandQueue,
         inbox: Inbox,
         stops: StopReplies,
-        alarm: ModeratorAlert,
+        moderator_alert: ModeratorAlert,
         journal: Callable[[], Journal | None],
-        channel: EventStream,
+        event_stream: EventStream,
         spawn: Callable[[Coroutine[Any, Any, Any]], asyncio.Task[Any]],
     ) -> None:
         self._last: Stopped | None = None
-        self._line = line
+        self._queue = queue
         self._inbox = inbox
         self._stops = stops
-        self._alarm = alarm
-        self._channel = channel
+        self._moderator_alert = moderator_alert
+        self._event_stream = event_stream
         self._spawn = spawn
         self._journal = journal
         self._saving: asyncio.Task[None] | None = None
@@ -73,16 +73,16 @@ class StopHandler:
     @property
     def stopped_at(self) -> datetime:
         """Nothing that was posted then or before moves any more, by the forum's clock as it goes now."""
-        return self._last.at(self._channel) if self._last is not None else datetime.min.replace(tzinfo=UTC)
+        return self._last.at(self._event_stream) if self._last is not None else datetime.min.replace(tzinfo=UTC)
 
     async def remember(self, journal: Journal, begun: datetime) -> None:
         """What the journal knows of stops counts too. `begun`: the agent's first start."""
         posted_at, heard = await journal.get_time("stopped") or begun, await journal.get("stopped_heard") or ""
         machine, _, heard_s = heard.partition(" ")
         kept = Stopped(posted_at, float(heard_s) if heard_s and machine == boot() else elapsed_s())
-        by = self._channel.at(kept.heard_s) - posted_at
+        by = self._event_stream.at(kept.heard_s) - posted_at
         if by < -STEP:
-            self._channel.step = ClockStep(by, elapsed_s())
+            self._event_stream.step = ClockStep(by, elapsed_s())
         known = self._last is not None  # somebody stopped before we could write it down
         self._note(kept)
         if known or by < -STEP:
@@ -93,9 +93,9 @@ class StopHandler:
         far as a clock that was set since can tell. None when it may."""
         if self._last is None or posted_at > self.stopped_at:
             return None
-        step, last = self._channel.step, self._last
+        step, last = self._event_stream.step, self._last
         was_set = step is not None and step.noticed_s >= last.heard_s
-        if was_set or last.posted_at > self._channel.at(last.heard_s) + STEP:
+        if was_set or last.posted_at > self._event_stream.at(last.heard_s) + STEP:
             return EndReason.CLOCK
         return EndReason.STOP
 
@@ -114,7 +114,7 @@ class StopHandler:
 
     def pulled(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """A stop past the forum ends what was posted until now, and until `posted_at`; how many that were."""
-        now = self._channel.now()
+        now = self._event_stream.now()
         ended, stopping = self._end_all(by, Stopped(max(now, posted_at or now), elapsed_s(), past=True), now)
         self._ring(now, None, ended, "en")
         return len(ended), stopping
@@ -123,12 +123,12 @@ class StopHandler:
         """A locked robot is released: what was posted before that does not move it afterwards (laws 14 and 17)."""
         self._note(Stopped(at, elapsed_s()))
         self._inbox.end_coming(until=at)
-        self._write_down(self._line.end_posted(at, EndReason.RELEASE), EndReason.RELEASE)
+        self._write_down(self._queue.end_posted(at, EndReason.RELEASE), EndReason.RELEASE)
 
     def clear(self) -> datetime | None:
         """From now on no stop of before holds back what is posted. The time that the newest one bears, where that is in
         the future by the forum's clock as it goes now."""
-        last, now = self._last, self._channel.now()
+        last, now = self._last, self._event_stream.now()
         if last is None or last.posted_at <= now:
             return None
         self._last = Stopped(min(self.stopped_at, now), last.heard_s)
@@ -140,7 +140,7 @@ class StopHandler:
     ) -> tuple[list[QueuedCommand], asyncio.Task[StopResult | None]]:
         self._note(stopped)
         self._inbox.end_coming()
-        ended = self._line.end_all(EndReason.STOP)
+        ended = self._queue.end_all(EndReason.STOP)
         stopping: asyncio.Task[StopResult | None] = self._spawn(self._stops.stop(by, accepted_at, halt))
         for job in ended:
             job.stop, job.stopped_by = stopping, by
@@ -149,7 +149,7 @@ class StopHandler:
 
     def _note(self, stopped: Stopped) -> None:
         """The later one counts, by the forum's clock as it goes now."""
-        if self._last is None or stopped.at(self._channel) >= self._last.at(self._channel):
+        if self._last is None or stopped.at(self._event_stream) >= self._last.at(self._event_stream):
             self._last = stopped
 
     def _write_down(self, ended: list[QueuedCommand], why: EndReason) -> None:
@@ -163,14 +163,14 @@ class StopHandler:
             self._saving = self._spawn(self._save(journal))
 
     def _ring(self, at: datetime, topic: str | None, ended: list[QueuedCommand], language: Language) -> None:
-        if self._alarm.rings(at):
+        if self._moderator_alert.rings(at):
             topic = topic or next((job.command.topic_id for job in ended), None)
-            self._spawn(self._alarm.tell(topic, language))
+            self._spawn(self._moderator_alert.tell(topic, language))
 
     async def _save(self, journal: Journal) -> None:
         """Many stops at once are one or two writes, so that nobody's command waits behind them."""
         saved: Stopped | None = None
         while (last := self._last) is not None and saved is not last:
             saved = last
-            at = last.at(self._channel).isoformat()
+            at = last.at(self._event_stream).isoformat()
             await journal.put_all(stopped=at, stopped_heard=f"{boot()} {last.heard_s!r}")

@@ -40,7 +40,7 @@ from agentrob.model import Command, CommandState, EndReason, Plan
 from agentrob.model.lifecycle import check_transition
 
 T = TypeVar("T")
-Deed = Callable[[], Awaitable[str]]
+Work = Callable[[], Awaitable[str]]
 
 #: Raised by one when stored workflows of the old version must not be taken for those of the new.
 VERSION = "agentrob-1"
@@ -57,7 +57,7 @@ class _Ended(BaseException):
 
 
 class NotBegun(_Ended):
-    """Raised by a motion's deed that has done nothing: the motion has not begun, and is left to the next start."""
+    """Raised by a motion that has done nothing yet: it has not begun, and is left to the next start."""
 
 
 class Journal(Rows):
@@ -72,7 +72,7 @@ class Journal(Rows):
         # Apart, so that nothing that is kept holds up a motion; motions run one at a time.
         self._keeping = ThreadPoolExecutor(KEEPING, thread_name_prefix=f"{robot}-keeping")
         self._motions = ThreadPoolExecutor(2, thread_name_prefix=f"{robot}-motions")
-        self._deeds: dict[str, Deed] = {}
+        self._work: dict[str, Work] = {}
         self._ended = threading.Event()
         self._era = ""
 
@@ -138,7 +138,7 @@ class Journal(Rows):
         return found is not None
 
     async def close(self) -> None:
-        """End the engine; deeds that still run are left unfinished. Calling again does nothing."""
+        """End the engine and leave running work unfinished. Calling again does nothing."""
         self._ended.set()
         if self in _open:
             _open.remove(self)
@@ -297,12 +297,12 @@ class Journal(Rows):
         return [_PLAN.validate_json(row[0]) for row in reversed(found)]
 
     # ---------------------------------------------------------------- workflows
-    async def once(self, workflow_id: str, deed: Deed) -> str:
-        """Do `deed` and keep what it answers; under the same id again, also after a restart, give the kept answer."""
-        return await self._run(self._keeping, _keep, workflow_id, deed)
+    async def once(self, workflow_id: str, work: Work) -> str:
+        """Do `work` and keep its result. The same id again, also after a restart, returns the kept result."""
+        return await self._run(self._keeping, _keep, workflow_id, work)
 
-    async def move(self, post_id: str, deed: Deed) -> str:
-        """Do `deed`, which moves a robot, at most once ever, and return what it answers, or what was kept of it.
+    async def move(self, post_id: str, work: Work) -> str:
+        """Do `work`, which moves a robot, at most once ever, and return its result, or the kept one.
 
         `CommandState.INTERRUPTED`: it had begun before, and its end is not known. `CommandState.CANCELLED`: it was
         cancelled before it began. Raises `IllegalTransition` for a command that may not run: one that waits for its
@@ -315,11 +315,11 @@ class Journal(Rows):
                 check_transition(claim.state, CommandState.RUNNING)
 
         await self._in_rows(may_begin)
-        return await self._run(self._motions, _move, f"post-{post_id}:motion", deed)
+        return await self._run(self._motions, _move, f"post-{post_id}:motion", work)
 
-    async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, deed: Deed) -> str:
+    async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, work: Work) -> str:
         workflow_id = self._era + workflow_id
-        self._deeds[workflow_id] = deed
+        self._work[workflow_id] = work
         try:
             return await self._loop.run_in_executor(pool, partial(self._start, workflow, workflow_id))
         except asyncio.CancelledError:
@@ -329,7 +329,7 @@ class Journal(Rows):
         except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
             raise JournalError(f"the journal cannot be written: {e}") from None
         finally:
-            self._deeds.pop(workflow_id, None)
+            self._work.pop(workflow_id, None)
 
     def _start(self, workflow: Callable[[str], str], workflow_id: str) -> str:
         if self._ended.is_set():
@@ -338,11 +338,11 @@ class Journal(Rows):
             return DBOS.start_workflow(workflow, workflow_id).get_result()
 
     def _perform(self, workflow_id: str) -> str:
-        """In a workflow's thread: do the deed on the agent's own loop, where its connections live."""
-        deed = self._deeds.get(workflow_id)
-        if deed is None or self._ended.is_set():
+        """Called in a workflow's thread: do the work on the agent's own loop, where its connections live."""
+        work = self._work.get(workflow_id)
+        if work is None or self._ended.is_set():
             raise NotBegun
-        future = asyncio.run_coroutine_threadsafe(_awaited(deed), self._loop)
+        future = asyncio.run_coroutine_threadsafe(_awaited(work), self._loop)
         while True:
             try:
                 return future.result(0.5)
@@ -455,5 +455,5 @@ def _perform_motion(workflow_id: str) -> str:
     return result
 
 
-async def _awaited(deed: Deed) -> str:
-    return await deed()
+async def _awaited(work: Work) -> str:
+    return await work()

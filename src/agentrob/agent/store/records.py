@@ -55,7 +55,7 @@ class Records:
             return None
         return facts if facts.get("post") == post_id else None
 
-    def write(self, report: Report, thought: Assessment | None = None, **more: Any) -> dict[str, Any]:
+    def write(self, report: Report, assessment: Assessment | None = None, **more: Any) -> dict[str, Any]:
         """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in
         the end."""
         command = report.command
@@ -76,7 +76,7 @@ class Records:
             "steps": [_step(r) for r in report.results],
             "stop": asdict(report.stop) if report.stop else None,
             "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
-            **_minds(thought),
+            **_minds(assessment),
             **more,
         }
         self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -98,19 +98,19 @@ def approval(asked: ApprovalRequest | None) -> dict[str, Any] | None:
     return until | {"approved": said.approved} | by
 
 
-def _minds(thought: Assessment | None) -> dict[str, Any]:
+def _minds(assessment: Assessment | None) -> dict[str, Any]:
     """Who read and looked at a command, why not who should have, and what models took for it."""
-    if thought is None:
+    if assessment is None:
         return {"mind": "", "fallback": "", "models": [], "screened": None}
-    screened = thought.screened
+    screened = assessment.screened
     looked = screened and {
         "mind": screened.mind,
         "refusal": asdict(screened.refusal) if screened.refusal else None,
         "why": screened.why,
         "failed": screened.failed,
     }
-    models = [usage.as_data() for usage in thought.usage]
-    return {"mind": thought.mind, "fallback": thought.fallback, "models": models, "screened": looked}
+    models = [usage.as_data() for usage in assessment.usage]
+    return {"mind": assessment.mind, "fallback": assessment.fallback, "models": models, "screened": looked}
 
 
 def _step(result: ActionResult) -> dict[str, Any]:

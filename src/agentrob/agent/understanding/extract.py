@@ -50,7 +50,7 @@ async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence
     """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
     try:
         async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
-            return _thought(await read(mind, text, addressee, history))
+            return _assessment(await read(mind, text, addressee, history))
     except (MindError, TimeoutError) as e:
         _log.warning("mind failed, reading by rules", mind=mind.name, error=str(e) or type(e).__name__)
         fallback = "timeout" if isinstance(e, TimeoutError) else FAILED
@@ -65,7 +65,7 @@ async def by_rules(
     """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
     rules = RulesMind()
     understood = await rules.understand(text, addressee, history)
-    return _thought(Reading(understood, rules.name, tuple(usage), fallback))
+    return _assessment(Reading(understood, rules.name, tuple(usage), fallback))
 
 
 async def prepare(mind: Mind) -> None:
@@ -75,7 +75,7 @@ async def prepare(mind: Mind) -> None:
         await mind.prepare()
 
 
-def _thought(reading: Reading) -> Assessment:
+def _assessment(reading: Reading) -> Assessment:
     understood = _checked(reading.understanding)
     return Assessment(understood, reading.mind, usage=tuple(reading.usage), fallback=reading.fallback)
 

@@ -28,7 +28,7 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
 
-_THOUGHT = TypeAdapter(Assessment)
+_ASSESSMENT = TypeAdapter(Assessment)
 
 
 @dataclass(frozen=True)
@@ -57,25 +57,25 @@ class Assessor:
     async def think(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
         """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
         is ended."""
-        deed = partial(self._think, job, terms)
+        work = partial(self._think, job, terms)
         if not job.known:
             # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
-            deed = partial(_told, await deed())
-        thought = _THOUGHT.validate_json(await self.journal.once(f"post-{job.command.post_id}", deed))
-        if thought.understanding.intent is not Intent.NOTHING:
-            job.command = replace(job.command, language=thought.understanding.language)
-        job.thought = thought
-        return thought
+            work = partial(_told, await work())
+        assessment = _ASSESSMENT.validate_json(await self.journal.once(f"post-{job.command.post_id}", work))
+        if assessment.understanding.intent is not Intent.NOTHING:
+            job.command = replace(job.command, language=assessment.understanding.language)
+        job.assessment = assessment
+        return assessment
 
     async def summary(self, job: QueuedCommand, report: Report) -> Summary | None:
         """What a model makes of the measured results in words, where the owner wants that."""
         if not self.settings.summary or self.model is None or report.status is not CommandState.DONE:
             return None
-        spent = (*(job.thought.usage if job.thought else ()), *(job.looked.usage if job.looked else ()))
+        spent = (*(job.assessment.usage if job.assessment else ()), *(job.looked.usage if job.looked else ()))
         return await summarise(self.model, report.results, report.command.language, spent)
 
     async def _think(self, job: QueuedCommand, terms: CommandTerms) -> str:
-        return _THOUGHT.dump_json(await self.consider(job, terms)).decode()
+        return _ASSESSMENT.dump_json(await self.consider(job, terms)).decode()
 
     async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
         """Understand and judge now, and keep nothing of it."""
@@ -83,72 +83,74 @@ class Assessor:
         others = tuple(name for name in mentions(command.text) if name not in self.names)
         addressee = Addressee(tuple(self.names), others, capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
-        thought = await self._goal(command, addressee, history)
-        if thought is None and may(command.author, "command").decision is not Decision.ALLOW:
-            thought = await by_rules(command.text, addressee, history)  # whose words move nothing cost nothing
-        if thought is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
-            thought = await by_rules(command.text, addressee, history, RATE)
-        if thought is None:
+        assessment = await self._goal(command, addressee, history)
+        if assessment is None and may(command.author, "command").decision is not Decision.ALLOW:
+            assessment = await by_rules(command.text, addressee, history)  # whose words move nothing cost nothing
+        if assessment is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
+            assessment = await by_rules(command.text, addressee, history, RATE)
+        if assessment is None:
             reading = extract(self.mind, command.text, addressee, history)
-            thought = await job.unless_ended(reading) or await by_rules(command.text, addressee, history, OVER)
+            assessment = await job.unless_ended(reading) or await by_rules(command.text, addressee, history, OVER)
         if self.eyes is not None:
-            thought = replace(thought, understanding=replace_no_camera_answer(thought.understanding))
-        understood = thought.understanding
+            assessment = replace(assessment, understanding=replace_no_camera_answer(assessment.understanding))
+        understood = assessment.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
             chained = await insist(partial(chain_refusal, self.forum, command))
-            plan = judged_plan(thought.goal) if thought.goal else understood.plan
+            plan = judged_plan(assessment.goal) if assessment.goal else understood.plan
             rights = await insist(partial(rights_on, self.forum, command, terms))
-            known = replace(terms, known=thought.goal is not None)
+            known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
-            thought = replace(thought, verdict=verdict)
-            thought = await self._looked_at(job, thought, addressee, capabilities, history, terms.scene)
+            assessment = replace(assessment, verdict=verdict)
+            assessment = await self._looked_at(job, assessment, addressee, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
-            thought = replace(thought, verdict=harm_in_words(command.text, terms.scene, understood.language))
-        return thought
+            assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
+        return assessment
 
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
         """The thought when the post is a goal for eyes that this robot has."""
         if self.eyes is None:
             return None
-        thought = await by_rules(command.text, addressee, history)
-        understood = thought.understanding
+        assessment = await by_rules(command.text, addressee, history)
+        understood = assessment.understanding
         if (goal := goal_for(command.text, addressee, understood)) is None:
             return None
         return replace(
-            thought, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
+            assessment, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
         )
 
     async def _looked_at(
         self,
         job: QueuedCommand,
-        thought: Assessment,
+        assessment: Assessment,
         addressee: Addressee,
         capabilities: Capabilities,
         history: Sequence[Plan],
         scene: str,
     ) -> Assessment:
         """The thought with what a model has against a command that the rules allow, or would with an approval."""
-        verdict, settings = thought.verdict, self.settings
+        verdict, settings = assessment.verdict, self.settings
         passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
         if verdict is None or not passed or settings.screen == "rules":
-            return thought
+            return assessment
         screened: SafetyReview | None = None
-        plan, language = thought.understanding.plan, thought.understanding.language
+        plan, language = assessment.understanding.plan, assessment.understanding.language
         if self.model is None:
             pass  # nobody was to look at it
-        elif thought.mind == "rules" and thought.fallback:  # nobody answered a moment ago, or nobody was waited for
-            screened = SafetyReview(self.mind.name, failed=thought.fallback) if thought.fallback != OVER else None
+        elif (
+            assessment.mind == "rules" and assessment.fallback
+        ):  # nobody answered a moment ago, or nobody was waited for
+            screened = SafetyReview(self.mind.name, failed=assessment.fallback) if assessment.fallback != OVER else None
         else:
             part = part_for(job.command.text, addressee.names, addressee.others)
-            told = in_words(thought.goal, "en") if thought.goal else ""
+            told = in_words(assessment.goal, "en") if assessment.goal else ""
             looking = review_command(
-                self.model, part, plan, capabilities, language, history, scene, spent=thought.usage, goal=told
+                self.model, part, plan, capabilities, language, history, scene, spent=assessment.usage, goal=told
             )
             screened = await job.unless_ended(looking)
-        usage = (*thought.usage, *(screened.usage if screened else ()))
+        usage = (*assessment.usage, *(screened.usage if screened else ()))
         verdict = apply_review(verdict, screened, language, settings.screen == "required")
-        return replace(thought, verdict=verdict, usage=usage, screened=screened)
+        return replace(assessment, verdict=verdict, usage=usage, screened=screened)
 
 
 async def _told(text: str) -> str:
