@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import subprocess
-import sys
 from collections.abc import AsyncIterator, Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from agentrob.agent.agent import RobotAgent
+from agentrob.agent.store.journal import Journal
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
@@ -22,6 +24,8 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, CommandState, Post, Role
 from agentrob.model.lifecycle import TRANSITIONS
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.process import run_driver
+from tests.forked_process import ForkedProcess
 
 ROBOT = "quadruped"
 WIDE = {"x_min_m": -1000.0, "x_max_m": 1000.0, "y_min_m": -1000.0, "y_max_m": 1000.0}
@@ -72,26 +76,36 @@ def robot_settings(**more: Any) -> RobotConfig:
     return RobotConfig.model_validate({**common, **more})
 
 
-_DRIVER = """
-import json, sys
-from pathlib import Path
-from agentrob.config.robots import RobotConfig
-from agentrob.robots.driver.process import run_driver
-name, settings, socket, data = sys.argv[1:]
-run_driver(name, RobotConfig.model_validate(json.loads(settings)), Path(socket), Path(data))
-"""
+@cache
+def fresh_journal() -> bytes:
+    """What the first start of an agent writes to its journal, made once for all agents of this process: the engine's
+    migrations take longer than most commands of the tests."""
+
+    async def make(folder: Path) -> None:
+        await (await Journal.open(folder, ROBOT)).close()
+
+    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, make(Path(folder))).result()
+        return (Path(folder) / "journal.sqlite").read_bytes()
+
+
+def begin_journal(folder: Path) -> None:
+    """Give an agent that never ran its journal; one that lost its journal gets none."""
+    if not folder.exists():
+        folder.mkdir(parents=True, mode=0o700)
+        (folder / "journal.sqlite").write_bytes(fresh_journal())
 
 
 class Driver:
     """A driver process of its own."""
 
-    def __init__(self, folder: Path, settings: RobotConfig, name: str = ROBOT) -> None:
+    def __init__(
+        self, folder: Path, settings: RobotConfig, name: str = ROBOT, run: Callable[..., None] = run_driver
+    ) -> None:
         self.name = name
         self.socket = folder / f"{name}.sock"
         self.settings = settings
-        command = [sys.executable, "-c", _DRIVER, name, settings.model_dump_json(), str(self.socket), str(folder)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-        assert self.process.stdout is not None
+        self.process = ForkedProcess(run, name, settings, self.socket, folder, keep_stderr=False)
         assert json.loads(self.process.stdout.readline())["ready"]
 
     def client(self) -> DriverClient:
@@ -100,8 +114,7 @@ class Driver:
     def end(self) -> None:
         self.process.terminate()
         self.process.wait(60)
-        if self.process.stdout:
-            self.process.stdout.close()
+        self.process.close()
 
 
 @asynccontextmanager
@@ -172,14 +185,16 @@ class Scene:
 
     def make(self, **changed: Any) -> RobotAgent:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
-        arguments = {
+        arguments: dict[str, Any] = {
             "name": ROBOT, "settings": self.settings, "forum": forum, "driver": self.driver.client(),
             "mind": self.mind, "data": self.folder, **changed,
         }  # fmt: skip
+        begin_journal(arguments["data"] / "agents" / ROBOT)
         return RobotAgent(**arguments)
 
 
 def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:
+    fresh_journal()  # made while no agent of this process has its journal open
     scene = Scene(world or MemoryForum.world(), driver, folder, robot_settings(**settings))
     scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
     scene.person("alice")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -12,65 +11,58 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from agentrob.config.robots import RobotConfig
+from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Primitive
 from agentrob.process.host_lock import namespaced
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.process import run_driver
+from tests.forked_process import ForkedProcess
 
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 
-DRIVER = """
-import json, sys
-from pathlib import Path
-from agentrob.config.robots import RobotConfig
-from agentrob.errors import RobotError
-from agentrob.robots.driver.process import run_driver
-name, folder, settings = sys.argv[1], Path(sys.argv[2]), json.loads(sys.argv[3])
-settings = {"model": "fake", "simulated": True, "home_on_start": True, **settings}
-try:
-    run_driver(name, RobotConfig(**settings), folder / f"{name}.sock", folder)
-except RobotError as e:
-    sys.exit(str(e))
-"""
 
-HOLDER = """
-import asyncio, sys
-from pathlib import Path
-from agentrob.model import Direction, Op, Primitive
-from agentrob.robots.driver.client import DriverClient
+def run(name: str, folder: Path, settings: dict[str, Any]) -> None:
+    """A driver, in its process."""
+    try:
+        config = RobotConfig(**{"model": "fake", "simulated": True, "home_on_start": True, **settings})
+        run_driver(name, config, folder / f"{name}.sock", folder)
+    except RobotError as e:
+        sys.exit(str(e))
 
-async def main():
-    async with DriverClient(sys.argv[1], Path(sys.argv[2])) as robot, robot.lease("walker") as lease:
-        print("walking", flush=True)
-        await robot.step(lease, Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0), 60)
 
-asyncio.run(main())
-"""
+def walk(name: str, socket: Path) -> None:
+    """A client that takes the lease and walks, in its process."""
+
+    async def main() -> None:
+        async with DriverClient(name, socket) as robot, robot.lease("walker") as lease:
+            print("walking", flush=True)  # noqa: T201
+            await robot.step(lease, FAR, 60)
+
+    asyncio.run(main())
 
 
 class Drivers:
     """Starts driver processes of fake robots with names of their own and ends them all."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.processes = folder, list[subprocess.Popen[str]]()
+        self.folder, self.processes = folder, list[ForkedProcess]()
 
-    def spawn(self, name: str, **settings: Any) -> subprocess.Popen[str]:
-        command = [sys.executable, "-c", DRIVER, name, str(self.folder), json.dumps(settings)]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def spawn(self, name: str, **settings: Any) -> ForkedProcess:
+        process = ForkedProcess(run, name, self.folder, settings)
         self.processes.append(process)
         return process
 
-    def spawn_holder(self, name: str) -> subprocess.Popen[str]:
+    def spawn_holder(self, name: str) -> ForkedProcess:
         """A client in a process of its own that takes the lease and walks."""
-        command = [sys.executable, "-c", HOLDER, name, str(self.folder / f"{name}.sock")]
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = ForkedProcess(walk, name, self.folder / f"{name}.sock")
         self.processes.append(process)
         return process
 
-    def start(self, name: str = "", **settings: Any) -> tuple[str, subprocess.Popen[str]]:
+    def start(self, name: str = "", **settings: Any) -> tuple[str, ForkedProcess]:
         name = name or f"r{uuid4().hex[:8]}"
         process = self.spawn(name, **settings)
-        assert process.stdout is not None
         ready = json.loads(process.stdout.readline())
         assert ready["ready"] == "driver"
         assert ready["lock"] == namespaced(f"driver/fake/{name}")
