@@ -11,14 +11,14 @@ ARGS ?=
 # Tests wait for robots half of the time: three at a time keep two cores busy. A simulated world has to keep pace.
 MANY := -n 3
 # Rooms whose tests start no board, robot or agent.
-QUICK := $(addprefix tests/,house language screening minds evals semantic)
+QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
 SLICE ?= 1/12
 # A slice may have no test of one kind, which pytest calls an error (5).
 OR_NONE := || [ $$? = 5 ]
 # Tests start Python by the hundred; without compiled files each would compile all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slice test-long check lint format lock setup setup-dev setup-slow clean
+.PHONY: demo test test-slice test-long check quick lint format lock setup setup-dev setup-slow clean
 
 demo: setup
 	@scripts/system-packages render
@@ -54,9 +54,13 @@ lint: setup-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-check: lint
+# Side by side: types alone take a core for a minute when nothing of them is cached.
+check: setup-dev
 	@scripts/model-double
-	$(BIN)/pytest -q $(MANY) -m "not slow and not sim and not browser" $(QUICK) $(ARGS)
+	@$(MAKE) --no-print-directory -j 2 --output-sync=target lint quick
+
+quick: setup-dev
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(QUICK) $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .
