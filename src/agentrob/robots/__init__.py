@@ -1,1 +1,1 @@
-"""Robots: one protocol, the guard around it, and the driver process that holds one."""
+"""Robots: the robot protocol, the guard, and the driver process that holds one robot."""

@@ -1,11 +1,11 @@
-"""A robot without physics: a disc that moves in a room, for tests and demonstrations, with faults on request.
+"""A fake robot without physics, a disc that moves in a room, for tests and demonstrations, with injectable faults.
 
     [robots.spot]
     model = "fake"
     options = { time_scale = 10, room = [-3, 3, -3, 3], obstacles = [[2, 0, 0.3]], faults = { stale = true } }
 
-`time_scale` is how much faster than life it goes; `inf` makes steps take no time at all. It accelerates and coasts with
-a time constant of 0.15 s, holds a command for one second as real robots do, and its odometry is exact.
+`time_scale` is how much faster than real time it runs; with `inf`, steps take no time. It accelerates and coasts with a
+time constant of 0.15 s, holds a command for one second as real robots do, and its odometry is exact.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class FakeRobot:
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without making one."""
+        """Return its capabilities without constructing one."""
         return Capabilities("fake", frozenset(Op), limits_of(settings), simulated=True)
 
     def __init__(self, settings: RobotConfig) -> None:
@@ -152,14 +152,14 @@ class FakeRobot:
     # ------------------------------------------------------------ for tests and demonstrations
     @property
     def pose(self) -> Pose:
-        """Its true pose."""
+        """Its actual pose."""
         with self._lock:
             self._advance()
             return self._pose
 
     @property
     def time_scale(self) -> float:
-        """How much faster than life it goes; its own clock does not leap when this is changed."""
+        """How much faster than real time it runs; its own clock stays continuous when this changes."""
         return self._time_scale
 
     @time_scale.setter
@@ -169,7 +169,7 @@ class FakeRobot:
             self._time_scale = scale
 
     def carry(self, pose: Pose) -> None:
-        """Move it to another pose at once: its odometry jumps."""
+        """Move it to another pose at once, so that its odometry jumps."""
         with self._lock:
             self._advance()
             self._pose = pose
@@ -180,7 +180,7 @@ class FakeRobot:
         return self._walked_m >= self.faults.after_m
 
     def _advance(self) -> None:
-        """Bring the body up to now."""
+        """Compute the body's motion up to now."""
         now_s = self.now_s()
         t_s = self._body_s
         if self._resting(t_s):

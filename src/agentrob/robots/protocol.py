@@ -12,12 +12,12 @@ from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotS
 #: in `ActionResult.reason`) or None to continue. The guard and the driver pass their own.
 Watch = Callable[[RobotState], str | None]
 
-#: From the centre of the body to its corners: what a turn on the spot sweeps (Go2: 0.70 m x 0.31 m).
+#: From the centre of the body to its corners: the radius that a turn on the spot sweeps (Go2: 0.70 m x 0.31 m).
 BODY_RADIUS_M = 0.40
 
 
 class Robot(Protocol):
-    """One robot, made as `cls(settings: RobotConfig)`. `step` blocks until the step has ended.
+    """One robot, constructed as `cls(settings: RobotConfig)`.
 
     `stop` may be called from another thread at any time, also while a step runs.
     """
@@ -29,15 +29,16 @@ class Robot(Protocol):
         ...
 
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        """Do one step and measure it. When `watch` gives a reason: stop the body, then return `stopped` with it.
+        """Do one step, block until it has ended, and measure it. If `watch` returns a reason, stop the body and return
+        `stopped` with that reason.
 
-        A step that cannot be done is a result, not an exception. `primitive.speed_mps` bounds the speed; of a turn it
-        bounds the speed of the body's corners (`BODY_RADIUS_M` from the centre).
+        A step that cannot be done is a result, not an exception. `primitive.speed_mps` limits the speed; for a turn,
+        the speed of the body's corners (`BODY_RADIUS_M` from the centre).
         """
         ...
 
     def stop(self) -> StopResult:
-        """Zero velocity at once, on a path of its own; then watch the state for rest (at most 3 s)."""
+        """Command zero velocity at once, on a channel of its own; then wait for rest (at most 3 s)."""
         ...
 
     def close(self) -> None: ...
@@ -55,5 +56,5 @@ class HasCamera(Protocol):
 
 
 def limits_of(settings: RobotConfig) -> Limits:
-    """The limits of law 10 as the settings have them."""
+    """The limits of law 10 from the robot's settings."""
     return Limits(**settings.limits.model_dump())

@@ -47,21 +47,21 @@ class Gait:
     speed_mps: float = 0.5
     side_mps: float = 0.3
     turn_rps: float = math.radians(45)
-    speed_min_mps: float = 0.20  # the slowest on the way; a body that was faster may stand still at less
+    speed_min_mps: float = 0.20  # the lowest speed while walking; below it a body that was faster may stop
     turn_min_rps: float = 0.30
-    step_mps: float = 0.15  # the slowest from rest, for corrections
+    step_mps: float = 0.15  # the lowest speed from rest, for corrections
     step_rps: float = 0.25
     gain_speed: float = 2.0  # 1/s: slow down near the goal
     gain_turn: float = 2.0  # 1/s
-    gain_hold: float = 1.2  # 1/s: for what must not change, heading in a move and place in a turn
-    coast_s: float = 0.10  # a body goes on for about speed x coast_s after its command drops …
-    coast_turn_s: float = 0.05  # … and turns on for about rate x coast_turn_s
-    settle_s: float = 0.9  # at least this long before looking again …
-    settle_limit_s: float = 2.0  # … and at most this long, when it does not come to rest
+    gain_hold: float = 1.2  # 1/s: to hold the heading in a move and the position in a turn
+    coast_s: float = 0.10  # a body coasts about speed x coast_s after its command drops …
+    coast_turn_s: float = 0.05  # … and turns about rate x coast_turn_s further
+    settle_s: float = 0.9  # wait at least this long before measuring again …
+    settle_limit_s: float = 2.0  # … and at most this long if it does not come to rest
     corrections: int = 4
-    # Two-legged: correct by whole strides of so long at one velocity, since what is seen half way is mostly sway.
+    # Bipeds correct by whole strides of this length at one velocity: measurements within a stride are mostly sway.
     stride_s: float = 0.0
-    #: What such strides do besides, to begin with: forward and left in m, counter-clockwise in rad. Learned on the way.
+    #: Initial estimate of their unintended shift: forward and left in m, counter-clockwise in rad; then learned.
     stride_shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stop_at_m: float = 0.015  # the goal is reached inside this …
     stop_at_rad: float = math.radians(1.2)
@@ -69,7 +69,7 @@ class Gait:
     accept_rad: float = math.radians(2.8)
     start_s: float = 3.0  # without any progress from the start: stalled
     stall_s: float = 2.0  # without progress later
-    budget_s: float = 14.0  # beside twice the time of the way at full speed
+    budget_s: float = 14.0  # in addition to twice the time of the path at full speed
 
     def at_most(self, speed_mps: float, turn_rps: float) -> Gait:
         """The same gait, commanded no faster than this."""
@@ -191,7 +191,7 @@ class MotionController:
         self._best, self._best_s, self._patience_s = math.inf, 0.0, gait.start_s
         self._settling, self._settle_s, self._rest, self._rounds = False, 0.0, RestDetector(), 0
         self._window: deque[_Sample] = deque()
-        self._expected = _Error(0.0, 0.0, 0.0)  # what was thought to be left when it was told to rest
+        self._expected = _Error(0.0, 0.0, 0.0)  # the expected remaining error when it was commanded to rest
         self._shift = (0.0, 0.0, 0.0)
         self._stride: _Stride | None = None
 
@@ -240,7 +240,7 @@ class MotionController:
         if left < self._best - 0.01:
             self._best, self._best_s, self._patience_s = left, now_s, self.gait.stall_s
         elif now_s - self._best_s > self._patience_s:
-            if error.within(0.05, math.radians(4)):  # close by and only dithering: look again at rest
+            if error.within(0.05, math.radians(4)):  # close to the goal without progress: measure again at rest
                 return self._begin_settling(now_s, error)
             self.ended = "stalled"
             return None

@@ -13,8 +13,8 @@ from agentrob.robots.control.controller import RATE_HZ
 class Gesture:
     """`objection` returns a reason to stop, or None. After the first reason no further call is made.
 
-    `code` is what the last call answered (-1: nothing), `reason` is the objection. `unanswered`: a call did not return
-    within `limit_s` by the clock `now_s`; it is left pending, and no further call is made.
+    `code` is the answer of the last call (-1 without an answer), `reason` is the objection. `unanswered`: a call did
+    not return within `limit_s` by the clock `now_s`; it is left pending, and no further call is made.
     """
 
     def __init__(
@@ -36,10 +36,10 @@ class Gesture:
         return self._thread.is_alive() and not self.unanswered
 
     def follow(self) -> None:
-        """Wait until the calls have returned, one is late, or an objection came; a pending call then continues on its
-        thread.
+        """Wait until the calls have returned, one is late, or there is an objection; a pending call then continues on
+        its thread.
 
-        A stop aborts a call, which may return an error before the next check: the objection is then asked once more.
+        Checks for an objection once more at the end, because a stop may abort a call before the next check.
         """
         self._thread.start()
         while self.running:

@@ -22,7 +22,7 @@ class OdometryMonitor:
     """Call `update` with each state; `still` tells whether the robot has stayed in place for a moment."""
 
     def __init__(self, time_scale: float = 1.0) -> None:
-        """`time_scale`: how much faster than life a fake robot goes; where its steps take no time, 1."""
+        """`time_scale` is how much faster than real time a fake robot runs; 1 if its steps take no time."""
         self._time_scale = time_scale if math.isfinite(time_scale) else 1.0
         self._last: tuple[float, Pose] | None = None
         self._came_s: float | None = None  # when the newest state came
@@ -41,7 +41,7 @@ class OdometryMonitor:
         if last is None:
             return None
         if silent_s > REBOOT_GAP_S:
-            return f"no state came for {silent_s:.0f} s, and the robot may have been restarted"
+            return f"no state was received for {silent_s:.0f} s, and the robot may have been restarted"
         distance_m, angle_rad = _apart(last[1], state.pose)
         dt = min(now_s - last[0], LOOK_S) * self._time_scale
         if distance_m > SLACK_M + PLAUSIBLE_MPS * dt or angle_rad > SLACK_RAD + PLAUSIBLE_RPS * dt:

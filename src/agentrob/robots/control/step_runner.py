@@ -58,7 +58,7 @@ class Body(Protocol):
 
 
 def unit_vector(primitive: Primitive) -> tuple[float, float]:
-    """(forward, left) of a move in the body's frame; forward where it names no direction."""
+    """(forward, left) of a move in the body's frame; forward if it has no direction."""
     return (primitive.direction or Direction.FORWARD).unit_vector
 
 
@@ -213,12 +213,12 @@ def _drive(body: Body, motion: MotionController, track: _Track, watch: Watch) ->
             return ""
         body.command(velocity)
         track.sent.append((now_s, velocity))
-        n = max(n + 1, math.ceil((now_s - start_s) * RATE_HZ))  # after a hiccup go on from now, without a burst
+        n = max(n + 1, math.ceil((now_s - start_s) * RATE_HZ))  # after a delay continue from now, without a burst
         body.wait_until(start_s + n / RATE_HZ)
 
 
 def _come_to_rest(body: Body, track: _Track) -> None:
-    """Record how the body coasts. The watch is not asked, since the body is stopping already."""
+    """Record how the body coasts. The watch is not called, since the body is already stopping."""
     rest, end_s = RestDetector(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)

@@ -1,1 +1,1 @@
-"""What is wrong with a robot or its network, in sentences."""
+"""`agentrob doctor`: diagnoses of a robot and its network."""

@@ -23,7 +23,7 @@ from agentrob.robots.safety.ranges import RangeMonitor
 from agentrob.robots.unitree import g1, g1_fsm, go2, sdk
 from agentrob.robots.unitree import robot as unitree_robot
 
-#: How long the state is listened to, how long a robot is waited for, and each of its services.
+#: Seconds to listen to the state, to wait for a robot, for each of its services, and for a picture.
 LISTEN_S, FIND_S, ASK_S, IMAGE_S = 1.5, 3.0, 1.0, 3.0
 VERSION, CHECK_MODE, GET_IMAGE = 1, 1001, 1001
 NOBODY = (
@@ -76,7 +76,7 @@ def examine(settings: RobotConfig) -> list[Finding]:
     if heard.commanders:
         many = "program" if heard.commanders == 1 else "programs"
         what = f"{heard.commanders} other {many} can command it (its app and its own programs count too)"
-        advice = "Two who command one robot disturb each other: close the others before an agent has it."
+        advice = "Programs that command the same robot disturb each other: close the others before you start an agent."
         found.append(Finding("commanders", Status.WARNING, what, advice))
     return [*found, *_services(settings), *_body(settings), *findings.of_settings(settings)]
 
@@ -138,7 +138,7 @@ def _answers(settings: RobotConfig, service: Service, client: Any) -> Finding:
         found = f"answers in {took_ms:.1f} ms, version {version} ({service.what})"
         if version == service.version:
             return Finding(check, Status.OK, found)
-        advice = f"The SDK here was made for {service.version}: try each deed with a hand on the remote first."
+        advice = f"The SDK here was made for {service.version}: try each operation with a hand on the remote first."
         return Finding(check, Status.WARNING, found, advice)
     found = f"{sdk.explain(code)} ({service.what})"
     if service.needed:
@@ -171,16 +171,16 @@ def _fsm(client: Any) -> Finding:
     fsm = g1_fsm.parse(data) if code == 0 else None
     if fsm is None:
         advice = "Without it the driver does not know whether it stands, and moves nothing."
-        return Finding("motion state", Status.BAD, "it does not tell its state (7001)", advice)
+        return Finding("motion state", Status.BAD, "it does not report its state (7001)", advice)
     if fsm in g1_fsm.WALKING or fsm == g1_fsm.LOCKED:
         return Finding("motion state", Status.OK, f"{fsm} ({g1_fsm.MODES.get(fsm, 'ready to walk')})")
-    advice = "Make it stand with its remote; we unlock a standing one only."
+    advice = "Make it stand with its remote; the driver unlocks only a standing robot."
     return Finding("motion state", Status.BAD, f"{fsm} ({g1_fsm.MODES.get(fsm, 'unknown to us')})", advice)
 
 
 def _camera(settings: RobotConfig, client: Any, service: Finding) -> Finding:
     if settings.model == "g1" and Op.GET_FRONT_IMAGE not in g1.G1.describe(settings).ops:
-        advice = "If something serves videohub for it, say so: options.videohub = true."
+        advice = "If another program serves videohub for it, set options.videohub = true."
         return Finding("camera", Status.OK, "a real G1 serves no pictures on DDS; none are offered", advice)
     if "answers" not in service.found:
         return Finding("camera", Status.WARNING, "no picture: its service does not answer", "Walking works without.")
@@ -210,14 +210,14 @@ def _body(settings: RobotConfig) -> list[Finding]:
         battery.close()
     charge = findings.of_battery(percent, settings)
     if len(times) < 2:
-        return [Finding("state", Status.BAD, f"{STATE_TOPICS[settings.model]} brings nothing", NOBODY), charge]
+        return [Finding("state", Status.BAD, f"no message on {STATE_TOPICS[settings.model]}", NOBODY), charge]
     gaps = [later - sooner for sooner, later in pairwise(times)]
     rate = findings.of_rate(len(gaps) / (times[-1] - times[0]), max(gaps))
     body = findings.of_state(states[-1])
     if settings.model == "g1":  # its mode is the state of its motion service, which was asked already
         body = [f for f in body if f.check != "mode"]
     ranges = RangeMonitor()
-    for at_s, state in list(zip(times, states, strict=True))[:: 1 + len(times) // 50]:  # as seldom as a guard looks
+    for at_s, state in list(zip(times, states, strict=True))[:: 1 + len(times) // 50]:  # at the guard's rate
         ranges.update(at_s, state)
     return [rate, *body, findings.of_ranges(ranges.known(), settings), charge]
 

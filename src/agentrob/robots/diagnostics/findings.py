@@ -35,14 +35,14 @@ class Finding:
 _MODES = {
     "damping": (
         Status.BAD,
-        "Somebody beside it makes it stand with its remote; we never stand up a robot that others put down.",
+        "Make it stand with its remote; the driver never stands up a robot that somebody else put down.",
     ),
     "fallen": (Status.BAD, 'Set it on its feet, or make room around it and ask it to "stand up" through its agent.'),
     "lying": (Status.WARNING, "It must be made to stand before it can walk: by its remote, or `stand up`."),
     "sitting": (Status.WARNING, "It must be made to stand before it can walk: by its remote, or `stand up`."),
     "locked": (Status.OK, "Its joints are locked; the first step makes it ready to walk, which may take 10 s."),
     "gesture": (Status.WARNING, "It is in the middle of something; wait for its end."),
-    "walking": (Status.BAD, "Somebody else walks it now: find out who before you give it to an agent."),
+    "walking": (Status.BAD, "Another program or remote moves it now: find out which before you start an agent."),
     "unknown": (
         Status.WARNING,
         "The code of its mode is not one we know (newer firmware?). Move it only 10 cm at first, with a hand on the "
@@ -74,8 +74,8 @@ def of_state(state: RobotState) -> list[Finding]:
 def of_battery(percent: float | None, settings: RobotConfig) -> Finding:
     least = settings.least_battery_percent
     if percent is None or not percent >= 0:
-        advice = "Look at the robot itself before each use: no level can hold it back."
-        return Finding("battery", Status.UNKNOWN, "it does not tell its charge", advice)
+        advice = "Check the charge on the robot before each use: a low battery cannot prevent motion."
+        return Finding("battery", Status.UNKNOWN, "it does not report its charge", advice)
     if percent < least:
         advice = "Charge it. The level is least_battery_percent in its configuration."
         return Finding("battery", Status.BAD, f"{percent:.0f} %, below the {least:g} % that motion needs", advice)
@@ -115,7 +115,7 @@ def of_rate(hertz: float, longest_gap_s: float) -> Finding:
 
 
 def of_settings(settings: RobotConfig) -> list[Finding]:
-    """What an owner should have decided before a real robot moves for the first time."""
+    """Check settings that an owner should decide before a real robot moves for the first time."""
     if settings.simulated:
         return []
     wide = settings.fence
@@ -126,6 +126,6 @@ def of_settings(settings: RobotConfig) -> list[Finding]:
         advice = "For the first days: speed_mps = 0.2, and a fence no larger than the place that you can see is free."
         findings.append(Finding("limits", Status.WARNING, found, advice))
     if not settings.owner:
-        advice = "Set owner to the forum handle of whoever answers for it."
+        advice = "Set owner to the forum handle of the person responsible for it."
         findings.append(Finding("owner", Status.WARNING, "it has no owner in the configuration", advice))
     return findings

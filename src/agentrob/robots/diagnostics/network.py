@@ -38,7 +38,7 @@ class DomainContents(NamedTuple):
 
 # ------------------------------------------------------------------ the interface
 def address(interface: str) -> str:
-    """Its IPv4 address, empty when it has none."""
+    """The interface's IPv4 address, or empty."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s, contextlib.suppress(OSError):
         answer = fcntl.ioctl(s.fileno(), _GET_ADDRESS, struct.pack("256s", interface.encode()[:15]))
         return socket.inet_ntoa(answer[20:24])
@@ -53,7 +53,7 @@ def others(interface: str) -> str:
 
 
 def interface_finding(settings: RobotConfig) -> Finding:
-    """Can DDS reach a robot over this interface?"""
+    """Check whether DDS can reach a robot over this interface."""
     name = settings.interface
     if name not in [other for _, other in socket.if_nameindex()]:
         advice = f"Name one that is there (interface = …, or --interface): {others(name)}; lo for a simulated robot."

@@ -81,12 +81,12 @@ def _since(data: dict[str, Any]) -> float | None:
 
 
 async def _who(request: Request) -> str:
-    """Who stops. A stop without a valid name counts too."""
+    """The name of the caller who stops. A stop without a valid name is accepted too."""
     return (await _stop_request(request))[0]
 
 
 async def _stop_request(request: Request) -> tuple[str, bool]:
-    """Who stops, and whether only the running command is meant; in doubt, everything."""
+    """The caller's name, and whether to end only the running command; by default, everything."""
     try:
         data = await _body(request)
         return _text(data, "by"), data.get("running_only") is True
@@ -153,14 +153,14 @@ class _Handlers:
         if not isinstance(deadline_s, int | float) or not math.isfinite(deadline_s):
             raise RobotError("'deadline_s' must be a number of seconds")
         stepping = asyncio.ensure_future(run_in_thread(lambda: self.driver.step(lease, primitive, deadline_s)))
-        gone = asyncio.ensure_future(request.receive())  # after the body only the end of the connection can come
+        disconnected = asyncio.ensure_future(request.receive())  # next message: end of connection
         try:
-            await asyncio.wait({stepping, gone}, return_when=asyncio.FIRST_COMPLETED)
-            if not stepping.done():  # the client is gone: end its step before the lease lapses
+            await asyncio.wait({stepping, disconnected}, return_when=asyncio.FIRST_COMPLETED)
+            if not stepping.done():  # the client disconnected: end its step before the lease lapses
                 self.driver.leases.give_back(lease)
             return JSONResponse(encode(await stepping))
         finally:
-            gone.cancel()
+            disconnected.cancel()
 
     async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()

@@ -24,7 +24,7 @@ CALL_S = 5.0
 
 
 class DriverClient:
-    """One robot's driver. All calls raise `RobotUnreachable` when there is none.
+    """A client of one robot's driver. Every call raises `RobotUnreachable` if no driver answers.
 
     >>> robot = DriverClient("quadruped")
     >>> async with robot.lease("me") as lease:
@@ -46,22 +46,24 @@ class DriverClient:
         return codec.decode_state({k: v for k, v in data.items() if k not in ("lease", "busy")})
 
     async def holder(self) -> str | None:
-        """Who holds the lease now."""
+        """The holder of the current lease."""
         lease = (await self._call("GET", "/state"))["lease"]
         return None if lease is None else str(lease["holder"])
 
     async def look(self) -> bytes:
-        """A JPEG of the robot's own camera, also while it moves; needs no lease. `RobotBusy` when asked too often."""
+        """Return a JPEG of the robot's own camera, also while it moves; needs no lease. Raises `RobotBusy` over the
+        rate limit."""
         return (await self._ask("GET", "/look")).content
 
     @contextlib.asynccontextmanager
     async def lease(self, holder: str, since_s: float | None = None) -> AsyncIterator[str]:
-        """The right to move the robot, renewed five times a second until the context ends, or until this client asks
-        for a stop: should that not get through, the lease lapses, and the driver stops the robot within a second.
+        """Hold the lease, the right to move the robot, and renew it five times a second until the context ends.
 
-        `since_s` is when the command was accepted (`time.monotonic()` on this host; now when not given): `LeaseLost`
-        when a stop or a halt came since then. `RobotBusy` names who has the robot. A stop ends the lease: then `step`
-        raises `LeaseLost`.
+        When this client requests a stop it no longer renews the lease: should the request be lost, the lease lapses,
+        and the driver stops the robot within a second. A stop ends the lease; `step` then raises `LeaseLost`.
+
+        `since_s` is when the command was accepted (`time.monotonic()` on this host; default now). Raises `LeaseLost` if
+        a stop or halt came since then, and `RobotBusy`, which names the current holder.
         """
         lease = str((await self._call("POST", "/lease", {"holder": holder, "since_s": since_s}))["lease"])
         self._renewing[lease] = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
@@ -74,7 +76,7 @@ class DriverClient:
                 await asyncio.shield(self._call("DELETE", f"/lease/{lease}"))
 
     async def _renew(self, lease: str) -> None:
-        """Until the lease is lost; the holder learns of that by `step`."""
+        """Renew until the lease is lost; the holder sees that when it calls `step`."""
         while True:
             await asyncio.sleep(RENEW_S)
             try:
@@ -85,14 +87,16 @@ class DriverClient:
                 continue  # the driver may be slow for a moment: the lease itself decides
 
     def _let_lapse(self) -> None:
-        """Renew no lease of this client any more: what it asked for is over, whether a stop gets through or not."""
+        """Stop renewing this client's leases, so that motion ends even if a stop request is lost."""
         for renewing in self._renewing.values():
             renewing.cancel()
         self._renewing.clear()
 
     async def lost(self, lease: str) -> LeaseLost | None:
-        """None while the lease is good, else why it is not (`why`) and who ended it (`by`): ask after a step that a
-        stop has ended, whose result only says `stop`."""
+        """Return None while the lease is valid, else the `LeaseLost` with `why` it ended and `by` whom.
+
+        Call this after a step that ended with `stop`, since its result does not say who stopped it.
+        """
         try:
             await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
         except LeaseLost as e:
@@ -100,39 +104,39 @@ class DriverClient:
         if lease in self._renewing:
             return None
         await self._call("DELETE", f"/lease/{lease}", timeout_s=1.0)  # let lapse: asking must not keep it
-        return LeaseLost("the lease was given up with a stop")
+        return LeaseLost("this client released the lease when it requested a stop")
 
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
-        """Blocks until the step has ended. A refusal or a failure is a result; `LeaseLost` without a good lease."""
+        """Run a step until its end. A refusal or failure is a result. Raises `LeaseLost` without a valid lease."""
         body = {"lease": lease, "primitive": codec.encode(primitive), "deadline_s": deadline_s}
         return codec.decode_result(await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S))
 
     async def stop(self, by: str, *, running_only: bool = False) -> StopResult:
-        """Stop the robot now; needs no lease. Answers when it has come to rest, at most 3 s later.
+        """Stop the robot now; needs no lease. Returns when the robot is at rest, after at most 3 s.
 
-        It ends also what was accepted before and has no lease yet; not with `running_only`. From now on this client
-        renews no lease.
+        It also ends commands that were accepted before and have no lease yet, unless `running_only` is set. This
+        client's leases are no longer renewed.
         """
         self._let_lapse()
         body = {"by": by, "running_only": running_only}
         return codec.decode_stop(await self._call("POST", "/stop", body, timeout_s=CALL_S))
 
     async def halt(self, by: str) -> StopResult:
-        """Stop, and refuse all motion until `release`, also across restarts. Leases are as with `stop`."""
+        """Stop, and refuse all motion until `release`, also after restarts. It ends leases as `stop` does."""
         self._let_lapse()
         return codec.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=CALL_S))
 
     async def release(self, by: str, since_s: float | None = None) -> Lock | None:
-        """Let a locked robot move again; the owner's to do. The lock that was taken away, None when it was not locked.
+        """Unlock the robot on behalf of its owner. Return the removed lock, or None if it was not locked.
 
-        `since_s` is when it was asked for (`time.monotonic()` on this host; now when not given): `RobotError` when the
-        robot was locked after that.
+        `since_s` is when the release was requested (`time.monotonic()` on this host; default now). Raises `RobotError`
+        if the robot was locked after that.
         """
         released = (await self._call("POST", "/release", {"by": by, "since_s": since_s}))["released"]
         return None if released is None else codec.decode_lock(released)
 
     async def home(self, by: str) -> Pose:
-        """Where the robot stands now is its home; the owner's to do. `RobotError` when it cannot be."""
+        """Set home to the robot's current pose, on behalf of its owner. Raises `RobotError` if it cannot be set."""
         return codec.decode_pose((await self._call("POST", "/home", {"by": by}))["home"])
 
     async def close(self) -> None:
@@ -178,9 +182,9 @@ def run_plan(
     deadline_s: float = 60.0,
     on_result: Callable[[ActionResult], None] = lambda _: None,
 ) -> tuple[ActionResult, ...]:
-    """Drive a robot through a plan from a script; blocks. After a step that is not done the rest is `skipped`.
+    """Run a plan from a script; blocks. After a step that is not done, the remaining steps are `skipped`.
 
-    `deadline_s` is for the whole plan. `on_result` hears of each step as it ends. Raises `RobotError` subclasses.
+    `deadline_s` applies to the whole plan. `on_result` is called with the result of each step. Raises `RobotError`.
     """
     return asyncio.run(_run_plan(robot, plan, holder, socket, deadline_s, on_result, time.monotonic()))
 

@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 LAST_STOP_S = 0.4
 #: A new holder waits at most this long for the end of the last holder's step: a robot comes to rest within 3 s.
 TAKE_S = 4.0
-#: Shortest time between two pictures for the record.
+#: Minimum time between two pictures taken with `look`.
 LOOK_S = 0.4
 
 
@@ -41,10 +41,10 @@ class Driver:
         return self.guard.state()
 
     def take(self, holder: str, since_s: float | None = None) -> str:
-        """Return a lease; waits until the last holder's step has come to rest.
+        """Return a new lease, after waiting until the previous holder's step has come to rest.
 
-        `since_s` is when the command was accepted, by the monotonic clock; now when not given. Raises `RobotBusy`, and
-        `LeaseLost` when a stop or a halt came since then, also while this waits.
+        `since_s` is when the command was accepted, in monotonic seconds; default now. Raises `RobotBusy`, and
+        `LeaseLost` if a stop or halt came since then, including during this wait.
         """
         asked_s = time.monotonic()
         since_s, end_s = asked_s if since_s is None else since_s, asked_s + TAKE_S
@@ -52,13 +52,13 @@ class Driver:
         while self.leases.holder is None and self.busy and time.monotonic() < end_s:
             time.sleep(0.02)
         if self.leases.holder is None and self.busy:
-            raise RobotBusy("the robot is still ending the step of its last holder; try again in a moment")
+            raise RobotBusy("the robot is still ending its previous holder's step; try again in a moment")
         lease = self.leases.take(holder, since_s)
         log.info("lease to %s", holder)
         return lease
 
     def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
-        """Blocks until the step has ended. Raises `LeaseLost`, `RobotBusy`."""
+        """Run a step and block until it has ended. Raises `LeaseLost` and `RobotBusy`."""
         self.leases.renew(lease)
         if not self._step.acquire(blocking=False):
             raise RobotBusy("another step of this lease is still running")
@@ -70,23 +70,23 @@ class Driver:
         return result
 
     def look(self) -> bytes:
-        """A picture of the robot's own camera, for the record; at most every `LOOK_S`, whoever asks. `RobotBusy` when
-        that is too soon or another look is under way."""
+        """Return a picture of the robot's own camera. Raises `RobotBusy` if the last one, of any client, was less than
+        `LOOK_S` ago or is still being taken."""
         if not self._looking.acquire(blocking=False):
-            raise RobotBusy("another look through the robot's camera is under way")
+            raise RobotBusy("the robot's camera is in use by another request")
         try:
             if time.monotonic() - self._looked_s < LOOK_S:
-                raise RobotBusy(f"the robot's camera is looked through at most every {LOOK_S:g} s")
+                raise RobotBusy(f"the robot's camera gives at most one picture every {LOOK_S:g} s")
             self._looked_s = time.monotonic()
             return self.guard.look()
         finally:
             self._looking.release()
 
     def stop(self, by: str, asked_s: float | None = None, *, running_only: bool = False) -> StopResult:
-        """Ends the running step and the lease: what its holder was about to do is over too, and so is what was accepted
-        before; that is left with `running_only`, by which an agent ends a command of its own.
+        """Stop the robot and end the lease, as well as commands that were accepted before.
 
-        `asked_s` is when it was asked for, by the monotonic clock; the latency counts from there.
+        With `running_only`, which an agent uses to end its own command, accepted commands are not affected. `asked_s`
+        is when the stop was requested, in monotonic seconds; the measured latency starts there.
         """
         asked_s = time.monotonic() if asked_s is None else asked_s
         ended_s = self.leases.end("stop", by, running_only=running_only)
@@ -100,10 +100,10 @@ class Driver:
         return replace(self.guard.halt(display_name(by)), ended_s=ended_s)
 
     def release(self, by: str, since_s: float = math.inf) -> Lock | None:
-        """Let a locked robot move again. Nothing moves by this: what was accepted before the release is over (law 14).
+        """Unlock the robot; return the removed lock, or None if there was none. Commands that were accepted before
+        are ended, so nothing moves (law 14).
 
-        `since_s` is when it was asked for, by the monotonic clock. The lock that was taken away, None when there was
-        none. Raises `RobotError` when it stays locked.
+        `since_s` is when the release was requested, in monotonic seconds. Raises `RobotError` if it stays locked.
         """
         lock = self.guard.release(by, since_s)
         if lock is not None:
@@ -111,13 +111,13 @@ class Driver:
         return lock
 
     def home(self, by: str) -> Pose:
-        """Where the robot stands now is its home. Raises `RobotError`, also while anything moves."""
+        """Set home to the robot's current pose. Raises `RobotError`, also while the robot moves."""
         if self.busy:
             raise RobotError("cannot set home while a step runs")
         return self.guard.home(display_name(by))
 
     def close(self) -> None:
-        """Stop the robot, waiting for its rest only a moment, and let it go."""
+        """Stop the robot, wait briefly until it is at rest, and disconnect."""
         self.leases.end("shutdown")
         last = threading.Thread(target=self.guard.stop, daemon=True)
         last.start()

@@ -15,14 +15,14 @@ TTL_S = 1.0
 
 
 class End(NamedTuple):
-    """Why a lease and the commands accepted before are over: a stable code, and who ended them (empty: nobody)."""
+    """What ended a lease and the commands accepted before: `why` is a stable code, `by` a name or empty."""
 
     why: str
     by: str = ""
 
     @property
     def said(self) -> str:
-        """The same as part of a sentence: `by a stop of NAME`, `by a shutdown`."""
+        """As part of a sentence: `by a stop of NAME`, `by a shutdown`."""
         return f"by a {self.why} of {self.by}" if self.by else f"by a {self.why}"
 
 
@@ -41,7 +41,7 @@ class Leases:
 
     @property
     def holder(self) -> str | None:
-        """Who holds the robot now."""
+        """The current holder of the robot."""
         return self._holder if self._lease and time.monotonic() < self._until_s else None
 
     def take(self, holder: str, since_s: float = math.inf) -> str:
@@ -53,14 +53,14 @@ class Leases:
             self.refuse_ended(since_s)
             if (other := self.holder) is not None:
                 raise RobotBusy(
-                    f"{other} holds the robot; it is free when they give it back or fall silent for a second"
+                    f"{other} holds the robot until it releases the lease or does not renew it for a second"
                 )
             self._lease, self._holder = secrets.token_urlsafe(12), holder
             self._until_s = time.monotonic() + self.ttl_s
             return self._lease
 
     def renew(self, lease: str) -> None:
-        """Another second. `LeaseLost` says why not."""
+        """Extend the lease by its time to live. Raises `LeaseLost` if it has ended."""
         with self._lock:
             if (end := self._end_of(lease)) is not None:
                 raise LeaseLost(self.sentence(end), end.why, end.by)
@@ -72,8 +72,8 @@ class Leases:
                 self._lease = ""
 
     def end(self, why: str, by: str = "", *, running_only: bool = False) -> float:
-        """Take the lease away from whoever has it (a stop does), and from what was accepted before now; not from that
-        with `running_only`. Returns when that was, in monotonic seconds."""
+        """End the current lease, and unless `running_only` also the commands accepted before now. Return the time in
+        monotonic seconds."""
         end = End(why, display_name(by))
         with self._lock:
             ended_s = time.monotonic()
@@ -84,14 +84,14 @@ class Leases:
             return ended_s
 
     def refuse_ended(self, since_s: float) -> None:
-        """`LeaseLost` when a stop or a halt came at or after `since_s`."""
+        """Raise `LeaseLost` if a stop or halt came at or after `since_s`."""
         ended_s, end = self._last_end
         if ended_s >= since_s:
-            sentence = f"what was accepted before was ended {end.said}; only a later command moves the robot"
+            sentence = f"the command was ended {end.said}; only a later command moves the robot"
             raise LeaseLost(sentence, end.why, end.by)
 
     def lost(self, lease: str) -> str | None:
-        """None while the lease is good, else a stable word: `lease_lapsed`, or why it was ended."""
+        """Return None while the lease is valid, else a stable word: `lease_lapsed`, or why it was ended."""
         end = self._end_of(lease)
         return end and end.why
 
@@ -103,5 +103,5 @@ class Leases:
     @staticmethod
     def sentence(end: End) -> str:
         if end == LAPSED:
-            return "the lease lapsed, was given back or never existed; take a new one"
+            return "the lease lapsed, was released or never existed; take a new one"
         return f"the lease was ended {end.said}; take a new one"

@@ -38,9 +38,10 @@ LINE_S = 2.0
 
 # ------------------------------------------------------------------ the process
 def lock_name(name: str, settings: RobotConfig) -> str:
-    """The host lock of a robot's driver; also the name of its stop channel. A fake's domain tells namesakes apart.
+    """The host lock of a robot's driver, which is also the name of its stop channel. Fake robots of the same name
+    differ by their domain.
 
-    A robot that is not simulated has no namespace, also on loopback: a stranger's robot may need no interface.
+    Only simulated robots have a namespace; a third-party robot on loopback may be real.
     """
     if settings.model == "fake":
         return namespaced(f"driver/fake/{settings.domain}/{name}" if settings.domain else f"driver/fake/{name}")
@@ -49,7 +50,7 @@ def lock_name(name: str, settings: RobotConfig) -> str:
 
 
 def make_robot(settings: RobotConfig) -> Robot:
-    """The robot of the entry point (`agentrob.robots`) that the settings name. Raises `ConfigError`."""
+    """Make the robot of the model that the settings name (entry points `agentrob.robots`). Raises `ConfigError`."""
     robot: Robot = find("robots", settings.model)(settings)
     return robot
 
@@ -57,7 +58,7 @@ def make_robot(settings: RobotConfig) -> Robot:
 def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None, data: Path | None = None) -> None:
     """Hold the robot until SIGTERM or SIGINT; the robot is stopped before this returns (within a second).
 
-    Prints one line of JSON on standard output when it serves. Raises `RobotBusy` when another driver holds this robot
+    Prints one line of JSON on standard output when it is ready. Raises `RobotBusy` if another driver holds this robot
     or this socket, `ConfigError` for a robot model that is not installed. Call it from the main thread only.
     """
     from agentrob.robots.driver.api import DriverServer
@@ -86,7 +87,7 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
 
 @contextlib.contextmanager
 def _only_own_lines() -> Iterator[Any]:
-    """The real standard output; whatever a robot's SDK prints goes to standard error meanwhile."""
+    """Yield standard output, and redirect the output of a robot's SDK to standard error meanwhile."""
     out = sys.stdout
     with contextlib.redirect_stdout(sys.stderr):
         yield out
@@ -94,7 +95,7 @@ def _only_own_lines() -> Iterator[Any]:
 
 @contextlib.contextmanager
 def listening(path: Path) -> Iterator[socket.socket]:
-    """A listening Unix socket at `path`, for this user only; one that a killed driver left behind is replaced."""
+    """A listening Unix socket at `path`, for this user only; it replaces a socket that a killed driver left."""
     _refuse_when_served(path)
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
@@ -107,7 +108,7 @@ def listening(path: Path) -> Iterator[socket.socket]:
             os.umask(old_mask)
         listener.listen(64)
         ours = fresh.stat().st_ino
-        fresh.replace(path)  # at once: no client ever sees a socket that does not listen
+        fresh.replace(path)  # atomic: no client ever sees a socket that does not listen
     except OSError as e:
         listener.close()
         raise RobotError(f"cannot listen at {path}: {e.strerror or e}") from None
@@ -151,6 +152,6 @@ def _serve_stop(connection: socket.socket, driver: Driver) -> None:
         if word in ("stop", "halt"):
             answer = encode(driver.stop(who) if word == "stop" else driver.halt(who))
         else:
-            answer = {"error": "say: stop <who>, or halt <who>"}
+            answer = {"error": "unknown request; valid: stop NAME, halt NAME"}
         connection.settimeout(LINE_S)
         connection.sendall((json.dumps(answer) + "\n").encode())

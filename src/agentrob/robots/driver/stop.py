@@ -17,12 +17,12 @@ ANSWER_S = 5.0
 
 
 def stop_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
-    """Stop one robot. Raises `RobotUnreachable` when no driver holds it or the driver does not answer."""
+    """Stop one robot. Raises `RobotUnreachable` if it has no driver or the driver does not answer."""
     return stop_driver(lock_name(name, settings), by)
 
 
 def halt_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
-    """Stop one robot and let it refuse all motion until its owner releases it. Raises as `stop_robot`."""
+    """Stop one robot and lock it until its owner releases it. Raises as `stop_robot`."""
     return _tell(lock_name(name, settings), "halt", by)
 
 
@@ -45,9 +45,10 @@ def _tell(lock: str, word: str, by: str) -> StopResult:
 
 
 def stop_all(by: str, among: str = "driver/") -> dict[str, StopResult | RobotUnreachable]:
-    """Stop every robot that has a driver on this host, all at the same time; the key is the driver's lock.
+    """Stop every robot with a driver on this host, in parallel, including other users' robots. The keys of the result
+    are the drivers' locks.
 
-    `among` narrows it to locks that begin so (`driver/lo/`). The host is meant: robots of other users stop too.
+    `among` restricts it to locks with this prefix (`driver/lo/`).
     """
     locks = host_lock.held(among)
     if not locks:

@@ -1,8 +1,8 @@
-"""The guard: wraps a robot and refuses or stops what laws 8, 9, 10 and 12 forbid, for every client.
+"""The guard: wraps a robot and refuses or stops steps that laws 8, 9, 10 and 12 forbid, for every client.
 
 Covered, before a step and 20 times a second while it runs:
-- limits of speed, distance and angle of a step: beyond is refused with the limit named, never clipped;
-- the fence around the owner's home, along the whole predicted path and with the way the body coasts;
+- limits of speed, distance and angle of a step: a step beyond is refused with the limit named, never clipped;
+- the fence around the owner's home, along the whole predicted path including the distance the body coasts;
 - obstacles in the direction of motion by the robot's own four range readings; readings that are missing, zero or never
   change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so; readings that are
   lost on the way end a step that is faster, and every step without that consent;
@@ -20,22 +20,22 @@ Covered, before a step and 20 times a second while it runs:
 - a picture that shows nothing: it is reported as failed.
 
 Not covered:
-- people, animals, and all that is below, above or between the four range beams: stairs, cables, glass, table edges;
+- people, animals, and anything below, above or between the four range beams: stairs, cables, glass, table edges;
 - obstacles that move towards the robot, and all obstacles during gestures and flips, which need free space around;
-- drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values stand on it. A
-  robot that is pushed or slips, and whose odometry does not see it, is not where it says;
+- drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values depend on it. If
+  a robot is pushed or slips and its odometry does not register it, its position is wrong;
 - pushes: a robot pushed off its path walks back to it, towards the person who pushed it;
 - a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
 - a robot that cannot be reached: it holds the last velocity for up to a second, then its own firmware decides;
-- a fall itself: it is seen once the body is tilted by 60°, and nothing softens it. What stands around a robot that is
-  asked to get up is not looked at;
-- a battery that the robot does not tell (a G1's) or tells wrongly, and one that fails within a step; heat of motors;
+- a fall itself: it is detected once the body is tilted by 60°, and nothing softens it. The space around a robot that is
+  asked to get up is not checked;
+- a battery that the robot does not report (a G1's) or reports wrongly, and one that fails within a step; motor heat;
 - a picture that is old, frozen, or of another place: only whether it shows something is checked;
 - the floor: slopes, wet or loose ground, anything that is not level and free;
 - the sum of several steps (a command's limits): the agent's mandate counts them;
-- other robots: each has its own guard, and they know nothing of each other but what the ranges show;
+- other robots: each has its own guard, and detects others by its range readings only;
 - a machine that is frozen or too busy: a driver that does not run stops nothing (its lease and the robot's own hold of
-  one second do); nor does it see what the robot does meanwhile;
+  one second do), nor does it see what the robot does meanwhile;
 - other programs that command the robot over DDS directly. Nothing here replaces the robot's hardware stop.
 """
 
@@ -90,7 +90,7 @@ Refusal = tuple[str, str]  # (stable word, sentence)
 
 
 class Guard:
-    """See `agentrob.robots.protocol.Robot`. Starts a thread that watches the robot also while nothing runs.
+    """See `agentrob.robots.protocol.Robot`. Starts a thread that also watches the robot between steps.
 
     `mark` is written while a step runs. If a previous guard died during a step, call `settle` first.
     """
@@ -127,7 +127,7 @@ class Guard:
         )
 
     def step(self, primitive: Primitive, watch: Watch, deadline_s: float | None = None) -> ActionResult:
-        """As any robot's; `deadline_s` is how long it may take, at most the limit of a command."""
+        """See `Robot.step`; `deadline_s` is how long it may take, at most the limit of a command."""
         stops = self._stops
         attentive: Watch = lambda state: "stop" if self._stops != stops else watch(state)  # noqa: E731
         if not self._stepping.acquire(blocking=False):
@@ -152,7 +152,7 @@ class Guard:
         return self._robot.look()
 
     def settle(self) -> None:
-        """Stop the robot and wait for its rest (at most 3 s) when the guard before this one died within a step."""
+        """If the previous guard died during a step, stop the robot and wait until it is at rest (at most 3 s)."""
         if self._left is not None:
             stopped = self._robot.stop()  # not `stop`: what the robot's mode does meanwhile is not taken for ours
             log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
@@ -164,7 +164,7 @@ class Guard:
 
     # ------------------------------------------------------------ home and halt
     def home(self, by: str) -> Pose:
-        """The robot's place and heading now are its home: the fence lies around it. Raises `RobotError`."""
+        """Set home, the centre of the fence, to the robot's current pose. Raises `RobotError`."""
         state = sanitized(self._robot.state())
         if state.pose is None or not state.age_s < STATE_AGE_S:
             why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
@@ -178,7 +178,7 @@ class Guard:
         return state.pose
 
     def halt(self, by: str, why: str = EMERGENCY_STOP) -> StopResult:
-        """Stop, and refuse all motion until `release`, also after a restart."""
+        """Stop, and refuse all motion until `release`, also after a restart of the driver."""
         log.warning("%s", self._halt.set(by, why))
         kept: list[bool] = []
         writer = threading.Thread(target=lambda: kept.append(self._halt.save()), daemon=True)
@@ -191,10 +191,10 @@ class Guard:
         return result
 
     def release(self, by: str, since_s: float = math.inf) -> Lock | None:
-        """Allow motion again; moves nothing. The lock that was taken away, None when there was none.
+        """Allow motion again, without moving. Return the removed lock, or None if there was none.
 
-        `since_s` is when it was asked for, in monotonic seconds. Raises `RobotError` when the robot was locked after
-        that, and when the halt cannot be taken off the disk.
+        `since_s` is when the release was requested, in monotonic seconds. Raises `RobotError` if the robot was locked
+        after that, or if the halt cannot be removed from the disk.
         """
         try:
             lock = self._halt.release(since_s)
@@ -280,7 +280,7 @@ class Guard:
         return ("fence", sentence) if sentence else None
 
     def _careful(self, primitive: Primitive) -> Primitive:
-        """The step as it may be done: with its speed set, and slower where the ranges are unknown."""
+        """Return the step with its speed set, reduced if the ranges are unknown."""
         limit_mps = self.capabilities.limits.speed_mps
         speed_mps = primitive.speed_mps or (limit_mps if primitive.op is Op.MOVE else None)
         if self._ranges.unknown(primitive):
@@ -311,7 +311,7 @@ class Guard:
         return None
 
     def _prepare(self, primitive: Primitive) -> None:
-        """Wait a moment for what is not known yet: the driver, or the robot, has just started."""
+        """Wait briefly for data that is still missing because the driver or the robot has just started."""
         end_s = time.monotonic() + PREPARE_S
         while time.monotonic() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)

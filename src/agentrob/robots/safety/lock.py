@@ -16,7 +16,7 @@ from agentrob.model import Language, Lock
 
 
 class Halt:
-    """`lock` says who locked the robot, why and when; None while it is free. A file that cannot be read is a lock.
+    """`lock` says who locked the robot, why and when; None if it is not locked. An unreadable file counts as a lock.
 
     A release removes only the halt that existed when it was requested: a halt set at the same time stays.
     """
@@ -65,23 +65,23 @@ class Halt:
             return True
 
     def release(self, since_s: float = math.inf) -> Lock | None:
-        """Take the lock away; what it was, None when there was none.
+        """Remove the lock; return it, or None if there was none.
 
-        `since_s` is when the release was asked for (monotonic seconds): `RobotError` when the robot was locked after
-        that. Raises `OSError` when the file cannot be removed: then the lock stays.
+        `since_s` is when the release was requested (monotonic seconds). Raises `RobotError` if the robot was locked
+        after that, and `OSError` if the file cannot be removed; the lock then stays.
         """
         with self._disk:
             with self._facts:
                 lock, set_s = self._lock, self._set_s
             if lock is not None and set_s > since_s:
-                raise RobotError("the robot was locked after this release was asked for, so it stays locked")
+                raise RobotError("the robot was locked after this release was requested, so it stays locked")
             self.path.unlink(missing_ok=True)
             if self.path.parent.exists():
                 self._sync_folder()
             with self._facts:
                 if self._set_s > set_s:
                     # That halt waits for `self._disk` to write itself down.
-                    raise RobotError("the robot was locked again while it was released, so it stays locked")
+                    raise RobotError("the robot was locked again during the release, so it stays locked")
                 self._lock = None
             return lock
 
@@ -105,15 +105,15 @@ class Halt:
 
 
 def _monotonic(lock: Lock | None) -> float:
-    """When a lock that was read from its file was set, in monotonic seconds: never later than now, whatever the
-    machine's clock did since."""
+    """When a lock read from its file was set, in monotonic seconds; never in the future, even if the machine's clock
+    was changed."""
     if lock is None or lock.at is None:
         return -math.inf
     return time.monotonic() - max(0.0, (datetime.now(UTC) - lock.at).total_seconds())
 
 
 def sentence(lock: Lock) -> str:
-    """Who locked it, how long ago and why, in English."""
+    """Who locked the robot, how long ago and why, in English."""
     if not lock.by:  # of a file that cannot be read, or that an earlier version wrote as a whole sentence
         return lock.why if lock.why.startswith("Halted by ") else f"Halted: {lock.why}"
     held = held_for(lock)
@@ -121,5 +121,5 @@ def sentence(lock: Lock) -> str:
 
 
 def held_for(lock: Lock, language: Language = "en") -> str:
-    """How long it has been locked, in words; empty if unknown."""
+    """How long the robot has been locked, in words; empty if unknown."""
     return duration((datetime.now(UTC) - lock.at).total_seconds(), language) if lock.at else ""

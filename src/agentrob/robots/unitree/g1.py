@@ -1,8 +1,8 @@
 """The Unitree G1 humanoid, through the official SDK's clients: the same for a real one and for the simulated one.
 
-A G1 offers no range readings on DDS, so free space around it is always unknown: the guard moves it at most at 0.2 m/s,
-and only with the owner's consent (`allow_unknown_ranges`). Its limits say so from the beginning. Nor does its state
-carry a battery: the topic of a real one is not verified.
+A G1 publishes no range readings on DDS, so free space around it is always unknown: the guard moves it at most at
+0.2 m/s, and only with the owner's consent (`allow_unknown_ranges`); its limits reflect that. Its state has no battery
+charge either: the topic of a real G1 is not verified.
 
 Unverified on hardware: which fields of `rt/odommodestate` a G1 fills and in which frame its velocity is, the state ids
 beside 500, how soon it walks after being unlocked, how long gestures take, and whether a release (99) ends one early.
@@ -38,7 +38,7 @@ from agentrob.robots.unitree.robot import (
     refused,
 )
 
-#: A cautious envelope, well inside what the robot can do. What it coasts and sways was found in simulation.
+#: Cautious values, well below what the robot can do. Coasting and sway were measured in simulation.
 GAIT = Gait(
     speed_mps=0.5,
     side_mps=0.2,
@@ -53,9 +53,9 @@ GAIT = Gait(
 #: A gesture takes up to 9 s; a shorter timeout would report a failure that is none.
 GESTURE_TIMEOUT_S = 20.0
 ASK_TIMEOUT_S = 0.5
-#: The robot holds a velocity for so long: a driver that dies leaves it walking no longer than this.
+#: How long the robot holds a velocity, and so the longest that it walks on after its driver died.
 HELD_S = 0.5
-#: After being unlocked it may take so long until it walks.
+#: It may take this long until it walks after being unlocked.
 START_AFTER_LOCKED_S = 10.0
 SET_VELOCITY, EXECUTE_ACTION = 7105, 7106
 RELEASE = 99
@@ -77,10 +77,10 @@ class G1(UnitreeRobot):
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without connecting.
+        """Return its capabilities without connecting.
 
-        A real G1 serves no pictures on DDS; the option `videohub = true` says that something beside it does so, by the
-        Go2's service of that name.
+        A real G1 serves no pictures on DDS; the option `videohub = true` declares that another program provides them
+        through a service like the Go2's `videohub`.
         """
         pictures = settings.simulated or settings.options.get("videohub") is True
         ops = CAPABILITIES.ops if pictures else CAPABILITIES.ops - {Op.GET_FRONT_IMAGE}
@@ -175,7 +175,7 @@ class G1(UnitreeRobot):
         return self._do_gesture(primitive, watch)
 
     def _stand_ready(self, primitive: Primitive) -> ActionResult | None:
-        """Why it cannot walk or gesture now; a locked one is unlocked."""
+        """Unlock a locked robot; return why it cannot walk or gesture, or None."""
         self._ready_gait, fsm = self._gait, self._fsm.wait(g1_fsm.OLD_S)
         if fsm in g1_fsm.WALKING:
             return None
@@ -190,7 +190,7 @@ class G1(UnitreeRobot):
         return None
 
     def _do_gesture(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        """The arm's own motion; a reason of the watch lets it go: the arms come down early."""
+        """Run the arm's built-in motion; if the watch gives a reason, release the arms early."""
         started_s = time.monotonic()
         self._let_go.clear()
         calls = 2 if primitive.op in HOLDING else 1
@@ -210,7 +210,7 @@ class G1(UnitreeRobot):
         return ActionResult(primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic())
 
     def _perform(self, op: Op) -> int:
-        """The gesture, and the release of those that hold their pose, or that were broken off; the code of both."""
+        """Run the gesture, and release arms that hold their pose or were interrupted; return the code of both."""
         code = int(self._arm.ExecuteAction(ACTIONS[op]))
         if code in sdk.NO_ANSWER or not (op in HOLDING or code or self._let_go.is_set()):
             return code
@@ -221,13 +221,13 @@ class G1(UnitreeRobot):
 
 
 def _blind(limits: Limits) -> Limits:
-    """The limits of a robot that does not see what is around it (law 8)."""
+    """The limits of a robot without range readings (law 8)."""
     turn_dps = min(limits.turn_dps, math.degrees(GAIT.turn_rps), math.degrees(BLIND_MPS / BODY_RADIUS_M))
     return replace(limits, speed_mps=min(limits.speed_mps, BLIND_MPS), turn_dps=round(turn_dps, 1))
 
 
 def mode_of(state: RobotState, fsm: int | None, *, gesturing: bool) -> str:
-    """The mode, from its tilt, the state of its motion service and how it moves."""
+    """The mode, from the tilt, the state of the motion service and the motion."""
     if state.upright is False:
         return "fallen"
     if fsm is None or fsm not in g1_fsm.WALKING:

@@ -20,7 +20,7 @@ LOCKED = 4
 MODES = {0: "damping", 1: "damping", 2: "locked", 3: "sitting", LOCKED: "locked", 702: "lying", 706: "locked"}
 
 EVERY_S = 0.2
-#: An answer older than this is none: then the mode is unknown.
+#: An answer older than this is ignored; the mode is then unknown.
 OLD_S = 1.0
 
 
@@ -28,7 +28,7 @@ class FsmMonitor:
     """Polls on a thread; `id` is the newest answer, None if there is none or it is old."""
 
     def __init__(self, client: Any, there: Callable[[], bool]) -> None:
-        """`client` is a LocoClient with a short timeout, used by nobody else; a robot not `there` is not asked."""
+        """`client` is a LocoClient with a short timeout, for this monitor only. Polls only while `there` is true."""
         self._client, self._there = client, there
         self._newest: tuple[float, int] | None = None
         self._closed = threading.Event()
@@ -40,7 +40,7 @@ class FsmMonitor:
         return newest[1] if newest is not None and time.monotonic() - newest[0] < OLD_S else None
 
     def wait(self, limit_s: float) -> int | None:
-        """The id; when there is none yet, after waiting for it."""
+        """Return the id, waiting for the first answer if there is none yet."""
         end_s = time.monotonic() + limit_s
         while (found := self.id) is None and time.monotonic() < end_s:
             self._closed.wait(0.02)
@@ -62,7 +62,7 @@ class FsmMonitor:
 
 
 def parse(data: Any) -> int | None:
-    """The id in an answer (`{"data": 500}`), None when there is none."""
+    """The id in an answer (`{"data": 500}`), or None."""
     try:
         return int(json.loads(data)["data"])
     except (ValueError, KeyError, TypeError):

@@ -47,7 +47,7 @@ MODES_BY_MODE = {
 }  # fmt: skip
 STOP_MOVE = 1003
 UNSUITABLE = 4206
-#: A flip, with coming to rest before it, takes no longer: whoever lies on his back later has fallen.
+#: Upper bound of a flip, including coming to rest before it; a robot that lies on its back after this has fallen.
 FLIP_S = 8.0
 CAPABILITIES = Capabilities(
     "go2",
@@ -63,7 +63,7 @@ class Go2(UnitreeRobot):
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without connecting. The simulated one's flip is an animation, and its result says so."""
+        """Return its capabilities without connecting. The simulated flip is an animation; its result says so."""
         return replace(CAPABILITIES, limits=limits_of(settings), simulated=settings.simulated)
 
     def __init__(self, settings: RobotConfig) -> None:
@@ -114,7 +114,7 @@ class Go2(UnitreeRobot):
 
     @property
     def _flipping(self) -> bool:
-        """Whether it may be over its back because we told it to flip: then that is no fall."""
+        """Whether it may be upside down because of a commanded flip, which is not a fall."""
         return self._gesturing and self.now_s() < self._flip_began_s + FLIP_S
 
     def close(self) -> None:
@@ -152,7 +152,7 @@ class Go2(UnitreeRobot):
         return run_step(self, primitive, gait, watch)
 
     def _do_gesture(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        """The robot's own motion: it runs to its end; a reason of the watch stops what follows, and is told."""
+        """Run the robot's built-in motion to its end; a reason of the watch prevents further calls and is reported."""
         started_s = time.monotonic()
         if reason := watch(self.state()):
             return not_begun(primitive, reason, started_s)

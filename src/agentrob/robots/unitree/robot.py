@@ -27,7 +27,7 @@ IMAGE_TIMEOUT_S = 10.0
 IMAGE_MAX_BYTES = 8 * 1024 * 1024
 #: Cosine of the tilt below which it lies rather than stands (60 degrees).
 UPRIGHT = 0.5
-#: A standing robot sways a little; faster than this, at one moment, it moves.
+#: A standing robot sways a little; a robot that is faster than this moves.
 MOVING_MPS, MOVING_RPS = 0.12, 0.25
 #: A body that walks or turns advances by more than this in half a second, whatever its speed at one moment.
 #: In simulation bodies at rest stay below 0.01 m/s and 0.02 rad/s, and a walk at 0.2 m/s or a turn at 0.5 rad/s above
@@ -35,7 +35,7 @@ MOVING_MPS, MOVING_RPS = 0.12, 0.25
 ADVANCE_S, ADVANCE_MPS, ADVANCE_RPS = 0.5, 0.06, 0.1
 #: A standing body does not advance this far during a stop.
 STOP_ADVANCE_M, STOP_ADVANCE_RAD = 0.05, 0.06
-#: An older state confirms nothing.
+#: An older state does not confirm a stop.
 CONFIRMING_S = 0.5
 
 
@@ -60,11 +60,11 @@ class UnitreeRobot:
         raise NotImplementedError
 
     def _recent(self) -> tuple[tuple[float, Pose], ...]:
-        """Where it was in the last second: (monotonic seconds, pose), oldest first; empty where that is not kept."""
+        """Poses of the last second as (monotonic seconds, pose), oldest first; empty if they are not recorded."""
         return ()
 
     def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
-        """A step that moves the body; no gesture is under way."""
+        """Run a step that moves the body; called when no gesture is running."""
         raise NotImplementedError
 
     def _send_stop(self) -> bool:
@@ -72,7 +72,7 @@ class UnitreeRobot:
         raise NotImplementedError
 
     def _end_gesture(self) -> None:
-        """What ends a gesture beside `_send_stop`."""
+        """End a gesture, in addition to `_send_stop`."""
 
     # ------------------------------------------------------------ the robot
     def step(self, primitive: Primitive, watch: Watch) -> ActionResult:
@@ -89,7 +89,7 @@ class UnitreeRobot:
             self._walking = False
 
     def stop(self) -> StopResult:
-        """Zero velocity at once, on a client of its own that waits for no answer, then watch for rest."""
+        """Command zero velocity at once on a separate client that does not wait for an answer; then wait for rest."""
         asked_s = time.monotonic()
         self._stops += 1
         before, recent, walking = self.state(), self._recent(), self._walking
@@ -110,10 +110,10 @@ class UnitreeRobot:
                 self._send_stop()  # a velocity that was on its way meanwhile, or a lost sample
         start = None if jumped else before.pose  # from before a jump nothing is measured
         moved_m, turned_rad = rest.distance_m(start), rest.turned_rad(start)
-        # in a stride there are moments at which it hardly moves: then it is seen by its coming on
+        # within a stride the speed may be near zero for a moment, so progress counts too
         came_on = (moved_m or 0.0) > STOP_ADVANCE_M or abs(turned_rad or 0.0) > STOP_ADVANCE_RAD
         coming = is_advancing(recent)
-        # the speed of one moment counts where we walk it, or where it alone is known: a body that stands sways too
+        # a standing body sways: momentary speed counts only in our own walk, or if nothing else is known
         was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and is_moving(before))
         doubt = self._doubt(rest)
         if doubt and not sent:
@@ -130,7 +130,7 @@ class UnitreeRobot:
         return f"The robot keeps its place, but {self._unfinished}." if self._gesturing else ""
 
     def look(self) -> bytes:
-        """See `agentrob.robots.protocol.HasCamera`; on the camera's own client, so no step waits for it."""
+        """See `agentrob.robots.protocol.HasCamera`. It uses the camera's own client, so it never delays a step."""
         result = self._image(Primitive(Op.GET_FRONT_IMAGE))
         if result.image is None:
             raise RobotError(result.message or "the camera gave no picture")
