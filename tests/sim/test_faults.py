@@ -32,7 +32,7 @@ def test_faults_are_read_and_what_is_left_out_is_well() -> None:
     [
         ([], "JSON object"),
         ({"smell": True}, "valid: robot, ranges"),
-        ({"robot": "g7"}, "there are: go2"),
+        ({"robot": "g7"}, "robots in this world: go2"),
         ({"ranges": "strange"}, "good, missing, zero, constant"),
         ({"silent": 1}, "true or false"),
         ({"jump_m": 1.0}, "two numbers"),

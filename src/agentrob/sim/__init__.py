@@ -1,1 +1,1 @@
-"""The simulated world, behind the same DDS services that real robots offer."""
+"""The simulated world; its robots offer the same DDS services as real ones."""

@@ -1,4 +1,4 @@
-"""The world's record of what the robots really did, as JSON lines."""
+"""Log the robots' actual motions and gestures as JSON lines."""
 
 from __future__ import annotations
 

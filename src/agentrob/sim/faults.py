@@ -2,19 +2,19 @@
 
     {"robot": "go2", "ranges": "missing", "silent": true, "jump_m": [1.0, 0.0], "box_m": [0.5, -0.2]}
 
-All keys are optional. A fault that is left out ends for this robot (the Go2 by default); `{}` ends all faults of all
+All keys are optional. A request replaces all faults of its robot (the Go2 by default); `{}` ends all faults of all
 robots.
 
-- `ranges`: `good`, `missing` (not a number), `zero`, or `constant` (they stay what they are now).
+- `ranges`: `good`, `missing` (NaN), `zero`, or `constant` (frozen at their current values).
 - `silent`: the robot obeys commands but publishes no state.
-- `jump_m`: its odometry jumps once by this much along its own x and y. `lost`: its odometry is not a number.
-- `drops`: this share of what its motion service is told is lost; with 1 it is frozen, and answers nothing.
-- `unplugged`: nothing reaches the robot and nothing comes from it, as when the cable is pulled.
-- `camera`: `good`, `dead` (it answers with an error), or `black`.
-- `battery_percent`: what its battery tells from now on.
-- `clock_s`: its own clock, which stamps its states, leaps once by so much.
-- `push_mps`: it is shoved once, forward and to the left. `tip`: it is tipped over.
-- `box_m`: a box 40 cm wide and 60 cm high stands on this place of the room from now on.
+- `jump_m`: its odometry jumps once by this much along its own x and y. `lost`: its odometry is NaN.
+- `drops`: this share of the requests to its motion service is lost; with 1 it is frozen and answers none.
+- `unplugged`: the robot receives and sends nothing, as if its cable was pulled.
+- `camera`: `good`, `dead` (answers with an error), or `black`.
+- `battery_percent`: the charge that its battery reports.
+- `clock_s`: its own clock, which stamps its states, jumps once by this much.
+- `push_mps`: it is pushed once, forward and to the left. `tip`: it is tipped over.
+- `box_m`: a box 40 cm wide and 60 cm high appears at this place of the room.
 
 A G1 has no ranges and no battery.
 """
@@ -40,14 +40,14 @@ KEYS = (
     "robot", "ranges", "silent", "jump_m", "lost", "drops", "unplugged", "camera", "battery_percent", "clock_s",
     "push_mps", "tip", "box_m",
 )  # fmt: skip
-#: A body counts as tipped over below this (cosine of the tilt); it is rolled so fast until then, so long at most.
+#: A body is rolled at this rate, for at most this long, until the cosine of its tilt is below this.
 TIPPED, ROLL_RPS, TIP_S = 0.15, 7.0, 1.5
 HARDEST_PUSH_MPS = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class Faults:
-    """See the module's text."""
+    """The faults of one robot; see the module docstring."""
 
     robot: str
     ranges: str = "good"
@@ -65,14 +65,14 @@ class Faults:
 
 
 def read(data: Any, robots: Collection[str], size_m: tuple[float, float]) -> Faults:
-    """What was asked for in a room of this length and width. Raises `SimError` that says what would be valid."""
+    """Parse the faults for a room of this length and width. Raises `SimError`, which says what is valid."""
     if not isinstance(data, Mapping):
         raise SimError(f"faults are a JSON object; valid keys: {', '.join(KEYS)}")
     if unknown := sorted(set(data) - set(KEYS)):
-        raise SimError(f"{unknown[0]!r} is no fault; valid: {', '.join(KEYS)}")
+        raise SimError(f"unknown fault {unknown[0]!r}; valid: {', '.join(KEYS)}")
     robot = data.get("robot", "go2" if "go2" in robots else min(robots))
     if robot not in robots:
-        raise SimError(f"no robot {robot!r} in this world; there are: {', '.join(sorted(robots))}")
+        raise SimError(f"unknown robot {robot!r}; robots in this world: {', '.join(sorted(robots))}")
     given = {key: _value(key, value) for key, value in data.items() if value is not None}
     faults = Faults(**{**given, "robot": robot})
     x_m, y_m = (edge / 2 for edge in size_m)
@@ -84,7 +84,7 @@ def read(data: Any, robots: Collection[str], size_m: tuple[float, float]) -> Fau
 
 
 def _value(key: str, value: Any) -> Any:
-    """One fault, as it was meant."""
+    """Validate one value."""
     if (valid := _WORDS.get(key)) is not None and value not in valid:
         raise SimError(f"{key} cannot be {value!r}; valid: {', '.join(valid)}")
     if key in _SWITCHES and not isinstance(value, bool):
@@ -111,7 +111,7 @@ def _number(value: Any, name: str, least: float, most: float) -> float:
 
 
 class FaultState:
-    """One robot's faults where its services and its body feel them. `make` and `tick` run in the world's thread."""
+    """Applies one robot's faults to its services and its body. `make` and `tick` run in the world's thread."""
 
     def __init__(self, body: Legged) -> None:
         self._body = body
@@ -120,7 +120,7 @@ class FaultState:
         self.now = Faults(body.name)
 
     def make(self, faults: Faults) -> None:
-        """These from now on; what happens once, happens now."""
+        """Replace the faults; apply those that happen once."""
         self.now, body = faults, self._body
         vx, vy = faults.push_mps
         c, s = math.cos(body.yaw_rad), math.sin(body.yaw_rad)
@@ -129,7 +129,7 @@ class FaultState:
         self._tipping_s = TIP_S if faults.tip else 0.0
 
     def tick(self, period_s: float) -> None:
-        """Once per period, before the physics: a robot that is being tipped is rolled on to its side."""
+        """Roll a robot that is being tipped. Call once per period, before the physics."""
         if self._tipping_s > 0 and self._body.upright > TIPPED:
             self._tipping_s -= period_s
             self._body.data.qvel[self._body.root_v + 3] = -ROLL_RPS  # to its left side
@@ -137,12 +137,12 @@ class FaultState:
             self._tipping_s = 0.0
 
     def swallows(self) -> bool:
-        """Whether a call to the motion service is lost on its way; asked once for each."""
+        """Decide whether a request to the motion service is lost. Call once per request."""
         return self.now.unplugged or self._chance.random() < self.now.drops
 
     @property
     def mute(self) -> bool:
-        """Whether no state of the body leaves the robot."""
+        """Whether the robot publishes no state."""
         return self.now.silent or self.now.unplugged
 
 

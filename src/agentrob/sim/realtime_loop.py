@@ -1,4 +1,4 @@
-"""Runs a world in real time or at another pace, and work from other threads between its ticks."""
+"""Runs a world in real time or at another pace, and callbacks from other threads between its ticks."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-LATE_S = 0.5  # further behind than this it gives up catching up; the real-time factor tells
-WAIT_S = 0.3  # a world waits so long for a command, and then goes on without until one comes
-LOOK_S = 0.001  # how often it looks meanwhile
-WINDOW = 10  # half seconds over which the real-time factor is taken
+LATE_S = 0.5  # further behind than this it skips ahead; the real-time factor then drops
+WAIT_S = 0.3  # a world waits this long for a command, then continues until one comes
+LOOK_S = 0.001  # how often it checks meanwhile
+WINDOW = 10  # the number of half seconds over which the real-time factor is averaged
 
 
 class RealtimeLoop:
@@ -62,7 +62,7 @@ class RealtimeLoop:
                 due = ended
 
     def _work_until(self, due: float) -> bool:
-        """Do work until the next tick is due; False when stopped."""
+        """Run callbacks until the next tick is due; return False if stopped."""
         while True:
             left = due - time.monotonic()
             try:

@@ -1,7 +1,7 @@
 """The process of the simulated world: real time, DDS services for every robot, the room's HTTP server.
 
-`python -m agentrob.sim.server --help` runs it by itself. Only the world's thread touches the physics; other threads
-hand it work through one queue, which it waits on between ticks, so that requests are answered at once.
+`python -m agentrob.sim.server --help` runs it on its own. Only the world's thread accesses the physics; other threads
+send it callbacks through a queue that it waits on between ticks, so that requests are answered at once.
 """
 
 from __future__ import annotations
@@ -57,9 +57,9 @@ class WorldSettings:
 
 
 def serve(settings: WorldSettings) -> None:
-    """Serve until SIGTERM or SIGINT. When the robots stand, says so on stdout: one JSON line, or words on a terminal.
+    """Serve until SIGTERM or SIGINT. Print a ready line (JSON, or text on a terminal) when the robots stand.
 
-    Raises `RobotBusy` when another world serves one of the domains, `SimError` for settings that cannot be.
+    Raises `RobotBusy` if another world serves one of the domains, `SimError` for invalid settings.
     """
     from agentrob.sim.world.scene import load
 
@@ -92,7 +92,7 @@ def _check(settings: WorldSettings) -> None:
 
 
 class _Process:
-    """Everything that runs while the world is served; `stack` closes it."""
+    """The parts of the running server; `stack` closes them."""
 
     def __init__(self, settings: WorldSettings, scene: Scene, stack: ExitStack) -> None:
         import numpy as np
@@ -171,7 +171,7 @@ class _Process:
         return self._in_world(work)
 
     def faults(self, asked: Any) -> bool:
-        """See `agentrob.sim.faults`. Raises `SimError` for what cannot be; False when the world hangs."""
+        """Apply faults (`agentrob.sim.faults`). Raises `SimError` for invalid ones; False if the world hangs."""
         from agentrob.sim.faults import read
 
         faults = read(asked, self.served, self.world.scene.room.size_m)
@@ -222,7 +222,7 @@ class _Process:
 
 
 def _robot(kind: str) -> tuple[Legged, Callable[[RobotContext], RobotServices]]:
-    """A robot's body and what serves it."""
+    """Make a robot's body and its services."""
     if kind == "g1":
         from agentrob.sim.bodies.g1 import G1
         from agentrob.sim.services.g1 import G1Services
@@ -237,7 +237,7 @@ def _robot(kind: str) -> tuple[Legged, Callable[[RobotContext], RobotServices]]:
 
 
 def parse_domains(texts: Sequence[str]) -> dict[str, int]:
-    """`go2=1` and the like as robot → domain; a number alone is the Go2's. Raises `SimError`."""
+    """Parse texts such as `go2=1` into robot → domain; a number alone is the Go2's. Raises `SimError`."""
     domains: dict[str, int] = {}
     for text in texts:
         robot, _, number = text.rpartition("=")
@@ -248,14 +248,14 @@ def parse_domains(texts: Sequence[str]) -> dict[str, int]:
 
 
 def choose_domains(robots: Sequence[str], domains: Sequence[str]) -> dict[str, int]:
-    """The wanted robots and those that a domain is given for, each on that or on its usual one. Raises `SimError`."""
+    """The domain of each requested robot: the given one, else its default. Raises `SimError`."""
     given = parse_domains(domains)
     wanted = [*robots, *(robot for robot in given if robot not in robots)] or ["go2"]
     return {robot: given.get(robot, ROBOTS.get(robot, LAST_DOMAIN)) for robot in wanted}
 
 
 def announce(ready: Mapping[str, Any]) -> str:
-    """Describe what is served, for a terminal."""
+    """Describe the world for a terminal."""
     robots = [f"{name} on DDS domain {domain}" for name, domain in ready["domains"].items()]
     return (
         f"\n  World    {ready['world']} (pictures: {ready['camera']})\n"
@@ -281,7 +281,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="agentrob.sim.server", description="Serve the simulated world on DDS.")
     wanted = "ROBOT=DDS-DOMAIN, once for each robot; a number alone is the Go2's (default go2=1)"
     parser.add_argument("--domain", action="append", help=wanted)
-    parser.add_argument("--world", default="room", help="a shipped world's name, or the path of one's own")
+    parser.add_argument("--world", default="room", help="the name of a shipped world, or the path of a world file")
     parser.add_argument("--interface", default="lo", help="network interface for DDS (default lo)")
     parser.add_argument("--http-port", type=int, default=0, help="port of the room's HTTP server (default: a free one)")
     parser.add_argument("--seed", type=int, default=0, help="of the sensors' noise")
@@ -289,7 +289,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--pace", type=float, default=1.0, help="simulated seconds per real second, at most (default 1)"
     )
-    parser.add_argument("--event-log", type=Path, help="append to this file what the robots really did")
+    parser.add_argument("--event-log", type=Path, help="append the robots' actual motions and gestures to this file")
     given = parser.parse_args(arguments)
     try:
         settings = WorldSettings(

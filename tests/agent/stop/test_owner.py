@@ -181,7 +181,7 @@ async def test_law_17_a_lock_that_came_after_the_press_stays(owned: Scene) -> No
         owned.world.clock_offset_s = 0.0
         card = await told(owned, "olga")
         assert not card["done"]
-        assert "locked after this release was asked for" in card["said"]
+        assert "locked after this release was requested" in card["said"]
         assert (await state(owned)).halted
 
 

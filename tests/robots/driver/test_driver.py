@@ -360,13 +360,13 @@ async def test_law_17_a_release_that_was_asked_for_before_the_halt_does_not_end_
     async with drivers.client(name) as robot:
         asked_s = time.monotonic()
         await robot.halt("shell")
-        with pytest.raises(RobotError, match="locked after this release was asked for"):
+        with pytest.raises(RobotError, match="locked after this release was requested"):
             await robot.release("owner", asked_s)
         assert (await robot.state()).halted
         process.kill()
         process.communicate()
         drivers.start(name)
-        with pytest.raises(RobotError, match="locked after this release was asked for"):
+        with pytest.raises(RobotError, match="locked after this release was requested"):
             await robot.release("owner", asked_s)
         lock = (await robot.state()).lock
         assert lock is not None

@@ -63,7 +63,7 @@ def test_law_17_a_release_of_before_does_not_end_a_lock_that_was_read_from_the_f
     asked_s = time.monotonic() - 60
     path.write_text(json.dumps({"by": "bob", "why": "x", "at": at.isoformat()}))
     halt = Halt(path)
-    with pytest.raises(RobotError, match="locked after this release was asked for"):
+    with pytest.raises(RobotError, match="locked after this release was requested"):
         halt.release(asked_s)
     assert path.exists()
     assert halt.release(time.monotonic()) is not None, "also when the clock had leapt ahead: one of now does"
@@ -82,7 +82,7 @@ def test_law_17_a_halt_that_comes_while_one_is_released_stays(tmp_path: Path, mo
         keeping[0].start()
 
     monkeypatch.setattr(halt, "_sync_folder", again)
-    with pytest.raises(RobotError, match="locked again while it was released"):
+    with pytest.raises(RobotError, match="locked again during the release"):
         halt.release()
     monkeypatch.undo()
     keeping[0].join(60)

@@ -1,7 +1,7 @@
 """The Go2's backflip: an animation, not physics, and whether there is room for it.
 
-The walking policy cannot flip, so the whole body is led through key frames: crouch, up and over backwards, land. What
-is near would be passed through, so nothing may be near. Once in the air it cannot be broken off, as on a real robot.
+The walking policy cannot flip, so the whole body follows key frames: crouch, up and over backwards, land. It would pass
+through objects, so nothing may be near. Once in the air it cannot be interrupted, as on a real robot.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ DIRECTIONS = 36
 
 
 def _passed(u: float, begin: float, end: float) -> float:
-    """How much of a stretch of time is over: 0 before, 1 after, softly between."""
+    """Smoothstep: 0 before `begin`, 1 after `end`, smooth in between."""
     return (1 - math.cos(math.pi * min(1.0, max(0.0, (u - begin) / (end - begin))))) / 2
 
 
 class Flight:
-    """From given joints, standing: at each time the rise (m), the pitch (rad, nose down is positive) and the joints."""
+    """From a standing pose: for each time the rise (m), the pitch (rad, nose down is positive) and the joints."""
 
     seconds = SECONDS
 
@@ -62,7 +62,7 @@ class Flight:
 
 
 def clear(body: Legged) -> bool:
-    """Whether nothing, other robots included, is near: rays to all sides at several heights, and upwards."""
+    """Whether nothing is near, including other robots; casts rays to all sides at several heights, and upwards."""
     groups = np.zeros(6, np.uint8)
     groups[[room.ROOM_GROUP, room.NEAR_WALL_GROUP]] = 1
     groups[FIRST_ROBOT_GROUP : FIRST_ROBOT_GROUP + MOST_ROBOTS] = 1
@@ -78,7 +78,7 @@ def clear(body: Legged) -> bool:
 
 
 def _nearest_m(body: Legged, groups: Groups, origin: Array, rays: Array) -> float:
-    """Metres to the first thing that any of the unit vectors (n, 3) meets; infinity for none."""
+    """Metres to the nearest hit of any of the unit vectors (n, 3); infinity without a hit."""
     count = len(rays)
     hits, distances = np.zeros(count, np.int32), np.zeros(count)
     mujoco.mj_multiRay(

@@ -1,4 +1,4 @@
-"""The Unitree G1's body in the world (29 joints): walking by its policy, its arms moved over that, going limp."""
+"""The Unitree G1's body in the world (29 joints): walking by its policy, arm motions on top of it, and damping."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from agentrob.sim.world import assets, meshes
 from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
-#: What the policy follows well: forward, sideways (m/s) and turning (rad/s).
+#: Velocities that the policy follows well: forward, sideways (m/s) and turning (rad/s).
 VELOCITY_BOUND: Array = np.array([0.6, 0.3, 0.8])
 
 FRICTION = 0.1  # of a joint
@@ -26,7 +26,7 @@ LIMP_DAMPING = 2.0  # factor on KD in damping mode
 
 
 class G1(Legged):
-    """Walks after `walk(vx, vy, yaw_rate)`, moves its arms meanwhile, or is limp."""
+    """Follows `walk(vx, vy, yaw_rate)` and can move its arms at the same time, or is limp."""
 
     def __init__(self, name: str = "g1", start: Start | None = None) -> None:
         super().__init__(name, start)
@@ -74,35 +74,35 @@ class G1(Legged):
         self._trim.reset()
 
     def walk(self, velocity: Array) -> None:
-        """Go at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends limpness."""
+        """Walk at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends `go_limp`."""
         if self._limp:
             self._limp = False
             self._policy.reset()
         self._wanted = np.clip(velocity, -VELOCITY_BOUND, VELOCITY_BOUND)
 
     def move_arms(self, joints: Indices, motion: Motion) -> None:
-        """Lead these joints through a motion; afterwards they hold its last pose until `free_arms`."""
+        """Move these joints through a motion; afterwards they hold its last pose until `free_arms`."""
         seen = self._arms.seen_rad if self._arms and len(self._arms.joints) == len(joints) else self.joints_rad[joints]
         self._arms = _Arms(joints, motion, seen)
 
     def free_arms(self) -> None:
-        """Give the arms back to the policy, softly."""
+        """Return the arms to the policy smoothly."""
         if self._arms is not None:
             self._arms.motion = None
 
     def go_limp(self) -> None:
-        """Joints only damp: it falls."""
+        """Only damp the joints: the robot falls."""
         self._wanted = np.zeros(3)
         self._arms, self._limp = None, True
 
     @property
     def arms_moving(self) -> bool:
-        """Whether a motion of the arms has not come to its end."""
+        """Whether a motion of the arms is running."""
         return self._arms is not None and not self._arms.ended
 
     @property
     def standing(self) -> bool:
-        """Told to stand and come to rest."""
+        """Whether it was commanded to stand and is at rest."""
         return not self._limp and not self._wanted.any() and self._calm_s >= CALM_S
 
     @property
@@ -137,7 +137,7 @@ class G1(Legged):
 
 
 class _Arms:
-    """Arm joints that are led by a motion, then held, then given back to the policy."""
+    """Arm joints that follow a motion, then hold its pose, then return to the policy."""
 
     def __init__(self, joints: Indices, motion: Motion, seen_rad: Array) -> None:
         self.joints, self.seen_rad = joints, seen_rad
@@ -150,7 +150,7 @@ class _Arms:
         return self._giving_s >= HAND_BACK_S
 
     def next(self, policy: Array, last: Array) -> Array:
-        """The targets of this period, from what the policy wants and what was the target before."""
+        """The targets of this period, from the policy's targets and the previous ones."""
         if self.motion is not None:
             pose = self.motion(self._playing_s)
             self._playing_s += PERIOD_S

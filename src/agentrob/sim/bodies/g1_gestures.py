@@ -1,4 +1,4 @@
-"""Gestures of the G1's arms, laid over its walking policy, which goes on balancing.
+"""Gestures of the G1's arms on top of its walking policy, which keeps balancing.
 
 A pose is seven joints of one arm: shoulder pitch, roll and yaw, elbow, wrist roll, pitch and yaw, in rad. Both arms
 are the left one's seven and then the right one's.
@@ -24,7 +24,7 @@ BOTH = np.arange(15, 29)
 _MIRROR: Array = np.array([1.0, -1, -1, 1, -1, 1, -1])
 
 RAISE_S, SHOW_S, LOWER_S = 1.2, 3.0, 1.2
-#: Two arms that go up faster, or by another way, make it step aside by 25 cm: the policy does not know of them.
+#: Raising both arms faster, or on another path, makes it step aside by 25 cm, because the policy ignores the arms.
 SLOWLY_S = 2.6
 
 
@@ -49,7 +49,7 @@ class ArmGesture:
     holds: bool = False
 
     def play(self, start: Array) -> Motion:
-        """From these joints up and through the gesture; then down again, unless it holds."""
+        """Raise the arms from these joints, perform the gesture, and lower them unless it holds."""
         step_s = self.raise_s / (len(self.by_way_of) + 1)
         frames = [Frame(step_s, pose) for pose in (*self.by_way_of, self.show(0.0))]
         frames.append(Frame(self.show_s, drawn=self.show))
@@ -58,11 +58,11 @@ class ArmGesture:
         return Motion(start, frames)
 
     def lower(self, start: Array) -> Motion:
-        """From anywhere on its way back to rest."""
+        """Lower the arms from any point of the gesture."""
         return Motion(start, self._down(start))
 
     def _down(self, start: Array) -> list[Frame]:
-        # Only by those poses that are lower than the arms are now: never up again in order to come down.
+        # Use only poses that are lower than the arms are now, so that they never rise again.
         pitch = len(start) - len(RIGHT)  # of the right shoulder
         below = [pose for pose in reversed(self.by_way_of) if pose[pitch] > start[pitch] + 0.1]
         step_s = LOWER_S / (len(below) + 1)  # quick: going down moves it by 2 cm at most
@@ -92,7 +92,7 @@ def _shaking(t: float) -> Array:
     return np.array([-0.50 - 0.10 * swing, -0.05, 0.05, -0.10 - 0.20 * swing, 0.0, 0.0, 0.0])
 
 
-# Sideways, not through the front: two arms in front of it shift its weight.
+# Sideways, because two arms in front of the body shift its weight.
 _ASIDE = both(np.array([0.0, -1.95, 0.1, 0.5, 0.0, 0.0, 0.0]))
 _ABOVE = both(np.array([-2.0, -1.87, 1.22, 0.4, 0.0, 0.0, 0.0]))
 

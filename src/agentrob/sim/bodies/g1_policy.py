@@ -1,4 +1,4 @@
-"""The walking policy of the G1: what it sees, what it answers, and the numbers of the motors it was trained with.
+"""The walking policy of the G1: its observations, its actions, and the motor parameters it was trained with.
 
 The packaged policy (holosoma-inference) carries joint names and gains in its own metadata. Joints are in that order:
 left leg 0-5, right leg 6-11, waist 12-14, left arm 15-21, right arm 22-28.
@@ -31,7 +31,7 @@ _NATURAL_RPS = 2 * math.pi * 10.0
 
 
 class G1Trim(VelocityTrim):
-    """As the Go2's; this policy follows better, and steps while it is trimmed at all."""
+    """Like the Go2's; this policy follows better, and keeps stepping while any trim is applied."""
 
     FILTER_S = 0.5
     LACK: Array = np.zeros(3)
@@ -50,7 +50,7 @@ class Motors:
 
 
 class G1Policy:
-    """A velocity in, joint targets out, at 50 Hz. It keeps the phase of its stride."""
+    """Computes joint targets from a velocity at 50 Hz; keeps the phase of the stride."""
 
     def __init__(self, path: Path) -> None:
         self._session = onnx_session(path)

@@ -1,4 +1,4 @@
-"""The Unitree Go2's body in the world: walking by its policy, standing still, holding poses, flipping, going limp."""
+"""The Unitree Go2's body in the world: walking by its policy, standing still, poses, the flip, and damping."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.sim.world import assets, meshes
 from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
-#: What the policy follows well: forward, sideways (m/s) and turning (rad/s). The real robot takes up to 3.8, 1 and 4.
+#: Velocities that the policy follows well: forward, sideways (m/s), turning (rad/s). The real robot's: 3.8, 1 and 4.
 VELOCITY_BOUND: Array = np.array([1.0, 0.5, 1.5])
 
 ARMATURE, DAMPING, FRICTION = 0.00712, 0.285, 0.365  # of a joint, as measured on the real motors
@@ -24,7 +24,7 @@ CAMERA_AT_M, CAMERA_FOVY_DEG = [0.32715, 0.0, 0.04297], 60
 # The policy drifts and turns when told to stand, so the joints are locked once the body has come to rest.
 CALM_MPS, CALM_RPS = 0.12, 0.35  # slower than this is calm
 CALM_S, LEAST_STILL_S = 0.10, 0.25  # calm for so long, and at least so long after the command ended
-# Locked in mid-stride it may lean over its feet and topple: then the policy gets the body back until it stands even.
+# Locked in mid-stride it may lean and topple: then the policy takes over again until the body stands upright.
 LEAN_UPRIGHT, LEAN_MPS = 0.985, 0.20
 LOCK_BLEND_S, LOCK_STIFFNESS = 0.40, 2.5
 SETTLED_S = LOCK_BLEND_S + 0.2  # locked for so long
@@ -45,7 +45,7 @@ Player = Callable[[float], tuple[Array, float] | None]
 
 
 class Animation(Protocol):
-    """Leads the whole body without physics: see `agentrob.sim.bodies.flip.Flight`."""
+    """Moves the whole body without physics; see `agentrob.sim.bodies.flip.Flight`."""
 
     def __call__(self, t: float) -> tuple[float, float, Array] | None: ...
 
@@ -53,7 +53,7 @@ class Animation(Protocol):
 
 
 class Go2(Legged):
-    """Walks after `walk(vx, vy, yaw_rate)`, plays poses, holds the last one, or is limp."""
+    """Follows `walk(vx, vy, yaw_rate)`, plays poses and holds the last one, or is limp."""
 
     build = BUILD
 
@@ -95,30 +95,30 @@ class Go2(Legged):
         self._start_walking()
 
     def walk(self, velocity: Array) -> None:
-        """Go at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends poses and limpness."""
+        """Walk at (vx, vy, yaw rate), clipped to `VELOCITY_BOUND`; zeros mean stand. Ends poses and `go_limp`."""
         if self._player or self._animation or self._held or self._limp:
             self._leave()
             self._start_walking()
         self._wanted = np.clip(velocity, -VELOCITY_BOUND, VELOCITY_BOUND)
 
     def play(self, player: Player) -> None:
-        """Leave the policy and follow a pose player; afterwards its last pose is held until something else is told."""
+        """Follow a pose player instead of the policy; afterwards its last pose is held until the next command."""
         self._leave()
         self._player, self._playing_s = player, 0.0
 
     def animate(self, animation: Animation) -> None:
-        """Leave physics and be led from here; afterwards the last pose is held until something else is told."""
+        """Follow an animation instead of physics; afterwards its last pose is held until the next command."""
         self._leave()
         root = np.array(self.data.qpos[self.root_q : self.root_q + 7])
         self._animation, self._playing_s, self._led_from = animation, 0.0, (root, self.yaw_rad)
 
     def go_limp(self) -> None:
-        """Joints only damp."""
+        """Only damp the joints."""
         self._leave()
         self._limp = True
 
     def _leave(self) -> None:
-        """End what was told before."""
+        """End the previous command."""
         self._wanted = np.zeros(3)
         self._player, self._animation, self._held, self._limp, self.led = None, None, None, False, None
 
@@ -128,17 +128,17 @@ class Go2(Legged):
 
     @property
     def airborne(self) -> bool:
-        """Led through the air, where nothing can be broken off."""
+        """Whether an animation has it in the air and cannot be interrupted."""
         return self._animation is not None and self._animation.airborne(self._playing_s)
 
     @property
     def standing(self) -> bool:
-        """Told to stand and come to rest."""
+        """Whether it was commanded to stand and is at rest."""
         return self._lock_s is not None and not self._wanted.any()
 
     @property
     def settled(self) -> bool:
-        """Standing on locked joints in the standing pose: where a pose player may begin without tipping over."""
+        """Whether it stands on locked joints in the standing pose, from which a pose player cannot tip it over."""
         return self.standing and self._lock_s is not None and self._lock_s >= SETTLED_S
 
     @property

@@ -1,7 +1,7 @@
 """Gestures of the Go2 as key poses, played in full physics.
 
-A pose is given as one sees it: how far the nose is up, how high the rear hips are, where the feet stand. The joint
-angles follow by inverse kinematics. Legs in the order FR, FL, RR, RL; joints hip, thigh, calf each.
+A pose is the pitch of the body, the height of the rear hips and the positions of the feet; inverse kinematics gives the
+joint angles. Legs are in the order FR, FL, RR, RL, each with joints hip, thigh, calf.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def pose(
 
 
 SIT = pose(0.75, 0.14, 0.04, 0.02, (-0.05, 0.05, -0.15, 0.15))
-# On three feet: the fore foot that stays goes under the middle, the hind feet go apart, else it tips over.
+# On three feet: the remaining fore foot moves under the middle and the hind feet apart, or it would tip over.
 SIT_RIGHT_FREE = pose(0.75, 0.16, 0.05, 0.06, (-0.05, -0.30, -0.30, 0.30))
 SIT_LEFT_FREE = pose(0.75, 0.16, 0.05, 0.06, (0.30, 0.05, -0.30, 0.30))
 HALF_SIT = pose(0.35, 0.24, 0.0, 0.0)  # going through it keeps the feet from sliding

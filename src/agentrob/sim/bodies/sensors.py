@@ -1,6 +1,6 @@
-"""What the Go2's own sensors would say: odometry that drifts, IMU, ranges to obstacles, a battery that drains.
+"""Simulated sensors of the Go2: odometry with drift, IMU, ranges to obstacles, and a battery that drains.
 
-Believable numbers, not measured ones: white noise of 2 mm and 0.2° on the odometry, a scale error of 0.3 % (one
+The figures are plausible, not measured: white noise of 2 mm and 0.2° on the odometry, and a scale error of 0.3 % (one
 standard deviation, drawn per run) on path and turning.
 """
 
@@ -21,10 +21,10 @@ SCALE_ERROR = 0.003
 GYRO_NOISE_RPS, ACCELERATION_NOISE_MPS2, VELOCITY_NOISE_MPS = 0.005, 0.05, 0.01
 GRAVITY_MPS2 = 9.81
 
-RANGE_LIMIT_M = 5.0  # nothing nearer than this reads as this
+RANGE_LIMIT_M = 5.0  # the reading if nothing is nearer
 RANGE_NOISE_M = 0.004
 NOSE_M, SIDE_M = 0.34, 0.16  # from the body's middle to its outline; ranges count from the outline
-RAY_HEIGHTS_M = (0.12, 0.28)  # so that a ball is seen as well as a table's edge is not
+RAY_HEIGHTS_M = (0.12, 0.28)  # they hit a ball but pass below a table top
 FAN_RAD: Array = np.radians(np.linspace(-24.0, 24.0, 9))
 SIDES_RAD: Array = np.radians([0.0, 90.0, 180.0, 270.0])  # front, left, back, right
 
@@ -35,7 +35,7 @@ def wrap(angle_rad: float) -> float:
 
 
 class Odometry:
-    """Dead reckoning from where it was last reset: (x, y) in m and yaw in rad, as the robot believes."""
+    """Dead reckoning since the last reset: (x, y) in m and yaw in rad, with the robot's error."""
 
     def __init__(self, body: Legged, rng: np.random.Generator, noisy: bool) -> None:
         self._body = body
@@ -46,12 +46,12 @@ class Odometry:
         self.reset()
 
     def reset(self) -> None:
-        """Call where the robot stands "zero"."""
+        """Set the current pose as the origin."""
         self._true_xy, self._true_yaw = self._body.xy_m, self._body.yaw_rad
         self._x = self._y = self._yaw = 0.0
 
     def jump(self, forward_m: float, left_m: float) -> None:
-        """Believe to be elsewhere from now on; a fault."""
+        """Inject a fault: shift the position from now on."""
         c, s = math.cos(self._yaw), math.sin(self._yaw)
         self._x += c * forward_m - s * left_m
         self._y += s * forward_m + c * left_m
@@ -144,7 +144,7 @@ class Inertia:
 
 
 class Battery:
-    """Charge that drains with time and with mechanical work. Nobody charges it: `exchange` a drained one."""
+    """Charge that drains with time and with mechanical work. It is never charged; `exchange` replaces a drained one."""
 
     CAPACITY_WH, FULL_V, EMPTY_V = 236.0, 32.0, 26.0
     IDLE_W, EFFICIENCY = 70.0, 0.35  # electronics and holding; mechanical work per electrical work
@@ -159,7 +159,7 @@ class Battery:
         self.percent = max(0.0, self.percent - 100 * self.power_w * seconds / 3600 / self.CAPACITY_WH)
 
     def exchange(self) -> None:
-        """Put in a fresh one when it is nearly drained."""
+        """Replace the battery if it is nearly drained."""
         if self.percent < self.EXCHANGED_PERCENT:
             self.percent = self.FRESH_PERCENT
 

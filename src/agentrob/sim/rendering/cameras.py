@@ -24,9 +24,9 @@ from agentrob.sim.world.legged import Array
 
 Deliver = Callable[[bytes | None], None]
 
-SEVERAL_S = 0.5  # other views drawn within this time: several cameras are looked at
+SEVERAL_S = 0.5  # if other views were drawn within this time, several cameras are in use
 SMOOTH_SAMPLES = 4
-FRESH_S = 0.07  # a picture younger than this is given again: ten a second, asked for with some jitter, are all new
+FRESH_S = 0.07  # a younger picture is reused; ten requests a second with some jitter all get new ones
 JPEG_QUALITY = 88
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
@@ -41,7 +41,7 @@ class GlRenderer:
         self._data = mujoco.MjData(model)
         self._gl = gl_probe.open_context(backend, *LARGEST)
         self._contexts: dict[bool, Any] = {}
-        for self.smooth in (False, True):  # both now: making one while the world runs would hold it up
+        for self.smooth in (False, True):  # create both now: creating one later would delay the world
             self._context()
         self._scene = mujoco.MjvScene(model, maxgeom=1000)
         self._option = mujoco.MjvOption()
@@ -70,7 +70,7 @@ class GlRenderer:
         return picture[::-1]
 
     def _add_shades(self) -> None:
-        """A dark, see-through patch on the floor under each robot; real shadows cost three times the picture."""
+        """Add a dark, transparent patch on the floor under each robot; real shadows triple the rendering time."""
         for body in self._robots:
             shade = self._scene.geoms[self._scene.ngeom]
             x, y, _ = self._data.xpos[body]
@@ -91,9 +91,9 @@ class GlRenderer:
 def choose_backend() -> str:
     """`egl`, `osmesa` or `ray`.
 
-    With `MUJOCO_GL=egl` or `osmesa` that one, if it works here; with `off` or `disable` rays, for which nothing of GL
-    is loaded; else the first of `egl` and `osmesa` that works, and rays when none does. (`MUJOCO_GL` is MuJoCo's own
-    variable: some other words make `import mujoco` itself fail, `ray` among them.)
+    `MUJOCO_GL=egl` or `osmesa` selects that backend if it works; `off` or `disable` selects `ray`, which loads no GL.
+    Otherwise the first of `egl` and `osmesa` that works is used, else `ray`. (`MUJOCO_GL` is MuJoCo's own variable:
+    with some other values, such as `ray`, `import mujoco` fails.)
     """
     wanted = os.environ.get("MUJOCO_GL", "").lower()
     if wanted in ("off", "disable", "disabled", "0", "false"):
@@ -103,7 +103,7 @@ def choose_backend() -> str:
 
 
 def open_renderer(model: Any, backend: str) -> Renderer:
-    """The renderer for a backend; rays when it cannot be opened after all."""
+    """Open the renderer for a backend; fall back to rays if that fails."""
     if backend != "ray":
         try:
             return GlRenderer(model, backend)
@@ -113,9 +113,9 @@ def open_renderer(model: Any, backend: str) -> Renderer:
 
 
 class Cameras:
-    """Draws when asked. `pose` gives a copy of the world's pose at any time, from any thread.
+    """Renders on request. `pose` returns a copy of the world's pose and is thread-safe.
 
-    While several cameras are looked at, edges are not smoothed: three at 10 pictures a second must leave room for
+    Edges are not smoothed while several cameras are in use: three at 10 pictures a second must leave CPU time for
     everything else on two cores.
     """
 

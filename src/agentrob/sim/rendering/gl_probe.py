@@ -1,6 +1,6 @@
 """Checks whether an offscreen GL backend works here: `python -m agentrob.sim.rendering.gl_probe egl|osmesa`.
 
-A process of its own, because a broken GL library may crash whoever tries it.
+It runs in a separate process, because a broken GL library may crash it.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import subprocess
 import sys
 from typing import Any
 
-#: From best to worst; when none works, pictures are traced with rays.
+#: From best to worst; if none works, pictures are ray-traced.
 BACKENDS = ("egl", "osmesa")
 LIMIT_S = 20.0
 

@@ -58,15 +58,15 @@ class RayRenderer:
         return self._colour(view, hit, distance, normal)
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Does nothing; this renderer holds no resources."""
 
     def _carrier(self, view: View) -> int:
-        """The body that carries the camera, -1 for none: it is left out, since the camera is inside its shapes."""
+        """The body that carries the camera, or -1. It is not drawn, since the camera is inside its shapes."""
         body = int(self._model.cam_bodyid[view.camera.fixedcamid])
         return body if body > 0 else -1
 
     def _groups(self, view: View) -> set[int]:
-        """On a robot, other robots are seen as their simple shapes: rays against meshes take ten times as long."""
+        """The geom groups to draw. A robot's camera sees other robots' simple shapes: meshes take ten times as long."""
         if self._carrier(view) < 0:
             return set(view.groups)
         return {g for g in view.groups if g != ROBOT_GROUP} | set(range(FIRST_ROBOT_GROUP, 6))

@@ -1,4 +1,4 @@
-"""What a camera sees of the world: its view, and what every renderer has in common."""
+"""Camera views of the world, and the renderer protocol."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class View:
 
 
 def front_view(model: Any, robot: str) -> View:
-    """What the camera in a robot's nose sees: 640x480 as the real Go2's sample."""
+    """The view of the camera in a robot's nose: 640x480, like the real Go2's `GetImageSample`."""
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = model.camera(f"{robot}/front").id
@@ -35,7 +35,7 @@ def front_view(model: Any, robot: str) -> View:
 
 
 def overview(model: Any) -> View:
-    """The whole room from above a corner, the two near walls left out."""
+    """The whole room from above a corner, without the two near walls."""
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = model.camera("overview").id
@@ -43,7 +43,7 @@ def overview(model: Any) -> View:
 
 
 class Renderer(Protocol):
-    """Draws views of one model; used from one thread only. `smooth` edges take twice the time, where it can them."""
+    """Draws views of one model; used from one thread only. `smooth` edges, if supported, take twice the time."""
 
     name: str
     smooth: bool

@@ -1,7 +1,7 @@
 """Services and topics on DDS for a simulator: one participant per robot's domain, several in one process.
 
-The SDK's own server handles one request after another and its factory allows one domain per process. Here the listener
-only decodes a request and hands it over; the answer is sent later, from any thread.
+The SDK's own server handles requests one at a time, and its factory allows one domain per process. Here the listener
+only decodes a request and passes it on; the answer is sent later, from any thread.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class Service:
         except ValueError:
             answer(BAD_PARAMETER)
             return
-        # The SDK sends [] where there is nothing to say.
+        # The SDK sends [] for an empty binary.
         call = ServiceCall(identity.api_id, parameter if isinstance(parameter, dict) else {}, answer)
         try:
             self._handle(call)

@@ -1,12 +1,12 @@
-"""The G1's sport and arm services without the network: what each call does to the body, and what it answers when.
+"""The G1's sport and arm services without the network: the effect of each call on the body, and its answer.
 
-Everything here runs in the world's thread. Answers are codes of the real robot: 0 only for what was really done.
+Everything here runs in the world's thread. Answers are the real robot's codes; 0 only if the call was carried out.
 
-The state machine (FSM) knows four states: zero torque and damping (limp: it falls, and only a reset of the room puts
-it up again), locked standing, and walking. A velocity is held for the duration it came with, one second by default.
-Arms answer when their motion has ended; those that hold stay up until they are released (99). 99 during a motion
-breaks it off: that is answered 4201, our convention. While an arm moves, only zero velocity is taken (4205), since the
-walking policy does not know of moved arms; on the real robot that may differ.
+The state machine (FSM) has four states: zero torque and damping (limp: the robot falls, and only a reset of the room
+makes it stand again), locked standing, and walking. A velocity is held for its duration, one second by default.
+Arm actions answer when their motion has ended; those that hold stay up until they are released (99). 99 during a motion
+interrupts it, which then answers 4201, our convention. While an arm moves, only zero velocity is accepted (else 4205),
+because the walking policy ignores the arms; the real robot may differ.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Fsm(IntEnum):
 
 @dataclass
 class _Action:
-    """A gesture that was begun. `releases` are answered when the arms are down; `holding`: up, and answered."""
+    """A running gesture. `releases` are answered when the arms are down; `holding`: the arms are up and it answered."""
 
     gesture: ArmGesture
     answer: Answer
@@ -67,7 +67,7 @@ class _Action:
 
 
 class G1Sport:
-    """Both services' state. `now_s` is the world's time; `event_log` writes down what really happened."""
+    """The state of both services. `now_s` is the world's time; actual events go to `event_log`."""
 
     def __init__(self, body: G1, now_s: Callable[[], float], event_log: EventLog) -> None:
         self._body, self._now_s, self._event_log = body, now_s, event_log
@@ -259,7 +259,7 @@ class G1Sport:
                 self._arms_down(action)
 
     def reset(self) -> None:
-        """The world was put back: nothing runs, the robot stands."""
+        """Reset after the world was reset: no action runs, the robot stands."""
         self._break_off()
         self._held_until_s, self._moving, self.fsm = None, False, Fsm.WALK
         self._note("reset")
@@ -272,6 +272,6 @@ class G1Sport:
 
 
 def _number(parameter: Mapping[str, Any]) -> int:
-    """What a call carries as `data`; -1, which nothing knows, when that is no whole number."""
+    """The integer in a call's `data`, or -1, which is never valid."""
     data = parameter.get("data")
     return data if isinstance(data, int) else -1

@@ -24,11 +24,11 @@ from agentrob.sim.world.legged import PERIOD_S
 AMBIENT_C, WARMING_C_PER_NM, WARMING_S = 30.0, 1.2, 120.0  # of a motor
 FEET = ("FR", "FL", "RR", "RL")
 CHECK_MODE = 1001
-MODE_NAME = {"form": "0", "name": "mcf"}  # what a Go2 with the present motion service answers
+MODE_NAME = {"form": "0", "name": "mcf"}  # the answer of a Go2 with the current motion service
 
 
 class Go2Services(RobotServices):
-    """Serves one Go2: beside what all have, ranges, a battery, feet and warmth."""
+    """Serves one Go2; adds ranges, a battery, foot forces and motor temperatures."""
 
     def __init__(self, body: Go2, context: RobotContext) -> None:
         self._body, self._sport = body, Sport(body, lambda: context.world.time_s, context.event_log)
@@ -53,7 +53,7 @@ class Go2Services(RobotServices):
             call.answer(NOT_IMPLEMENTED)
 
     def fail(self, faults: Faults) -> None:
-        """Sense wrongly from now on, until told otherwise."""
+        """Apply faults of the sensors until the next call."""
         super().fail(faults)
         self._stuck = None
 

@@ -1,12 +1,12 @@
-"""The Go2's sport service without the network: what each call does to the body, and what it answers when.
+"""The Go2's sport service without the network: the effect of each call on the body, and its answer.
 
-Everything here runs in the world's thread. Answers are codes of the real robot: 0 only for what was really done.
+Everything here runs in the world's thread. Answers are the real robot's codes; 0 only if the call was carried out.
 
-Postures: *balance* (walks when told to), *locked* (stands on stiff legs), *lying*, *sitting*, *limp*. A call that the
-posture does not allow answers 4206; a call while an action runs answers 4205; an action that was broken off answers
-4201. Move is held for one second. StopMove is always accepted: it ends a move at once, and ends an action by putting
-all feet down and standing up; a flip that is in the air lands first. A flip is an animation (`flip.py`), refused
-with 4206 where there is no room for it.
+Postures: *balance* (ready to walk), *locked* (stands on stiff legs), *lying*, *sitting*, *limp*. A call that the
+posture does not allow answers 4206; a call while an action runs answers 4205; an interrupted action answers 4201. Move
+is held for one second. StopMove is always accepted: it ends a move at once, and ends an action by putting all feet down
+and standing up; a flip that is in the air lands first. A flip is an animation (`flip.py`), refused with 4206 if there
+is no room for it.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ WALKING, GESTURING = (1015, 3), (1006, 9)
 
 @dataclass
 class Action:
-    """Something that takes time and is answered when it has ended.
+    """A running action, answered when it has ended.
 
-    `settling`: the body still comes to rest on its feet, only then is the motion played.
+    `settling`: the body still comes to rest on its feet before the motion is played.
     """
 
     name: str
@@ -79,7 +79,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """One action as the service offers it: from which postures, how it is played, where it ends."""
+    """One action of the service: its initial postures, its motion and its final posture."""
 
     name: str
     from_: frozenset[Posture]
@@ -103,7 +103,7 @@ OFFERS: Mapping[int, Offer] = {
 
 
 class Sport:
-    """The service's state. `now_s` is the world's time; `event_log` writes down what really happened."""
+    """The state of the service. `now_s` is the world's time; actual events go to `event_log`."""
 
     def __init__(self, body: Go2, now_s: Callable[[], float], event_log: EventLog) -> None:
         self._body = body
@@ -121,7 +121,7 @@ class Sport:
 
     # ------------------------------------------------------------------ calls
     def call(self, api_id: int, parameter: Mapping[str, Any], answer: Answer) -> None:
-        """Do one call. `answer` is called once, now or when the action has ended."""
+        """Handle one call. `answer` is called once, now or when the action has ended."""
         if api_id == MOVE:
             answer(self._move(parameter))
         elif api_id == STOP_MOVE:
@@ -260,7 +260,7 @@ class Sport:
             self._end_action(BROKEN_OFF)  # pushed, or leaning on something: no gesture from there
 
     def reset(self) -> None:
-        """The world was put back: nothing runs, the robot stands in balance."""
+        """Reset after the world was reset: no action runs, the robot stands in balance."""
         self._end_action(BROKEN_OFF)
         self._held_until_s = None
         self._moving = False
@@ -277,7 +277,7 @@ class Sport:
     # ------------------------------------------------------------------ state
     @property
     def codes(self) -> tuple[int, int]:
-        """`error_code` and `mode` as sportmodestate carries them."""
+        """`error_code` and `mode` for sportmodestate."""
         if self.action is not None:
             return self.action.codes
         if self.posture is Posture.BALANCE and not self._body.standing:
@@ -286,7 +286,7 @@ class Sport:
 
     @property
     def progress(self) -> float:
-        """Of the running action, 0 to 1."""
+        """Progress of the running action, 0 to 1."""
         if self.action is None:
             return 0.0
         return min(1.0, (self._now_s() - self.action.began_s) / self.action.seconds)

@@ -1,6 +1,6 @@
 """The room's HTTP server on loopback: overview camera, scene, reset, faults, ground truth for tests, health.
 
-It represents the room, not a robot: nothing that drives a robot may read `/truth`.
+It represents the room, not a robot: programs that drive a robot must not read `/truth`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """What the server can give; each is called from one of its threads."""
+    """The callbacks of the server; each is called from one of its threads."""
 
     overview: Callable[[], bytes | None]
     scene: Callable[[], Mapping[str, Any]]
@@ -31,7 +31,7 @@ class Room:
 
 
 class RoomServer:
-    """Serves in the background until closed; `url` says where."""
+    """Serves `url` in the background until closed."""
 
     def __init__(self, room: Room, port: int) -> None:
         handler = type("Handler", (_Handler,), {"room": room})
@@ -98,7 +98,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._json(503, {"error": "the world did not answer"})
 
     def _local(self) -> bool:
-        """Refuse what a web page in a browser could send here: another site's origin, or a name made to point here."""
+        """Refuse requests that a web page could send: another site's origin, or a DNS name that points here."""
         host = urlsplit("//" + (self.headers.get("Host") or "")).hostname
         if host in LOOPBACK and "Origin" not in self.headers:
             return True
@@ -117,4 +117,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Quiet: the demo owns the terminal."""
+        """Log nothing: the terminal belongs to the demo."""

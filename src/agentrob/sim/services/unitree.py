@@ -38,7 +38,7 @@ GET_IMAGE_SAMPLE = 1001
 
 @dataclass(frozen=True, slots=True)
 class RobotContext:
-    """What the services of one robot use of the simulator. `call_soon(work)` runs work in the world's thread."""
+    """The parts of the simulator that one robot's services use. `call_soon(work)` runs work in the world's thread."""
 
     node: Node
     world: World
@@ -84,19 +84,19 @@ class RobotServices:
         self._clock_s = 0.0  # how far its clock has leapt
         self._state = unitree_go_msg_dds__SportModeState_()
         self._low = low
-        self._checksum = CRC()  # without it Unitree's own C++ library takes the message for broken
+        self._checksum = CRC()  # without it, Unitree's C++ library rejects the message
         self._state_out = context.node.writer(state_topic, SportModeState_)
         self._low_out = context.node.writer("rt/lowstate", low_type)
 
     # ------------------------------------------------------------------ of each kind
     def _sense(self) -> None:
-        """What goes on in this kind of robot in a tick, before its state is told."""
+        """Update this kind's sensors in a tick, before the state is published."""
 
     def _fill_more(self, state: Any) -> None:
-        """What this kind's state has besides odometry and attitude."""
+        """Fill this kind's fields of the state besides odometry and attitude."""
 
     def _fill_low(self, low: Any) -> None:
-        """Joints and whatever else this kind tells seldom."""
+        """Fill the low state: joints and other data that is published less often."""
         raise NotImplementedError
 
     # ------------------------------------------------------------------ services (DDS threads)
@@ -134,13 +134,13 @@ class RobotServices:
         return commanded_s is not None and self._context.world.time_s - commanded_s > COMMAND_EVERY_S
 
     def reset(self) -> None:
-        """The world was put back: odometry starts again at zero, as after a restart of the robot."""
+        """Reset after the world was reset: odometry starts at zero, as after a restart of the robot."""
         self._motion_service.reset()
         self._odometry.reset()
         self.fail(Faults(self._legged.name))
 
     def fail(self, faults: Faults) -> None:
-        """Sense wrongly from now on, until told otherwise."""
+        """Apply faults of the sensors until the next call."""
         self._fault_state.make(faults)
         self._clock_s += faults.clock_s
         self._odometry.jump(*faults.jump_m)
@@ -187,7 +187,7 @@ def _stamp(seconds: float) -> tuple[int, int]:
 
 
 def _spoil_picture(call: ServiceCall, faults: Faults) -> bool:
-    """Answer for a camera that is dead, black or cut off; False when it is well."""
+    """Answer for a camera that is dead, black or unplugged; return False if it works."""
     if faults.unplugged or faults.camera == "good":
         return faults.unplugged
     if faults.camera == "dead":

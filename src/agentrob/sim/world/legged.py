@@ -13,13 +13,13 @@ from agentrob.sim.world.scene import Start
 
 Array = NDArray[np.float64]
 
-#: One control period: every robot decides once, then the physics advances.
+#: One control period: every robot computes its targets once, then the physics advances.
 PERIOD_S = 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """What a body's joints are told for one control period: targets in rad and factors on the PD gains."""
+    """The joint command of one control period: targets in rad and factors on the PD gains."""
 
     target_rad: Array
     kp_factor: float = 1.0
@@ -28,7 +28,7 @@ class Drive:
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """What is fixed about a kind of robot. `kp`, `kd`, `torque_nm` are per joint (n,)."""
+    """Constants of a kind of robot. `kp`, `kd`, `torque_nm` are per joint (n,)."""
 
     root: str
     joints: tuple[str, ...]
@@ -47,7 +47,7 @@ class Legged:
     led: tuple[Array, Array] | None = None
 
     def __init__(self, name: str, start: Start | None) -> None:
-        """Without a start it begins where the world has its place for this name."""
+        """Without `start` it starts at the world's place for this name."""
         self.name = name
         self.start = start
 
@@ -57,7 +57,7 @@ class Legged:
         raise NotImplementedError
 
     def bind(self, model: Any, data: Any) -> None:
-        """Find the own parts in the compiled model."""
+        """Look up this robot's joints in the compiled model."""
         self.model, self.data = model, data
         joints = [model.joint(f"{self.name}/{joint}").id for joint in self.build.joints]
         self.q, self.v = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
@@ -67,7 +67,7 @@ class Legged:
         self.geoms = model.body_rootid[model.geom_bodyid] == self.body
 
     def place(self) -> None:
-        """Stand at the start, at rest."""
+        """Put the robot at its start, at rest."""
         start, data = self.start, self.data
         assert start is not None
         half = start.yaw_rad / 2
@@ -79,11 +79,11 @@ class Legged:
         self.begin()
 
     def begin(self) -> None:
-        """Forget everything that was commanded."""
+        """Forget all commands."""
         raise NotImplementedError
 
     def drive(self) -> Drive:
-        """Once per control period, before the physics."""
+        """Compute the joint command. Called once per control period, before the physics."""
         raise NotImplementedError
 
     def follow(self) -> None:

@@ -128,7 +128,7 @@ class Part(_Table):
 
 
 class Thing(Part):
-    """What people would name: one body, or `parts` whose places count from the thing's. `note`: what is special."""
+    """A named object: one body, or `parts` with places relative to the thing's. `note` is a remark about it."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9 -]{0,39}$")]
     note: Annotated[str, Field(max_length=200)] = ""
@@ -152,7 +152,7 @@ class Thing(Part):
 
 
 class Free(_Table):
-    """How far nothing stands around a robot's start, seen from the robot."""
+    """The free space around a robot's start, in the robot's frame."""
 
     ahead_m: Annotated[float, Field(ge=0, le=LARGEST_M)]
     behind_m: Annotated[float, Field(ge=0, le=LARGEST_M)]
@@ -187,7 +187,7 @@ class Room(_Table):
 
 
 class Camera(_Table):
-    """The room's own camera: from where, to where it looks, and its vertical angle."""
+    """The room's camera: its position, the point it looks at, and its vertical field of view."""
 
     at_m: tuple[Metres, Metres, Metres]
     to_m: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.15)
@@ -222,7 +222,7 @@ LIGHTS = (
 
 
 class Scene(_Table):
-    """A whole world. `about` tells people, and whoever judges danger, in a sentence or two what place this is."""
+    """A whole world. `about` describes the place in a sentence or two, for people and for the screening of commands."""
 
     name: str = ""
     about: Annotated[str, Field(min_length=1, max_length=300)]
@@ -239,11 +239,11 @@ class Scene(_Table):
         return self
 
     def bodies(self) -> tuple[PlacedBody, ...]:
-        """Everything that stands in it, without walls and floor."""
+        """All things in the room, without walls and floor."""
         return tuple(body for thing in self.thing for body in thing.bodies())
 
     def place(self, robot: str) -> StartPlace:
-        """Where a robot starts. Raises `SimError` when it has no place here."""
+        """The start of a robot. Raises `SimError` if the world has none for it."""
         for kind, place in self.start.items():
             if kind == robot:
                 return place
@@ -251,12 +251,12 @@ class Scene(_Table):
 
     @property
     def in_words(self) -> str:
-        """The same as `description`, in sentences, for whoever judges what is dangerous here."""
+        """The contents of `description` in sentences, for the screening of commands."""
         things = [f"{thing.name} ({thing.note})" if thing.note else thing.name for thing in self.thing]
         return " ".join([self.about, *([f"Things here: {', '.join(things)}."] if things else [])])[:SCENE_CHARS]
 
     def description(self) -> dict[str, Any]:
-        """What a person sees who looks into the room; not where anything is."""
+        """What a person sees in the room, without positions."""
         things = [{"name": thing.name, **({"note": thing.note} if thing.note else {})} for thing in self.thing]
         return {"world": self.name, "about": self.about, "size_m": list(self.room.size_m), "things": things}
 
