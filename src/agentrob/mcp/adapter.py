@@ -43,7 +43,7 @@ _MAX_CHARS = 70_000
 
 
 class McpForum:
-    """A forum behind an MCP server, by the account that the server signs in; implements `Forum`.
+    """A forum behind an MCP server, used as the account that the server signs in; implements `Forum`.
 
     `live` and `max_edits` are known after `connect()` or the first call.
     """
@@ -77,7 +77,7 @@ class McpForum:
         await self._client.close()
 
     async def _facts(self) -> results.ForumFacts:
-        facts = await _said(self._client.read(address("me"), results.ForumFacts))
+        facts = await _answer(self._client.read(address("me"), results.ForumFacts))
         self.live, self.max_edits, self.fastest_poll_s = facts.live, facts.max_edits, facts.fastest_poll_s
         return facts
 
@@ -85,37 +85,37 @@ class McpForum:
     async def boards(self) -> Sequence[Board]:
         found, cursor = list[Board](), None
         while True:
-            page = await _said(self._client.list_boards(cursor, 100))
+            page = await _answer(self._client.list_boards(cursor, 100))
             found += [Board(b.id, b.name, b.description) for b in page.boards]
             if (cursor := page.next) is None:
                 return tuple(found)
 
     async def topic(self, topic_id: str) -> Topic:
-        return mapping.topic((await _said(self._client.get_topic(topic_id, limit=1, max_chars=100))).topic)
+        return mapping.topic((await _answer(self._client.get_topic(topic_id, limit=1, max_chars=100))).topic)
 
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        page = await _said(self._client.list_posts(board_id, cursor, limit))
+        page = await _answer(self._client.list_posts(board_id, cursor, limit))
         return Page(tuple(map(mapping.topic, page.topics)), page.next)
 
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
-        page = await _said(self._client.get_topic(topic_id, cursor, limit, _MAX_CHARS))
+        page = await _answer(self._client.get_topic(topic_id, cursor, limit, _MAX_CHARS))
         return Page(tuple(map(mapping.post, page.posts)), page.next)
 
     async def post(self, post_id: str) -> Post:
-        found = await _said(self._client.read(address("post", post_id), results.Found))
+        found = await _answer(self._client.read(address("post", post_id), results.Found))
         if not found.posts:
             raise ForumNotFound(f"there is no post {post_id}")
         return mapping.post(found.posts[0])
 
     async def download(self, url: str) -> bytes:
-        return await _said(self._client.read_bytes(address("media", url)))
+        return await _answer(self._client.read_bytes(address("media", url)))
 
     # ---------------------------------------------------------------- Writer
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
         ids = await self._upload(images)
-        wrote = await _said(self._client.create_topic(board_id, title, body, images=ids, key=key))
+        wrote = await _answer(self._client.create_topic(board_id, title, body, images=ids, key=key))
         return Written(await self.post(wrote.post.id), wrote.created)
 
     async def reply(
@@ -129,7 +129,7 @@ class McpForum:
         card: StatusCard | None = None,
     ) -> Written:
         ids = await self._upload(images)
-        wrote = await _said(
+        wrote = await _answer(
             self._client.reply_to_topic(
                 topic_id, body, reply_to=reply_to, status=_status(card), images=ids, card=_card(card), key=key
             )
@@ -141,14 +141,14 @@ class McpForum:
     ) -> Post:
         ids = await self._upload(images)
         asked = self._client.edit_post(post_id, body, status=_status(card), images=ids, card=_card(card))
-        return await self.post((await _said(asked)).post.id)
+        return await self.post((await _answer(asked)).post.id)
 
     async def find(self, key: str) -> Post | None:
-        found = await _said(self._client.read(address("key", key), results.Found))
+        found = await _answer(self._client.read(address("key", key), results.Found))
         return mapping.post(found.posts[0]) if found.posts else None
 
     async def _upload(self, images: Sequence[bytes]) -> list[str]:
-        return [(await _said(self._client.upload_media(image))).media_id for image in images]
+        return [(await _answer(self._client.upload_media(image))).media_id for image in images]
 
     # ---------------------------------------------------------------- Accounts
     async def me(self) -> Account:
@@ -156,7 +156,7 @@ class McpForum:
 
     async def account(self, name: str) -> Account | None:
         try:
-            found = await _said(self._client.read(address("account", name), results.SignedIn))
+            found = await _answer(self._client.read(address("account", name), results.SignedIn))
         except ForumNotFound:
             return None
         return mapping.account(found.account)
@@ -168,41 +168,41 @@ class McpForum:
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
         uri = address("changes", after, str(limit))
-        return _events(await _said(self._client.read(uri, results.Changes)))
+        return _events(await _answer(self._client.read(uri, results.Changes)))
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        """Each answer is an event or a heartbeat of the forum behind the server: both connections work."""
+        """Stream events and heartbeats of the forum behind the server; a heartbeat shows that both connections work."""
         if not self.live:
             raise ForumUnreachable("this forum has no event stream; poll changes()")
         beat_s = max(0.25, heartbeat_s)
         while True:
             uri = address("wait", after, f"{beat_s:g}")
-            said = await _said(self._client.read(uri, results.Changes, limit_s=max(2.0, 4 * beat_s)))
-            for event in _events(said):
+            changes = await _answer(self._client.read(uri, results.Changes, limit_s=max(2.0, 4 * beat_s)))
+            for event in _events(changes):
                 after = event.id
                 yield event
-            if not said.events:
-                yield Event("", EventKind.HEARTBEAT, said.at or datetime.now(UTC))
+            if not changes.events:
+                yield Event("", EventKind.HEARTBEAT, changes.at or datetime.now(UTC))
 
     # ---------------------------------------------------------------- optional features
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        page = await _said(self._client.search_posts(query, board_id, cursor, limit))
+        page = await _answer(self._client.search_posts(query, board_id, cursor, limit))
         return Page(tuple([await self.post(p.id) if p.more else mapping.post(p) for p in page.posts]), page.next)
 
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
         asked = self._client.manage_permissions(name, str(role) if role else None, suspended)
-        return mapping.account((await _said(asked)).account)
+        return mapping.account((await _answer(asked)).account)
 
     async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
-        page = await _said(self._client.list_notifications(cursor, limit))
+        page = await _answer(self._client.list_notifications(cursor, limit))
         found = (Notification(n.id, n.kind, mapping.post(n.post), n.read) for n in page.notifications)
         return Page(tuple(found), page.next)
 
 
-async def _said(asked: Awaitable[T]) -> T:
-    """The answer; errors of the tool or the connection are raised as forum errors."""
+async def _answer(asked: Awaitable[T]) -> T:
+    """Await an answer; raise errors of the tool or the connection as forum errors."""
     try:
         return await asked
     except ToolFailed as e:
@@ -224,9 +224,9 @@ async def _said(asked: Awaitable[T]) -> T:
         raise ForumMalformed(str(e)) from None
 
 
-def _events(said: results.Changes) -> tuple[Event, ...]:
-    """Event kinds of a newer server are skipped."""
-    return tuple(mapping.event(e) for e in said.events if e.kind in frozenset(EventKind))
+def _events(changes: results.Changes) -> tuple[Event, ...]:
+    """The events; kinds that only a newer server knows are skipped."""
+    return tuple(mapping.event(e) for e in changes.events if e.kind in frozenset(EventKind))
 
 
 def _card(card: StatusCard | None) -> dict[str, object] | None:

@@ -148,12 +148,12 @@ class ForumClient:
         limit_s = self._timeout_s + float(given.get("wait_s", 0))
         client = await self._connected()
         answer = await self._answered(client.call_tool(tool, given, read_timeout_seconds=limit_s), limit_s)
-        said = answer.structured_content
-        if not isinstance(said, dict) or not isinstance(said.get("ok"), bool):
+        envelope = answer.structured_content
+        if not isinstance(envelope, dict) or not isinstance(envelope.get("ok"), bool):
             raise McpError(f"{tool} did not answer with an envelope")
-        if not said["ok"]:
-            raise _tool_failed(said)
-        return _read(result, said.get("data", {}), tool)
+        if not envelope["ok"]:
+            raise _tool_failed(envelope)
+        return _read(result, envelope.get("data", {}), tool)
 
     async def read(self, uri: str, result: type[R], limit_s: float | None = None) -> R:
         """Read a resource that is JSON. Raises `ToolFailed` and `ServerUnavailable`."""
@@ -326,8 +326,8 @@ class _Connection:
                 why = e
                 while isinstance(why, BaseExceptionGroup):
                     why = why.exceptions[0]
-                said = ServerUnavailable(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
-                ready.set_exception(said)
+                error = ServerUnavailable(f"the MCP server cannot be used: {type(why).__name__} {why}".rstrip()[:300])
+                ready.set_exception(error)
             if isinstance(e, asyncio.CancelledError):
                 raise
         finally:
@@ -350,15 +350,15 @@ async def _left(task: asyncio.Future[Any], limit_s: float) -> bool:
     return task.done()
 
 
-def _tool_failed(said: dict[str, Any]) -> ToolFailed:
-    error = said.get("error")
+def _tool_failed(envelope: dict[str, Any]) -> ToolFailed:
+    error = envelope.get("error")
     error = error if isinstance(error, dict) else {}
     failed = ToolFailed(
         str(error.get("code", "internal")),
         str(error.get("message", "")),
         str(error.get("hint", "")),
         bool(error.get("retryable")),
-        str(said.get("trace_id", "")),
+        str(envelope.get("trace_id", "")),
     )
     with suppress(ValueError, TypeError, OverflowError):
         failed.retry_after_s = min(max(0.0, float(error.get("retry_after_s", 1.0))), LONGEST_RETRY_S)

@@ -60,19 +60,19 @@ def success(tool: str, data: BaseModel | dict[str, Any], trace_id: str) -> Envel
 
 def failure(tool: str, error: Exception, trace_id: str) -> Envelope:
     """The envelope of an error. Unexpected errors have the code `internal`, and their text is only logged."""
-    said = as_tool_error(error)
-    body = {"ok": False, "tool": tool[:64], "error": error_body(said), "trace_id": trace_id}
-    return Envelope(_json(body), said.code)
+    tool_error = as_tool_error(error)
+    body = {"ok": False, "tool": tool[:64], "error": error_body(tool_error), "trace_id": trace_id}
+    return Envelope(_json(body), tool_error.code)
 
 
 def _json(value: Any) -> str:
     return to_json(value).decode()
 
 
-def error_body(said: ToolError) -> dict[str, Any]:
+def error_body(error: ToolError) -> dict[str, Any]:
     """The error's fields; `retry_after_s` only when the forum named a time."""
-    body = {"code": said.code, "message": str(said), "hint": said.hint, "retryable": said.retryable}
-    return body if said.retry_after_s is None else {**body, "retry_after_s": said.retry_after_s}
+    body = {"code": error.code, "message": str(error), "hint": error.hint, "retryable": error.retryable}
+    return body if error.retry_after_s is None else {**body, "retry_after_s": error.retry_after_s}
 
 
 def as_tool_error(error: Exception) -> ToolError:

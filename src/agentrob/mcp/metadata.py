@@ -2,9 +2,9 @@
 
     > [agent_type=commanding agent_id=planner status=asking trace=3f…]
 
-It is a quotation, which robots never read as a command, and is made from the authenticated account, never from
-arguments. Text of the caller that looks like a tag is neutralised. A tag is valid only at the very start of a post by
-the account that it names; anywhere else it is text.
+It is a quotation, which robots never read as a command, and is built from the authenticated account, never from
+arguments. Text of the caller that looks like a tag is disarmed. A tag is valid only at the very start of a post by the
+account that it names; anywhere else it is text.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Tag:
 
 
 def with_tag(body: str, author: Account, status: str, trace_id: str) -> str:
-    """The text to post: the account's tag, then the caller's text with tags neutralised."""
+    """The text to post: the account's tag, then the caller's text with disarmed tags."""
     name = _NAME_CHARS.sub("-", author.name)[:64] or "-"
     kind = AGENT_TYPES[author.kind]
     trace = f" trace={trace_id}" if trace_id else ""

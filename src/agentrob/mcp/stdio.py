@@ -1,4 +1,4 @@
-"""Serves an MCP server over standard input and output, and answers lines that are no JSON-RPC message."""
+"""Serve an MCP server over standard input and output; answer malformed lines with a JSON-RPC error."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class _WellFormed:
 
 
 def malformed(error: Exception) -> types.JSONRPCError | None:
-    """The answer to a line that failed validation, as JSON-RPC 2.0 wants it; None for an empty line."""
+    """The JSON-RPC 2.0 error for a line that failed validation; None for an empty line."""
     found = error.errors(include_url=False, include_context=False) if isinstance(error, ValidationError) else []
     if found and found[0]["type"] == "json_invalid":
         if isinstance(line := found[0]["input"], str) and not line.strip():

@@ -1,1 +1,1 @@
-"""The agent of one robot as an HTTP service: beside its loop or instead of it, and never a second road to motion."""
+"""The agent of one robot as an HTTP service; commands over HTTP become forum posts like any other."""

@@ -1,4 +1,4 @@
-"""Admits requests: checks host and body size, limits how many run at a time, counts them and sets headers."""
+"""ASGI middleware that checks host and body size, limits concurrent requests, counts them and sets headers."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from agentrob.service.problem import problem
 
 MAX_BODY: Final = 64 * 1024
 MAX_WEBHOOK_BODY: Final = 1024 * 1024
-#: Reads and commands that run at a time; others wait. The agent shares the event loop with them, and must renew its
-#: lease and receive stops under any load. A stop never waits.
+#: The number of reads and commands that run at a time; others wait. The agent shares the event loop with them, and must
+#: renew its lease and receive stops under any load. A stop never waits.
 MAX_READS: Final = 4
 MAX_COMMANDS: Final = 16
 _LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
@@ -40,8 +40,8 @@ _log = structlog.get_logger()
 
 
 class Admission:
-    """ASGI middleware. Requests must name one of `hosts`: a page of another site whose DNS name points here (DNS
-    rebinding) could otherwise use a service on loopback."""
+    """The middleware. The Host header must be one of `hosts`, or a web page could use a service on loopback by DNS
+    rebinding."""
 
     def __init__(self, app: ASGIApp, hosts: Collection[str], metrics: ServiceMetrics) -> None:
         self.app = app
@@ -70,7 +70,7 @@ class Admission:
             slot.release()
 
     def _counted(self, scope: Scope, send: Send, slot: Slot) -> Send:
-        """Sends the answer, counted and with its headers; from its beginning on it has no slot."""
+        """Return a `send` that counts the response, adds headers, and releases the slot when the response starts."""
         method = scope["method"] if scope["method"] in _METHODS else "other"
         trace_id = Headers(scope=scope).get("x-trace-id", "")
         traced = _TRACE_ID.fullmatch(trace_id) is not None
@@ -102,14 +102,16 @@ class Admission:
         except ValueError:
             name = None
         if name not in self.hosts:
-            raise ServiceError(421, "unknown_host", "this service has another address", "set service.hosts")
+            raise ServiceError(
+                421, "unknown_host", "the Host header does not name this service", "add the name to service.hosts"
+            )
         length = headers.get("content-length", "0")
         if not length.isascii() or not length.isdigit() or int(length[:12]) > most:
             raise ServiceError(413, "too_large", "the body is too large", f"at most {most} bytes")
 
 
 class Slot:
-    """A request's slot among those that run at a time; None: the request is not limited."""
+    """A request's slot in the concurrency limit; without a semaphore the request is not limited."""
 
     def __init__(self, semaphore: asyncio.Semaphore | None) -> None:
         self._semaphore = semaphore
@@ -127,7 +129,7 @@ class Slot:
 
     @asynccontextmanager
     async def released(self) -> AsyncIterator[None]:
-        """Give the slot up while waiting for something, so that other requests run meanwhile."""
+        """Release the slot during a wait, so that other requests can run."""
         self.release()
         try:
             yield

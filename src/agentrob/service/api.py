@@ -23,7 +23,11 @@ Name = Annotated[str, Path(pattern=r"^[a-z][a-z0-9_-]{1,31}$", description="the 
 PostId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_.:-]{1,80}$", description="the command's post on the forum")]
 Key = Annotated[
     str | None,
-    Header(alias="Idempotency-Key", pattern=r"^[!-~]{1,200}$", description="the same key twice is one command"),
+    Header(
+        alias="Idempotency-Key",
+        pattern=r"^[!-~]{1,200}$",
+        description="idempotency key: requests with the same key submit one command",
+    ),
 ]
 
 
@@ -33,7 +37,7 @@ def parts(request: Request) -> Parts:
 
 
 def slot(request: Request) -> Slot:
-    """The request's slot among those that run at a time."""
+    """The request's slot in the concurrency limit."""
     found: Slot = request.scope["state"]["slot"]
     return found
 
@@ -56,7 +60,7 @@ async def stopper(request: Request) -> Caller:
 
 
 async def commands(request: Request, robot: Name) -> CommandService:
-    """The service of the named robot; 404 when another robot is served here."""
+    """The service of the named robot. Raises 404 if another robot is served here."""
     found = parts(request).commands
     if robot != found.agent.name:
         raise ServiceError(404, "no_such_robot", f"no robot {robot!r} is served here", found.agent.name)
@@ -73,13 +77,13 @@ Commands = Annotated[CommandService, Depends(commands)]
 # ---------------------------------------------------------------------- look
 @router.get("/robots", responses=documented())
 async def list_robots(request: Request, who: Looker) -> models.Robots:
-    """The robot that is served here, as a list: others have services of their own."""
+    """List the robot of this service; each robot has its own service."""
     return models.Robots(items=[await parts(request).commands.robot()])
 
 
 @router.get("/robots/{robot}", responses=documented())
 async def robot_status(who: Looker, commands: Commands) -> models.Robot:
-    """The robot as it is now."""
+    """The robot's current state."""
     return await commands.robot()
 
 
@@ -89,7 +93,7 @@ async def robot_status(who: Looker, commands: Commands) -> models.Robot:
     responses={200: {"content": {"image/jpeg": {}}, "description": "a picture"}, **documented(409, 503)},
 )
 async def camera_snapshot(who: Looker, commands: Commands) -> Response:
-    """What the robot's own camera sees now, at most every 0.4 s for everybody together (429)."""
+    """A picture of the robot's own camera; at most one every 0.4 s for all clients together (429)."""
     try:
         return Response(await commands.picture(), media_type="image/jpeg")
     except (RobotBusy, RobotUnreachable):
@@ -100,7 +104,7 @@ async def camera_snapshot(who: Looker, commands: Commands) -> Response:
 
 @router.get("/robots/{robot}/queue", responses=documented())
 async def list_queue(who: Looker, commands: Commands) -> models.Queue:
-    """The commands that move or wait, in their order."""
+    """The running and waiting commands, in order."""
     return commands.queue()
 
 
@@ -110,16 +114,16 @@ async def get_command(
     who: Looker,
     commands: Commands,
     post_id: Annotated[PostId, Path(alias="id")],
-    wait_s: Annotated[float, Query(ge=0, le=30, description="wait so long for its end")] = 0.0,
+    wait_s: Annotated[float, Query(ge=0, le=30, description="seconds to wait for its end")] = 0.0,
 ) -> models.Command:
-    """One command as it is now, or as it ended: asked beside measured."""
+    """One command: its current state, or its results, requested and measured."""
     return await commands.command(post_id, wait_s, slot(request).released)
 
 
 # ---------------------------------------------------------------------- ask
 @router.post("/robots/{robot}/preview", responses=documented(503))
 async def preview_command(who: Previewer, commands: Commands, new: models.NewPreview) -> models.Preview:
-    """Plan and verdict of what would be posted. Nothing is posted, nothing moves."""
+    """The plan and verdict of a text. Nothing is posted and nothing moves."""
     return await commands.preview(who, new.text)
 
 
@@ -131,7 +135,7 @@ async def preview_command(who: Previewer, commands: Commands, new: models.NewPre
 async def submit_command(
     who: Commander, commands: Commands, new: models.NewCommand, response: Response, key: Key = None
 ) -> models.Submitted:
-    """Post a command on the forum by the account of this token; the agent hears of it there, as of any post."""
+    """Post a command on the forum as this token's account; the agent receives it there like any other post."""
     submitted = await commands.submit(who, new, key)
     response.status_code = 201 if submitted.created else 200
     return submitted
@@ -141,27 +145,27 @@ async def submit_command(
 async def cancel_command(
     who: Commander, commands: Commands, post_id: Annotated[PostId, Path(alias="id")]
 ) -> models.Command:
-    """Take back a command of one's own that does not move yet."""
+    """Cancel one of your own commands that does not move the robot yet."""
     return await commands.cancel(who, post_id)
 
 
 @router.post("/robots/{robot}/scan", responses=documented(503))
 async def scan(request: Request, who: Commander, commands: Commands) -> models.Scanned:
-    """Ask the forum now what is new; answers when that has been heard."""
+    """Read new posts from the forum now; responds when they have been processed."""
     async with slot(request).released():
         return await commands.scan()
 
 
 @router.post("/robots/{robot}/stop", responses=documented())
 async def stop(request: Request, who: Stopper, commands: Commands) -> models.Stopped:
-    """Stop the robot and end all that was posted before. No limit counts for it."""
+    """Stop the robot and end all commands posted before. Exempt from all limits."""
     return await commands.stop(who, request.scope["state"]["received_s"])
 
 
 # ---------------------------------------------------------------------- webhooks, health
 @router.post("/hooks/{hook}", status_code=202, response_class=Response, responses=documented())
 async def hook(request: Request, hook: Annotated[str, Path(pattern=r"^[a-z][a-z0-9_-]{1,31}$")]) -> Response:
-    """The forum says that something was written. What it says is not believed: the forum is asked."""
+    """A webhook of the forum about new posts. Its content is not used; the agent reads the forum."""
     here = parts(request)
     if hook not in here.hooks_in:
         raise ServiceError(404, "no_such_hook", f"no webhook {hook!r} is configured")
@@ -178,13 +182,13 @@ async def hook(request: Request, hook: Annotated[str, Path(pattern=r"^[a-z][a-z0
 
 @public.get("/healthz")
 async def health() -> models.Health:
-    """The process answers."""
+    """Whether the process responds."""
     return models.Health(status="ok")
 
 
 @public.get("/readyz", responses={503: {"model": models.Readiness, "description": "not ready"}})
 async def readiness(request: Request) -> Response:
-    """Whether a command could move the robot now: agent, forum and driver."""
+    """Whether a command could move the robot now: the state of agent, forum and driver."""
     async with slot(request).released():
         found = await parts(request).commands.readiness()
     return JSONResponse(found.model_dump(), 200 if found.ready else 503)

@@ -21,7 +21,7 @@ from agentrob.forums.protocol import Forum
 from agentrob.model import Account, Decision
 from agentrob.screening.rights import may
 
-#: How old an account may be where asking the forum would delay a stop.
+#: The maximum age of a cached account, which is used where a request to the forum would delay a stop.
 REFRESH_S = 15.0
 SHORTEST = 16
 
@@ -48,7 +48,8 @@ class Caller:
         return self.account
 
     def may_stop(self, robot: Account | None) -> bool:
-        """Makes no request: a stop never waits. A token without an account stops by its scope alone (laws 2 and 15)."""
+        """Whether this caller may stop the robot. Makes no request: a stop never waits. A token without an account
+        may stop by its scope alone (laws 2 and 15)."""
         if self.account is None or self.denied:
             return not self.denied
         mine = robot is None or obeyed(self.account, robot)
@@ -56,12 +57,12 @@ class Caller:
 
 
 class TokenAuthenticator:
-    """Finds callers by their tokens, which are kept as digests only, and limits their requests."""
+    """Finds callers by their tokens, which are stored as digests only, and limits their request rates."""
 
     def __init__(self, callers: Mapping[str, Caller], per_minute: int) -> None:
         self._by_digest = {_digest(token): caller for token, caller in callers.items()}
         if len(self._by_digest) != len(callers):
-            raise ConfigError("two tokens of [service.tokens] are the same; each caller needs its own")
+            raise ConfigError("two tokens of [service.tokens] are equal; each caller needs its own")
         self._limit = RateLimitItemPerMinute(per_minute)
         self._limiter = MovingWindowRateLimiter(MemoryStorage())
 

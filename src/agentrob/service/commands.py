@@ -1,7 +1,7 @@
 """The operations of the service on one robot's agent: state, preview, submit, cancel, stop, scan.
 
 A submitted command becomes a post on the forum by the caller's account, and the agent handles it like any other post.
-What is done here directly only ends motion (stop, cancel) or causes none (preview, reads).
+Operations that bypass the forum only end motion (stop, cancel) or cause none (preview, reads).
 """
 
 from __future__ import annotations
@@ -186,38 +186,42 @@ class CommandService:
             found = await self._find(post_id)
             if found.ended:
                 return found
-            raise ServiceError(409, "not_yet", "the agent has not heard of it yet", "ask again in a moment", 1.0)
+            raise ServiceError(409, "not_yet", "the agent has not received it yet", "try again in a moment", 1.0)
         if author is None or job.command.author.id != author.id:
-            raise ServiceError(403, "not_yours", "only its author takes a command back", "anybody may stop the robot")
+            raise ServiceError(403, "not_yours", "only its author may cancel a command", "anybody may stop the robot")
         if not job.moving:
             job.end(EndReason.TAKEN_BACK)
             await self.agent.journal.end([post_id], EndReason.TAKEN_BACK)
         if job.moving or await self.agent.journal.moved(post_id):
-            raise ServiceError(409, "moving", "it moves the robot already", "stop the robot instead")
+            raise ServiceError(409, "moving", "the command already moves the robot", "stop the robot instead")
         return await self._find(post_id)
 
     async def stop(self, caller: Caller, received_s: float) -> models.Stopped:
         """Stop the robot: no forum, model, journal, queue or limit stands in the way (laws 13 to 17)."""
         if not caller.may_stop(self.agent.me):
-            raise ServiceError(403, "may_not_stop", "this account may not stop: it is suspended, or no one's to obey")
+            raise ServiceError(
+                403,
+                "may_not_stop",
+                "this account may not stop the robot: it is suspended, or of a kind that robots do not obey",
+            )
         by = caller.account.name if caller.account else f"{caller.name} (HTTP)"
         late_ms = (time.monotonic() - received_s) * 1000
         ended, stopping = self.agent.stop(by, self._newest_at)
         result = await asyncio.shield(stopping)
         if result is None:
             self.metrics.stopped(None, math.inf)
-            said = "NOT STOPPED: no driver of this robot answers; use the robot's own stop"
-            return models.Stopped(robot=self.agent.name, reached=False, ended=ended, message=said)
+            message = "NOT STOPPED: no driver of this robot answers; use the robot's own stop"
+            return models.Stopped(robot=self.agent.name, reached=False, ended=ended, message=message)
         latency_ms = late_ms + result.latency_ms
         self.metrics.stopped(result, latency_ms)
-        said = result.message or ("" if result.confirmed else "the robot DID NOT CONFIRM that it stands still")
+        message = result.message or ("" if result.confirmed else "the robot DID NOT CONFIRM that it stands still")
         return models.Stopped(
             robot=self.agent.name, reached=True, confirmed=result.confirmed, latency_ms=round(latency_ms, 1),
-            was_moving=result.was_moving, coasted_m=result.coasted_m, ended=ended, message=said,
+            was_moving=result.was_moving, coasted_m=result.coasted_m, ended=ended, message=message,
         )  # fmt: skip
 
     async def scan(self) -> models.Scanned:
-        """Ask the forum now. `heard` is false when it does not answer in time."""
+        """Read the forum now. `heard` is false if it does not answer in time."""
         self._ready()
         heard = False
         with contextlib.suppress(TimeoutError):
@@ -227,7 +231,7 @@ class CommandService:
         return models.Scanned(heard=heard, waiting=len(self.agent.queue))
 
     def _begin_scan(self) -> None:
-        """Scan in the background. At most one runs and one waits, which sees whatever is new by then."""
+        """Scan in the background. At most one scan runs and one waits, which covers all requests until it starts."""
         if len(self._scans) >= 2:
             return
 
@@ -240,7 +244,7 @@ class CommandService:
         task.add_done_callback(self._scans.discard)
 
     def wake(self) -> None:
-        """Scan the forum because a webhook came in; what the webhook says is not used."""
+        """Scan the forum because a webhook arrived; the webhook's content is not used."""
         self._begin_scan()
 
     async def readiness(self) -> models.Readiness:
@@ -302,7 +306,7 @@ class CommandService:
 
 
 class _Coalesced(Generic[T]):
-    """Shares one running request among all callers that ask for the same meanwhile."""
+    """Shares one running request among all concurrent callers."""
 
     def __init__(self, make: Callable[[], Coroutine[Any, Any, T]]) -> None:
         self._make = make
@@ -315,7 +319,7 @@ class _Coalesced(Generic[T]):
 
 
 def _finite(value: Any) -> Any:
-    """Plain data as JSON has it: infinities and what is no number are null."""
+    """Convert to JSON data: infinity and NaN become null."""
     if isinstance(value, dict):
         return {k: _finite(v) for k, v in value.items()}
     if isinstance(value, list):

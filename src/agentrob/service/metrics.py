@@ -19,11 +19,13 @@ class ServiceMetrics:
     def __init__(self, robot: str) -> None:
         self.registry = CollectorRegistry()
         self._robot = robot
-        self._commands = self._counter("agentrob_commands", "Commands that ended, by how.", "status")
+        self._commands = self._counter("agentrob_commands", "Commands that ended, by status.", "status")
         self._stops = self._counter("agentrob_stops", "Stops over HTTP, by whether the driver was reached.", "reached")
         self.requests = self._counter("agentrob_http_requests", "Requests answered.", "method", "status")
-        self.hooks_in = self._counter("agentrob_hooks_in", "Webhooks received, by whether they were taken.", "taken")
-        self.hooks_out = self._counter("agentrob_hooks_out", "Deliveries: told, failed, dropped.", "outcome")
+        self.hooks_in = self._counter("agentrob_hooks_in", "Webhooks received, by whether they were accepted.", "taken")
+        self.hooks_out = self._counter(
+            "agentrob_hooks_out", "Webhook deliveries, by outcome: told, failed, dropped.", "outcome"
+        )
         self._took = self._histogram("agentrob_command_seconds", "From the post to the end of the motion.", _SECONDS)
         self._stopped = self._histogram(
             "agentrob_stop_seconds", "From the request to zero velocity commanded.", _STOP_SECONDS
@@ -31,12 +33,12 @@ class ServiceMetrics:
 
     def watch(self, waiting: Callable[[], float], moving: Callable[[], float], silent_s: Callable[[], float]) -> None:
         """Add gauges that are read at each scrape."""
-        for name, said, read in (
+        for name, help_text, read in (
             ("agentrob_queue_length", "Commands that wait or move.", waiting),
             ("agentrob_moving", "1 while a command moves the robot.", moving),
-            ("agentrob_forum_silent_seconds", "Since when nothing was heard of the forum.", silent_s),
+            ("agentrob_forum_silent_seconds", "Seconds since the forum last answered.", silent_s),
         ):
-            gauge = Gauge(name, said, ["robot"], registry=self.registry)
+            gauge = Gauge(name, help_text, ["robot"], registry=self.registry)
             gauge.labels(self._robot).set_function(read)
 
     def ended(self, report: Report) -> None:
@@ -59,8 +61,8 @@ class ServiceMetrics:
     def text(self) -> bytes:
         return generate_latest(self.registry)
 
-    def _counter(self, name: str, said: str, *labels: str) -> Counter:
-        return Counter(name, said, ["robot", *labels], registry=self.registry)
+    def _counter(self, name: str, help_text: str, *labels: str) -> Counter:
+        return Counter(name, help_text, ["robot", *labels], registry=self.registry)
 
-    def _histogram(self, name: str, said: str, buckets: tuple[float, ...]) -> Histogram:
-        return Histogram(name, said, ["robot"], buckets=buckets, registry=self.registry)
+    def _histogram(self, name: str, help_text: str, buckets: tuple[float, ...]) -> Histogram:
+        return Histogram(name, help_text, ["robot"], buckets=buckets, registry=self.registry)

@@ -1,4 +1,4 @@
-"""What goes over the wire of the agent's HTTP service, as its OpenAPI document shows it."""
+"""The request and response models of the agent's HTTP service, as in its OpenAPI document."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.:-]{1,80}$")]
 
 
 class Problem(BaseModel):
-    """What went wrong, as RFC 9457 has it: `code` is a stable word, `hint` says what would be valid."""
+    """Problem details (RFC 9457): `code` is a stable word, `hint` says what is valid."""
 
     type: str = "about:blank"
     title: str
@@ -29,7 +29,7 @@ class _Asked(BaseModel):
 
 
 class NewCommand(_Asked):
-    """What to post for the robot. It is mentioned where the text does not do so. Without `topic` a new one is made."""
+    """A command to post. A mention of the robot is added if missing; without `topic` a new topic is started."""
 
     text: Text
     topic: Id | None = None
@@ -37,13 +37,13 @@ class NewCommand(_Asked):
 
 
 class NewPreview(_Asked):
-    """What one would post."""
+    """A text to preview."""
 
     text: Text
 
 
 class Robot(BaseModel):
-    """A robot as it is now. `state` is its mode, `halted`, or `offline` when its driver does not answer."""
+    """A robot's current state. `state` is its mode, `halted`, or `offline` if its driver does not answer."""
 
     name: str
     model: str
@@ -55,9 +55,9 @@ class Robot(BaseModel):
     battery_percent: float | None = None
     homed: bool | None = None
     state_age_s: float | None = None
-    moving: str | None = Field(None, description="the post whose command moves it now")
+    moving: str | None = Field(None, description="the post of the command that moves it now")
     waiting: int = 0
-    forum_silent_s: float | None = Field(None, description="since when nothing was heard of the forum; null: never")
+    forum_silent_s: float | None = Field(None, description="seconds since the forum last answered; null: never")
 
 
 class Robots(BaseModel):
@@ -65,7 +65,7 @@ class Robots(BaseModel):
 
 
 class Judged(BaseModel):
-    """What decided: `allow`, `ask_back`, `needs_approval` or `refuse`, by which rule, and a sentence for people."""
+    """The decision (`allow`, `ask_back`, `needs_approval` or `refuse`), its rule, and the reason as a sentence."""
 
     decision: str
     rule: str
@@ -73,7 +73,7 @@ class Judged(BaseModel):
 
 
 class Preview(BaseModel):
-    """What would be made of the text now. Rights, limits and state are asked again before anything moves."""
+    """How the text would be handled now. Rights, limits and state are checked again before anything moves."""
 
     intent: str
     language: str
@@ -112,21 +112,21 @@ class Command(BaseModel):
 
 
 class Submitted(BaseModel):
-    """`created` is false when the same key had been used before: then it is the command of then."""
+    """`created` is false if the key was used before; `command` is then the earlier command."""
 
     command: Command
     created: bool
 
 
 class Queue(BaseModel):
-    """Commands that move or wait, in order."""
+    """Running and waiting commands, in order."""
 
     items: list[Command]
 
 
 class Stopped(BaseModel):
-    """What the stop did, as the robot's driver measured it. `latency_ms` counts from the request until zero velocity
-    was commanded; `confirmed`: the robot's own state shows rest. `ended` is how many commands it ended."""
+    """The result of a stop, measured by the robot's driver. `latency_ms` is the time from the request until zero
+    velocity was commanded; `confirmed`: the robot's own state shows rest; `ended` counts the commands it ended."""
 
     robot: str
     reached: bool
@@ -139,7 +139,7 @@ class Stopped(BaseModel):
 
 
 class Scanned(BaseModel):
-    """`heard`: the forum was asked, and everything new has been heard."""
+    """`heard`: the forum answered, and all new posts were received."""
 
     heard: bool
     waiting: int

@@ -36,9 +36,9 @@ _WHEN = {
     404: "not found",
     409: "this cannot be done now",
     413: "the body is too large",
-    421: "this address is not the service's",
+    421: "the Host header does not name this service",
     422: "a value is not valid",
-    429: "too many requests; Retry-After says when again",
+    429: "too many requests; Retry-After says when to retry",
     503: "forum, driver or agent cannot be reached now",
 }
 _log = structlog.get_logger()
@@ -100,7 +100,7 @@ def add_errors(app: FastAPI) -> None:
         return problem(as_service_error(error))
 
     async def not_valid(request: Request, error: Exception) -> Response:
-        # What was wrong with the values sent; never what they were.
+        # Say what is wrong with the values, without repeating them.
         assert isinstance(error, RequestValidationError)
         found = [f"{'.'.join(str(p)[:40] for p in e['loc'])}: {e['msg']}" for e in error.errors()]
         detail = "; ".join(found)[:1000].encode("utf-8", "replace").decode()

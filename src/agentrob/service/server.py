@@ -69,9 +69,9 @@ def create_app(parts: Parts) -> FastAPI:
 
 
 def assemble(config: ServiceConfig, name: str, make_agent: MakeAgent, open_forum: Callable[[str], Forum]) -> Parts:
-    """The parts of the service of one robot. Raises `ConfigError` for secrets that are not there."""
+    """Make the parts of one robot's service. Raises `ConfigError` for missing secrets."""
     if not config.tokens:
-        raise ConfigError("nobody may use the service: add a table [service.tokens.NAME] with token_env and scopes")
+        raise ConfigError("the service has no clients: add a table [service.tokens.NAME] with token_env and scopes")
     receivers = [Receiver(hook, h.url, read_secret(h.secret_env)) for hook, h in config.hooks_out.items()]
     hooks_in = {hook: (h.kind, read_secret(h.secret_env)) for hook, h in config.hooks_in.items()}
     who = auth.configured(config, read_secret, open_forum)
@@ -118,7 +118,7 @@ async def serving(parts: Parts, listener: socket.socket) -> AsyncIterator[asynci
 
 
 async def serve(parts: Parts, listener: socket.socket, ready: Callable[[str], None]) -> None:
-    """Serve agent and HTTP until SIGTERM, Ctrl-C or the end of one of them. HTTP starts first, so that a stop does not
+    """Run agent and HTTP server until SIGTERM, Ctrl-C, or the end of either. HTTP starts first, so that a stop does not
     wait for the forum. `ready` is called with the address when the agent receives commands."""
     agent = parts.commands.agent
     url = base_url(*listener.getsockname()[:2])

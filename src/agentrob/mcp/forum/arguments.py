@@ -1,4 +1,4 @@
-"""The arguments of each tool: one model per tool, with the tool's description as docstring. Others are refused."""
+"""The arguments of each tool: one model per tool, whose docstring is the tool's description."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Opaque page cursors, bound to the tool and to what was listed (a board, a topic, a query).
+"""Opaque page cursors, bound to a tool and to its list (of a board, a topic or a query).
 
 They hold no secret and need no signature: a forged one can only request a page that its maker may read anyway.
 """

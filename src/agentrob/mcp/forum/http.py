@@ -1,4 +1,4 @@
-"""Serves the forum's tools over streamable HTTP to several users, each with a forum account of its own.
+"""Serve the forum's tools over streamable HTTP to several users, each with their own forum account.
 
 Every request needs a valid bearer token. Other hosts and origins are refused, so that web pages cannot reach a server
 on loopback.
@@ -40,7 +40,7 @@ _VERSION = b"mcp-protocol-version"
 def make_app(
     config: McpConfig, users: Mapping[str, tuple[Identity, str, str]], port: int
 ) -> tuple[ASGIApp, ForumServer]:
-    """The ASGI app and its server. `port` is the port in use, also where the configuration says 0."""
+    """The ASGI app and its server. `port` is the port in use, even if the configured port is 0."""
     host = _address(config)[0]
     url = config.public_url or base_url(host, port) + PATH
     verifier = BearerTokenVerifier(users, url, config.issuer, config.jwks_url)
@@ -81,15 +81,15 @@ def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
             async with exchanges.router.lifespan_context(exchanges):
                 await sessions(scope, receive, send)
             return
-        told = _values(scope, _VERSION)
-        newer = told and told[0] not in HANDSHAKE_PROTOCOL_VERSIONS
+        version = _values(scope, _VERSION)
+        newer = version and version[0] not in HANDSHAKE_PROTOCOL_VERSIONS
         await (exchanges if newer else sessions)(scope, receive, send)
 
     return chosen
 
 
 def _telling_ended_sessions(app: ASGIApp, server: ForumServer) -> ASGIApp:
-    """Tell the server which sessions their clients end, since the SDK does not."""
+    """Notify the server of sessions that clients end, since the SDK does not."""
 
     async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:
         async def watched(message: Message) -> None:

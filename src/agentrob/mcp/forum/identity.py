@@ -1,4 +1,4 @@
-"""An account of the forum at the MCP server: its connection, rights, uploads and event streams."""
+"""The signed-in forum accounts of the MCP server: connection, rights, uploads and event streams."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Rights:
 
 @dataclass
 class Identity:
-    """A signed-in account. `name` is the configured name until the forum was asked."""
+    """A signed-in account. `name` is the configured name until the account was read from the forum."""
 
     name: str
     forum: Forum
@@ -45,7 +45,7 @@ class Identity:
         self._meaning: bool | None = None
 
     async def me(self) -> Account:
-        """The account, read once; the forum checks its rights at every write itself."""
+        """The account. It is read only once, since the forum itself checks rights at every write."""
         if self._me is None:
             self._me = await self.forum.me()
             self.name = self._me.name
@@ -62,8 +62,8 @@ class Identity:
         return self._meaning
 
     async def once(self, key: str | None, write: Callable[[], Awaitable[Any]]) -> tuple[Any, bool]:
-        """Run a write once per key, also when two calls send it at the same time; return its result and whether it ran
-        now. For writes that the forum itself does not make idempotent."""
+        """Run a write once per key, even if two calls send it concurrently; return its result and whether it ran now.
+        For writes that the forum itself does not make idempotent."""
         if key is None:
             return await write(), True
         if (running := self._edits.get(key)) is not None:

@@ -1,16 +1,16 @@
-"""The resources, `forum://…`: the same content as the tools return, and what programs need (events, pictures).
+"""The resources, `forum://…`: the content that tools return, plus events and pictures for programs.
 
 forum://manual                       how the tools work together
 forum://boards                       all boards
 forum://board/{board_id}             the topics of a board, first page
 forum://topic/{topic_id}             a topic with its latest posts; updates are pushed
 forum://post/{post_id}               a post in full
-forum://account/{name}               an account as it is now
-forum://me                           the signed-in account, the newest event, what the forum can do
+forum://account/{name}               an account
+forum://me                           the signed-in account, the newest event, the forum's features
 forum://key/{key}                    the account's own post that was written under a key
 forum://media/{url}                  a picture of a post
-forum://changes/{after}/{limit}      what happened after an event
-forum://wait/{after}/{heartbeat_s}   the same as soon as something happens, or the forum's clock when nothing does
+forum://changes/{after}/{limit}      the events after an event
+forum://wait/{after}/{heartbeat_s}   the same as soon as there is an event, or the forum's time at a heartbeat
 """
 
 from __future__ import annotations

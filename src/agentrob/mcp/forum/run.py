@@ -1,4 +1,4 @@
-"""Runs the forum's MCP server over stdio or HTTP, as the configuration says."""
+"""Run the forum's MCP server over stdio or HTTP."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ async def _serve(accounts: Accounts) -> None:
 
 
 async def _check(identity: Identity) -> None:
-    """Log that the forum refuses the token. A forum that cannot be reached yet is asked again by the first tool."""
+    """Log an error if the forum rejects the token. If the forum is unreachable, the first tool call tries again."""
     with contextlib.suppress(ForumError):
         try:
             await identity.me()

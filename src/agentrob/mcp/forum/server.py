@@ -92,8 +92,8 @@ class ForumServer:
         return types.ListToolsResult(tools=[_described(await as_available(t, who)) for t in self._allowed(ctx)])
 
     async def call_tool(self, ctx: Context, params: types.CallToolRequestParams) -> types.CallToolResult:
-        said = await self._said(ctx, params.name, params.arguments or {})
-        return types.CallToolResult.model_validate(_result(said, said.structure()))
+        envelope = await self._envelope(ctx, params.name, params.arguments or {})
+        return types.CallToolResult.model_validate(_result(envelope, envelope.structure()))
 
     async def _answer_tool_call(self, ctx: Context, call_next: CallNext) -> HandlerResult:
         """Answer a well-formed tool call without the engine's validation passes: they would parse and copy an answer
@@ -105,28 +105,28 @@ class ForumServer:
         initialized = newer or ctx.session.client_params is not None
         if ctx.method != "tools/call" or not plain or not initialized:
             return await call_next(ctx)
-        said = await self._said(ctx, params["name"], params["arguments"])
-        answer = _result(said, said.structure())
+        envelope = await self._envelope(ctx, params["name"], params["arguments"])
+        answer = _result(envelope, envelope.structure())
         if newer:
             answer["resultType"] = "complete"
             answer["_meta"] = {SERVER_INFO_META_KEY: self.engine.server_info_stamp}
         return answer
 
-    async def _said(self, ctx: Context, name: str, given: dict[str, Any]) -> Envelope:
+    async def _envelope(self, ctx: Context, name: str, given: dict[str, Any]) -> Envelope:
         """Call a tool; return its envelope in every case."""
         trace_id, began = new_trace_id(), time.monotonic()
         TRACE_ID.set(trace_id)
         who = self._identify(ctx)
         try:
-            said = success(name, await self._run(ctx, who, name, given, trace_id), trace_id)
+            envelope = success(name, await self._run(ctx, who, name, given, trace_id), trace_id)
         except Exception as e:
-            said = failure(name, e, trace_id)
-            if said.code == "internal":
+            envelope = failure(name, e, trace_id)
+            if envelope.code == "internal":
                 log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began) * 1000, 1)
-        told = {"tool": name[:64], "account": who.name, "outcome": said.code, "ms": took_ms, "trace_id": trace_id}
-        asyncio.get_running_loop().call_soon(functools.partial(log.info, "mcp.call", **told))  # the answer goes first
-        return said
+        fields = {"tool": name[:64], "account": who.name, "outcome": envelope.code, "ms": took_ms, "trace_id": trace_id}
+        asyncio.get_running_loop().call_soon(functools.partial(log.info, "mcp.call", **fields))  # the answer goes first
+        return envelope
 
     async def _run(self, ctx: Context, who: Identity, name: str, arguments: dict[str, Any], trace_id: str) -> BaseModel:
         tools = self._allowed(ctx)
@@ -227,16 +227,16 @@ class ForumServer:
             prompt = filled(params.name, params.arguments or {})
         except ToolError as e:
             raise _protocol_error(e, new_trace_id()) from None
-        said = types.PromptMessage(role="user", content=types.TextContent(type="text", text=prompt.text))
-        return types.GetPromptResult(description=prompt.description, messages=[said])
+        message = types.PromptMessage(role="user", content=types.TextContent(type="text", text=prompt.text))
+        return types.GetPromptResult(description=prompt.description, messages=[message])
 
 
-def _result(said: Envelope, structure: Any) -> dict[str, Any]:
+def _result(envelope: Envelope, structure: Any) -> dict[str, Any]:
     """The result of a call: the envelope as structured content, and as compact text."""
     return {
-        "content": [{"type": "text", "text": said.text}],
+        "content": [{"type": "text", "text": envelope.text}],
         "structuredContent": structure,
-        "isError": said.code != "ok",
+        "isError": envelope.code != "ok",
     }
 
 
@@ -245,25 +245,25 @@ def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
     try:
         return tool.arguments.model_validate(given)
     except (ValidationError, RecursionError) as e:
-        said = "they are nested too deeply"
+        problem = "they are nested too deeply"
         if isinstance(e, ValidationError):
             wrong = [
                 f"{'.'.join(str(p)[:40] for p in x['loc'][:3])}: {x['msg'][:120]}"
                 for x in e.errors(include_input=False)
             ]
-            said = "; ".join(wrong[:5])
+            problem = "; ".join(wrong[:5])
         valid = ", ".join(tool.arguments.model_fields) or "no arguments"
-        raise ToolError("invalid_arguments", said, f"{tool.name} takes {valid}") from None
+        raise ToolError("invalid_arguments", problem, f"{tool.name} takes {valid}") from None
 
 
 def _protocol_error(error: Exception, trace_id: str, **data: Any) -> MCPError:
     """A JSON-RPC error with the fields of the envelope, for requests that are not tool calls."""
-    said = as_tool_error(error)
-    if said.code == "internal":
+    tool_error = as_tool_error(error)
+    if tool_error.code == "internal":
         log.error("mcp.read_failed", trace_id=trace_id, exc_info=error)
-    mine = isinstance(error, AgentRobError) and said.code in ("not_found", "invalid_arguments")
+    mine = isinstance(error, AgentRobError) and tool_error.code in ("not_found", "invalid_arguments")
     code = types.INVALID_PARAMS if mine else types.INTERNAL_ERROR
-    return MCPError(code, str(said), {**error_body(said), "trace_id": trace_id, **data})
+    return MCPError(code, str(tool_error), {**error_body(tool_error), "trace_id": trace_id, **data})
 
 
 @functools.cache

@@ -87,18 +87,20 @@ class RobotServer:
         TRACE_ID.set(trace_id)
         try:
             answer = await self._run(ctx, name, params.arguments or {})
-            said, picture = success(name, answer.data, trace_id), answer.picture
+            envelope, picture = success(name, answer.data, trace_id), answer.picture
         except Exception as e:
-            said = failure(name, e, trace_id)
-            if said.code == "internal":
+            envelope = failure(name, e, trace_id)
+            if envelope.code == "internal":
                 _log.exception("mcp.call_failed", tool=name[:64], trace_id=trace_id)
         took_ms = round((time.monotonic() - began_s) * 1000, 1)
-        _log.info("mcp.call", tool=name[:64], outcome=said.code, ms=took_ms, trace_id=trace_id)
-        content: list[Any] = [types.TextContent(type="text", text=said.text)]
+        _log.info("mcp.call", tool=name[:64], outcome=envelope.code, ms=took_ms, trace_id=trace_id)
+        content: list[Any] = [types.TextContent(type="text", text=envelope.text)]
         if picture is not None:
             data = base64.b64encode(picture).decode()
             content.append(types.ImageContent(type="image", data=data, mime_type="image/jpeg"))
-        return types.CallToolResult(content=content, structured_content=said.structure(), is_error=said.code != "ok")
+        return types.CallToolResult(
+            content=content, structured_content=envelope.structure(), is_error=envelope.code != "ok"
+        )
 
     async def _run(self, ctx: Context, name: str, given: dict[str, Any]) -> Answer:
         tool = next((tool for tool in self._tools if tool.name == name), None)
@@ -108,16 +110,16 @@ class RobotServer:
         if tool is None:
             known = ", ".join(tool.name for tool in self._tools)
             raise ToolError("unknown_tool", f"there is no tool {name[:64]!r}", known)
-        told = 0.0
+        reports = 0.0
 
         async def report(command: dict[str, Any]) -> None:
-            nonlocal told
-            told += 1
+            nonlocal reports
+            reports += 1
             place, doing = command.get("place"), command.get("doing") or ""
-            said = (
+            message = (
                 f"{command.get('state')}" + (f", {place} before it" if place else "") + (f": {doing}" if doing else "")
             )
-            await ctx.session.report_progress(told, None, said)
+            await ctx.session.report_progress(reports, None, message)
 
         return await tool.run(self._robots, _validated(tool, given), report)
 
@@ -127,15 +129,15 @@ def _validated(tool: Tool, given: dict[str, Any]) -> Arguments:
     try:
         return tool.arguments.model_validate(given)
     except (ValidationError, RecursionError) as e:
-        said = "they are nested too deeply"
+        problem = "they are nested too deeply"
         if isinstance(e, ValidationError):
             wrong = [
                 f"{'.'.join(str(p)[:40] for p in x['loc'][:3])}: {x['msg'][:120]}"
                 for x in e.errors(include_input=False)
             ]
-            said = "; ".join(wrong[:5])
+            problem = "; ".join(wrong[:5])
         valid = ", ".join(tool.arguments.model_fields) or "no arguments"
-        raise ToolError("invalid_arguments", said, f"{tool.name} takes {valid}") from None
+        raise ToolError("invalid_arguments", problem, f"{tool.name} takes {valid}") from None
 
 
 @functools.cache
@@ -160,10 +162,10 @@ def _schema_of(name: str) -> dict[str, Any] | None:
 
 
 def configured(config: McpRobotConfig) -> Robots:
-    """The robots of a configuration; `ConfigError` when there is none, or a token is missing."""
+    """The configured robots. Raises `ConfigError` if there are none, or a token is missing."""
     if not config.services:
         hint = "[mcp_robot.services.ROBOT] with the url and token_env of its agent's HTTP service"
-        raise ConfigError(f"no robot is served to MCP clients: name one with {hint}")
+        raise ConfigError(f"no robot is configured for MCP clients: add {hint}")
     services = {}
     for robot, settings in config.services.items():
         token = os.environ.get(settings.token_env, "")

@@ -53,9 +53,9 @@ class Service:
         try:
             answer = await self._http.request(method, self._base + path, json=body, headers=sent)
         except (httpx2.HTTPError, httpx2.InvalidURL, OSError) as e:
-            hint = "nothing is known of the robot; to stop it use its own stop, or agentrob stop on its machine"
-            said = f"the service of {self.robot} does not answer ({type(e).__name__})"
-            raise ToolError("unreachable", said, hint, retryable=True) from None
+            hint = "the robot's state is unknown; to stop it use its own stop, or agentrob stop on its machine"
+            message = f"the service of {self.robot} does not answer ({type(e).__name__})"
+            raise ToolError("unreachable", message, hint, retryable=True) from None
         if answer.is_success:
             return answer
         raise _refusal(answer)
@@ -88,16 +88,16 @@ def _refusal(answer: httpx2.Response) -> ToolError:
     """The service's problem details as a `ToolError`."""
     try:
         problem = _json(answer)
-        said, hint, code = str(problem["detail"]), str(problem.get("hint", "")), str(problem["code"])
+        message, hint, code = str(problem["detail"]), str(problem.get("hint", "")), str(problem["code"])
     except (ValueError, KeyError, TypeError, AttributeError):
-        said, hint, code = f"the service answered {answer.status_code}", "", "unreachable"
+        message, hint, code = f"the service answered {answer.status_code}", "", "unreachable"
     after_s: float | None = None
     with contextlib.suppress(ValueError):
         after_s = float(answer.headers["retry-after"]) if "retry-after" in answer.headers else None
     if after_s is not None and not math.isfinite(after_s):
         after_s = None
     retryable = answer.status_code in (429, 503) or after_s is not None
-    return ToolError(_CODES.get(answer.status_code, code), said, hint, retryable, after_s)
+    return ToolError(_CODES.get(answer.status_code, code), message, hint, retryable, after_s)
 
 
 class Robots:
@@ -134,7 +134,7 @@ class Robots:
 async def wait_for_command(
     service: Service, command: dict[str, Any], wait_s: float, report: ReportProgress
 ) -> dict[str, Any]:
-    """A command as it is after at most `wait_s`, or as it ended; `report` is called at each change."""
+    """Return a command when it has ended, or after at most `wait_s`; `report` is called at each change."""
     loop, command_id = asyncio.get_running_loop(), quote(part(command, "id", str), safe="")
     until_s, shown = loop.time() + wait_s, None
     while True:
