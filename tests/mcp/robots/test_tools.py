@@ -156,7 +156,7 @@ async def test_a_service_that_is_gone_is_told_and_a_stop_that_reached_nobody_is_
 
 
 def test_it_is_off_until_a_service_and_its_token_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ConfigError, match="no robot is served"):
+    with pytest.raises(ConfigError, match="no robot is configured"):
         configured(McpRobotConfig())
     monkeypatch.delenv("NO_SUCH_TOKEN", raising=False)
     services = {"quadruped": {"url": "http://127.0.0.1:8089", "token_env": "NO_SUCH_TOKEN"}}
