@@ -1,1 +1,1 @@
-"""The languages: one file each, found by being here. `docs/languages.md` walks through adding one."""
+"""One file per language; the registry finds every file here. `docs/languages.md` shows how to add one."""

@@ -1,4 +1,4 @@
-"""English: what people call things, and how numbers are said."""
+"""The English vocabulary and numerals."""
 
 from __future__ import annotations
 

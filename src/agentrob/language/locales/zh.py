@@ -1,4 +1,4 @@
-"""Chinese: what people call things, and how numbers are said. English words are understood within it too."""
+"""The Chinese vocabulary and numerals. English words within Chinese text are understood too."""
 
 from __future__ import annotations
 
