@@ -118,7 +118,7 @@ class NodeBBDouble:
 
     def forum(self) -> NodeBBForum:
         forum = NodeBBForum(ForumConfig(kind="nodebb", url="http://127.0.0.1:9"), "token")
-        forum._client.clock.heard(NOW, NOW, NOW)
+        forum._client.clock.add(NOW, NOW, NOW)
         forum._client.set_clock = _known  # type: ignore[method-assign]
         forum._client._http = httpx2.AsyncClient(transport=httpx2.MockTransport(self.answer), base_url="http://forum")
         return forum

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections import OrderedDict, UserDict
 from typing import TypeVar
 
-#: Entries that an adapter remembers of posts, topics, keys or accounts, unless it says otherwise.
+#: Default number of posts, topics, keys or accounts that an adapter remembers.
 MOST_KNOWN = 1_000
 K = TypeVar("K")
 V = TypeVar("V")
 
 
 class BoundedDict(UserDict[K, V]):
-    """At most `most` entries: one more, and the entry that was set longest ago is dropped. Reading renews nothing."""
+    """Keeps at most `most` entries: another one drops the entry that was set longest ago. Reading does not renew."""
 
     def __init__(self, most: int) -> None:
         super().__init__()
@@ -26,4 +26,4 @@ class BoundedDict(UserDict[K, V]):
             self.dropped(*self.data.popitem(last=False))
 
     def dropped(self, key: K, value: V) -> None:
-        """Called for each entry that is dropped; for subclasses."""
+        """Called for each dropped entry, for subclasses."""

@@ -12,7 +12,7 @@ from typing import Any
 
 from agentrob.model import Account, StatusCard
 
-#: No word of a card of ours is longer, and no number larger.
+#: The longest text and the largest number in a card.
 LONGEST = 2_000
 LARGEST = 1_000_000
 _SURROGATE = re.compile("[\ud800-\udfff]")
@@ -21,12 +21,12 @@ _TEXTS = frozenset(f.name for f in fields(StatusCard)) - _NUMBERS
 
 
 def facts_of(card: StatusCard) -> dict[str, Any]:
-    """A card as JSON, without the fields that say nothing: who does not know them yet takes it all the same."""
+    """Return a card as JSON, without empty fields."""
     return {name: value for name, value in asdict(card).items() if value not in (None, "", 0)}
 
 
 def card_of(given: object) -> StatusCard | None:
-    """The card that JSON says, or None where it says something else. Fields that are not known are passed over."""
+    """Return the card in a JSON value, or None if it is not one. Unknown fields are ignored."""
     if not isinstance(given, dict):
         return None
     facts = {name: given[name] for name in (*_TEXTS, *_NUMBERS) if given.get(name) is not None}
@@ -40,5 +40,5 @@ def card_of(given: object) -> StatusCard | None:
 
 
 def card_by(author: Account, card: StatusCard | None) -> StatusCard | None:
-    """The card of a post by this author; None when the author is not the robot that it names (law 1)."""
+    """Return the card of a post by this author, or None if the author is not the robot that it names (law 1)."""
     return card if card is not None and author.speaks_for(card.robot) else None

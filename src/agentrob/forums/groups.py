@@ -14,12 +14,15 @@ Groups = tuple[str, ...]
 
 
 class GroupOptions(BaseModel):
-    """Groups by their names on the forum. `closed` are those of an account that not anybody may join, `said` all that
-    the forum tells of; both as `spelled`."""
+    """Groups by their names on the forum.
+
+    `closed` are an account's groups that cannot be joined freely, `said` all groups that the forum lists for it; both
+    are spelled as by `spelled`.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    #: Groups that whoever signs up is in: they give no right (law 2).
+    #: Groups that every new account is in: they give no rights (law 2).
     everybody: ClassVar[frozenset[str]]
 
     operators: Groups = ()
@@ -33,12 +36,12 @@ class GroupOptions(BaseModel):
     @classmethod
     def _not_everybody(cls, names: Groups) -> Groups:
         if found := sorted({cls.spelled(name) for name in names} & cls.everybody):
-            raise ValueError(f"whoever signs up is in {found[0]}, and signing up gives no right")
+            raise ValueError(f"{found[0]!r} contains every new account, and signing up gives no rights")
         return names
 
     @classmethod
     def of(cls, options: Mapping[str, Any]) -> Self:
-        """Check what the configuration says. Raises `ConfigError` that names what is valid."""
+        """Validate the options. Raises `ConfigError`, which names the valid ones."""
         try:
             return cls.model_validate(dict(options))
         except ValidationError as e:
@@ -47,11 +50,11 @@ class GroupOptions(BaseModel):
 
     @staticmethod
     def spelled(name: str) -> str:
-        """A group's name as the forum's answers have it."""
+        """Return a group's name as the forum's answers spell it."""
         return name.lower()
 
     def among(self, names: Groups, groups: Collection[str]) -> bool:
-        """Whether one of these names is among an account's groups."""
+        """Return whether one of these names is among an account's groups."""
         return any(self.spelled(name) in groups for name in names)
 
     def role(self, closed: Collection[str]) -> Role:
@@ -62,8 +65,10 @@ class GroupOptions(BaseModel):
         return Role.OPERATOR if self.among(self.operators, closed) else Role.MEMBER
 
     def kind(self, said: Collection[str], closed: Collection[str]) -> AccountKind:
-        """Whoever is in groups of several kinds has the one with fewest rights. Being a robot takes rights away, so
-        any group says it, also one that anybody may join."""
+        """Return the kind of account; with groups of several kinds, the one with the fewest rights.
+
+        Being a robot takes rights away, so freely joinable groups count for it too.
+        """
         if self.among(self.monitoring_agents, said):
             return AccountKind.MONITORING_AGENT
         if self.among(self.robot_agents, said):

@@ -12,15 +12,15 @@ import httpx2
 
 from agentrob.errors import AgentRobError, ForumError, ForumMalformed, ForumUnreachable
 
-#: Names that NodeBB takes for spiders (`python-requests/…`, `…Bot/`) get no CSRF token.
+#: NodeBB gives no CSRF token to names that look like spiders (`python-requests/…`, `…Bot/`).
 USER_AGENT = "AgentRob/0.1"
-#: Whatever wait is told, it is asked again after an hour at the latest: none lasts for ever by a slip of the forum.
+#: Longer waits are cut to an hour, in case the forum is wrong.
 LONGEST_RETRY_S = 3600.0
 
 
 @contextmanager
 def translate_errors(forum: str = "the forum") -> Iterator[None]:
-    """Nothing of the transport gets out: no answer is `ForumUnreachable`, nonsense is `ForumError`."""
+    """Turn errors of the transport into `ForumUnreachable`, and answers outside of the API into `ForumError`."""
     try:
         yield
     except httpx2.TransportError as e:
@@ -29,57 +29,63 @@ def translate_errors(forum: str = "the forum") -> Iterator[None]:
         raise ForumError(f"{forum} cannot be used: {e}") from None
     except AgentRobError:
         raise
-    except Exception as e:  # whatever reading it raises, also OverflowError of an infinity and RecursionError of a nest
-        raise ForumMalformed(f"{forum} answered what is not in its API: {e!r}"[:500]) from None
+    except Exception as e:  # parsing may raise anything, even OverflowError or RecursionError
+        raise ForumMalformed(f"{forum} sent an answer that is not in its API: {e!r}"[:500]) from None
 
 
 def text_of(value: object) -> str:
-    """A text of an answer without lone surrogates: nothing that hashes, stores or sends text takes them."""
+    """Return a text without lone surrogates, which cannot be hashed, stored or sent."""
     return str(value).encode("utf-8", "replace").decode()
 
 
 def same_origin(address: httpx2.URL, home: httpx2.URL) -> bool:
-    """Whether an address is of the forum: what signs us in goes nowhere else."""
+    """Return whether an address belongs to the forum: credentials are sent nowhere else."""
     return (address.scheme, address.host, address.port) == (home.scheme, home.host, home.port)
 
 
-def told_time(response: httpx2.Response) -> datetime | None:
-    """The forum's clock by an answer's header, to the second."""
+def server_time(response: httpx2.Response) -> datetime | None:
+    """Return the forum's clock from the `Date` header, to the second."""
     try:
         return parsedate_to_datetime(response.headers["date"]).astimezone(UTC)
     except (KeyError, ValueError, TypeError):
         return None
 
 
-def asked_wait_s(response: httpx2.Response) -> float | None:
-    """The wait that an answer's header asks for, as a number of seconds or as the date when it ends by the forum's own
-    clock; None where it says nothing that makes sense."""
-    told = response.headers.get("retry-after", "")
+def requested_wait_s(response: httpx2.Response) -> float | None:
+    """Return the wait that `Retry-After` requests, in seconds or until a date by the forum's clock; None if there is no
+    valid one."""
+    header = response.headers.get("retry-after", "")
     try:
-        return bounded_s(float(told))
+        return bounded_s(float(header))
     except ValueError:
         pass
     try:
-        ends = parsedate_to_datetime(told)
+        ends = parsedate_to_datetime(header)
         ends = ends.replace(tzinfo=UTC) if ends.tzinfo is None else ends
-        return bounded_s((ends - (told_time(response) or datetime.now(UTC))).total_seconds())
+        return bounded_s((ends - (server_time(response) or datetime.now(UTC))).total_seconds())
     except (ValueError, TypeError, OverflowError):
         return None
 
 
 def bounded_s(wait_s: float) -> float:
-    """A wait that ends. Raises `ValueError` for what is no number."""
+    """Limit a wait to 0.1 s up to an hour. Raises `ValueError` for NaN."""
     if math.isnan(wait_s):
-        raise ValueError("a wait that is no number")
+        raise ValueError("the wait is not a number")
     return min(max(0.1, wait_s), LONGEST_RETRY_S)
 
 
 def retry_after_s(response: httpx2.Response) -> float:
-    """The same, a second where nothing is said."""
-    return asked_wait_s(response) or 1.0
+    """Return the requested wait, or one second."""
+    return requested_wait_s(response) or 1.0
 
 
-def where(response: httpx2.Response) -> str:
-    """What was asked and how it ended, as a refusal's sentence begins."""
+def image_file(number: int, image: bytes) -> tuple[str, bytes, str]:
+    """Return name, content and type of an image for a multipart upload."""
+    kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
+    return f"{number}.{kind}", image, f"image/{kind}"
+
+
+def request_line(response: httpx2.Response) -> str:
+    """Return the request and its status, to begin an error message with."""
     url = response.request.url
     return f"{response.request.method} {url.scheme}://{url.netloc.decode()}{url.path}: {response.status_code}"

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from agentrob.forums.cards import card_of, facts_of
 from agentrob.model import StatusCard
 
-#: What `encode_marker` makes, as a group of a platform's pattern of its mark.
+#: A code by `encode_marker`, as a group for the platform's pattern of a marker.
 CODE = r"([A-Za-z0-9_=-]{1,8192})"
-#: So many pictures stand below a text at most.
+#: The most pictures below a text.
 MOST_PICTURES = 50
 
 
 @dataclass(frozen=True, slots=True)
 class MarkedText:
-    """A raw post taken apart. `pictures` stand below the text, put there by us: addresses, or a platform's lines."""
+    """A raw post taken apart. `pictures` are the ones that we put below the text: addresses, or a platform's lines."""
 
     text: str
     key: str | None = None
@@ -31,7 +31,7 @@ class MarkedText:
 
 
 def encode_marker(marked: MarkedText) -> str:
-    """Key, card and the number of pictures, as one word."""
+    """Encode key, card and the number of pictures as one word."""
     facts = {
         "k": marked.key,
         "p": len(marked.pictures) or None,
@@ -42,11 +42,11 @@ def encode_marker(marked: MarkedText) -> str:
 
 
 def split_marker(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours: bool = True) -> MarkedText:
-    """Of a text without a mark, or with one that is not ours, everything is text. The first group of `mark` is the
-    code, that of `picture` what is kept of the line of a picture.
+    """Split a raw post into text, key, card and pictures. Never raises. Without a valid marker, all of it is text.
 
-    Of a post that is not `ours` (by this account, or by a robot) the mark is cut off and never decoded: it has neither
-    key nor card, and its pictures are the lines of pictures right above the mark. Never raises.
+    The first group of `mark` is the code, that of `picture` the part of a picture's line to keep. If the post is not
+    `ours` (by this account or a robot), the marker is removed without decoding: no key, no card, and as pictures the
+    lines of pictures directly above it.
     """
     found = mark.search(raw)
     if found is None:
@@ -70,7 +70,7 @@ class _Facts:
 
 
 def _decoded(code: str) -> _Facts | None:
-    """What a code says; None when it is not as `encode_marker` makes it."""
+    """Decode a code; None if `encode_marker` cannot have made it."""
     try:
         facts = json.loads(base64.urlsafe_b64decode(code), parse_constant=_no_number)
     except (ValueError, RecursionError):
@@ -90,7 +90,7 @@ def _no_number(said: str) -> None:
 
 
 def _pictures(lines: list[str], picture: re.Pattern[str], most: int) -> tuple[str, ...]:
-    """What is kept of the last lines, as far as they are pictures; the first line is never one of ours."""
+    """Return the pictures in the last lines; the first line is never one of ours."""
     found: list[str] = []
     for line in reversed(lines[1:]):
         if len(found) == most or (match := picture.fullmatch(line)) is None:

@@ -17,13 +17,13 @@ from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRig
 
 T = TypeVar("T")
 
-#: The trace id of what is done now, for a forum that can put it into its own log; empty outside of a trace.
+#: The current trace id, for forums that log it; empty outside of a trace.
 TRACE_ID: ContextVar[str] = ContextVar("TRACE_ID", default="")
 
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """A category. `id` is what the forum calls it by."""
+    """A category. `id` is the forum's name for it."""
 
     id: str
     name: str
@@ -44,7 +44,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A post that was written. `created` is False when the same key had been used before: then it is the old post."""
+    """A written post. If its key was used before, this is the earlier post and `created` is False."""
 
     post: Post
     created: bool = True
@@ -52,10 +52,10 @@ class Written:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened, in order. `id` resumes the stream after it; ids compare by the forum only.
+    """Something that happened, in order. A stream can resume after `id`; only the forum can compare ids.
 
-    `post` is set for post events (as it was when the event was delivered), `robot` and `account` for robot events:
-    who pressed which button (an emergency stop also locks the robot), or that somebody watches.
+    `post` is set for post events (as it was on delivery), `robot` and `account` for robot events: which account pressed
+    a button (an emergency stop also locks the robot), or that viewers are watching.
     """
 
     id: str
@@ -67,7 +67,7 @@ class Event:
 
 
 class Reader(Protocol):
-    """Read boards, topics and posts, always as they are now."""
+    """Read boards, topics and posts, always in their current state."""
 
     async def boards(self) -> Sequence[Board]: ...
 
@@ -78,22 +78,22 @@ class Reader(Protocol):
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]: ...
 
     async def post(self, post_id: str) -> Post:
-        """The post as it is now; `removed` when hidden or deleted. `ForumNotFound` when it never was."""
+        """Return the current post; `removed` if it is hidden or deleted. Raises `ForumNotFound` if it never existed."""
         ...
 
     async def download(self, url: str) -> bytes:
-        """A picture of a post, by its address as in `Post.images`."""
+        """Return an image of a post, by its address in `Post.images`."""
         ...
 
 
 class Writer(Protocol):
     """Write as the signed-in account. `key` makes a write idempotent: the same key twice is one post.
 
-    `images` are JPEG, PNG or WebP bytes (these may move) shown below the text, in order; a forum that cannot take one
-    raises `ForumError`, and the same write may be tried with fewer. `card` is the machine-readable status.
+    `images` are JPEG, PNG or WebP bytes (which may be animated), shown below the text in order. A forum that rejects
+    one raises `ForumError`, and the same write may be tried with fewer. `card` is the machine-readable status.
     """
 
-    #: How often a post may be edited, or None when there is no limit.
+    #: How often a post may be edited; None: without limit.
     max_edits: int | None
 
     async def create_topic(
@@ -114,97 +114,97 @@ class Writer(Protocol):
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
-        """Replace the text; images given are added to those the post has."""
+        """Replace the text; add `images` to those of the post."""
         ...
 
     async def find(self, key: str) -> Post | None:
-        """The post that this account wrote under `key`, if any."""
+        """Return the post that this account wrote under `key`, if any."""
         ...
 
 
 class Accounts(Protocol):
-    """Who am I, and who is somebody else now (rights are asked again before motion)."""
+    """Look up accounts; rights are checked again before motion."""
 
     async def me(self) -> Account: ...
 
     async def account(self, name: str) -> Account | None: ...
 
 
-#: What all events come after that a forum keeps. One that lets go of none need not know it.
+#: The position before all events that a forum keeps. Forums that keep all events need not support it.
 BEFORE_ALL = "0"
 
 
 class Events(Protocol):
-    """What changed, oldest first, each event once."""
+    """Changes, oldest first, each once."""
 
-    #: Whether `stream` works; otherwise the agent polls `changes`.
+    #: Whether `stream` works. If not, the agent polls `changes`.
     live: bool
-    #: The shortest interval, in seconds, at which `changes` may be asked for.
+    #: The shortest allowed interval between calls of `changes`, in seconds.
     fastest_poll_s: float
 
     async def now(self) -> tuple[str, datetime]:
-        """The id of the newest event (a watermark) and the forum's clock."""
+        """Return the id of the newest event (a watermark) and the forum's clock."""
         ...
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
-        """Events after one, or after `BEFORE_ALL`; `ForumNotFound` when it is none of this forum's history, or of one
-        that is not kept any more. So is `stream`."""
+        """Return the events after one, or after `BEFORE_ALL`. Like `stream`, raises `ForumNotFound` if the forum does
+        not know that event or no longer keeps it."""
         ...
 
     def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        """Events as they happen, and a heartbeat when nothing does. Ends with `ForumUnreachable` when cut."""
+        """Yield events as they happen, with heartbeats in between. Raises `ForumUnreachable` when it is cut."""
         ...
 
 
 @runtime_checkable
 class RobotPages(Protocol):
-    """A forum that has a page per robot with its state and a live picture."""
+    """A forum with a page for each robot: its state and a live picture."""
 
     async def publish_robot(self, robot: str, card: dict[str, Any]) -> None:
-        """Tell the page about the robot: model, ops, state, battery, board, queue."""
+        """Update the robot's page: model, ops, state, battery, board, queue."""
         ...
 
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
-        """Show a live picture; returns how many people watch."""
+        """Show a live picture; return the number of viewers."""
         ...
 
 
 @runtime_checkable
 class RobotControls(Protocol):
-    """A forum whose page of a robot has buttons: emergency stop for everybody, release and home for its owner. They
-    come as events."""
+    """A forum whose robot pages have buttons: emergency stop for everybody, release and home for the owner. Presses
+    arrive as events."""
 
     async def robot_page(self, robot: str) -> str:
-        """The address of the robot's page."""
+        """Return the address of the robot's page."""
         ...
 
 
 @runtime_checkable
 class RobotRightsSource(Protocol):
-    """A forum that keeps who may do what with each robot, besides the roles of accounts."""
+    """A forum that stores rights for each robot, in addition to the roles of accounts."""
 
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
-        """The rights of this robot on this board now."""
+        """Return the robot's current rights on this board."""
         ...
 
 
 @runtime_checkable
 class CommandPages(Protocol):
-    """A forum that has a page per command."""
+    """A forum with a page for each command."""
 
     async def command_page(self, post_id: str) -> str:
-        """The address of the page of a post's command, also before there is anything on it."""
+        """Return the address of the page of a post's command, even before it has content."""
         ...
 
     async def publish_record(self, post_id: str, reply_id: str | None, record: dict[str, Any]) -> None:
-        """Keep the record of a post's command, in place of the one before; `reply_id` is the post that tells it."""
+        """Store the record of a post's command, replacing an earlier one; `reply_id` is the post that reports it."""
         ...
 
 
 # ---------------------------------------------------------------------- what not every forum has
 @dataclass(frozen=True, slots=True)
 class Registered:
-    """A new account, and the secret that signs it in; the secret is never shown to anybody but its owner."""
+    """A new account and the secret that signs it in. Only its owner may see the secret."""
 
     account: Account
     secret: str
@@ -212,7 +212,7 @@ class Registered:
 
 @dataclass(frozen=True, slots=True)
 class Notification:
-    """Why an account should look at a post: `mention`, `reply` or another word of the forum."""
+    """Why an account should read a post: `mention`, `reply` or another word of the forum."""
 
     id: str
     kind: str
@@ -225,39 +225,39 @@ class RobotDirectory(Protocol):
     """A forum that lists the accounts of robots."""
 
     async def robot_names(self) -> tuple[str, ...]:
-        """The handles of all accounts of robots."""
+        """Return the handles of all robot accounts."""
         ...
 
 
 @runtime_checkable
 class Searcher(Protocol):
-    """A forum that finds posts by their words."""
+    """A forum with full-text search."""
 
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts that have all words of the query, newest first."""
+        """Return the posts that contain all words of the query, newest first."""
         ...
 
 
 @runtime_checkable
 class SemanticSearcher(Protocol):
-    """A forum that finds posts by what they mean, where it has a model that knows it."""
+    """A forum that can search by meaning, if it has a model for it."""
 
     async def has_semantic_search(self) -> bool:
-        """Whether it has one now."""
+        """Return whether it can now."""
         ...
 
     async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts that say something like the query, most alike first. `ForumUnoffered` without a model."""
+        """Return posts with a meaning like the query's, best match first. Raises `ForumUnoffered` without a model."""
         ...
 
 
 @runtime_checkable
 class Registrar(Protocol):
-    """A forum where accounts are made, by an admin or by whoever comes: `ForumDenied` says who may."""
+    """A forum where accounts can be created, by admins or by anybody. Raises `ForumDenied` if this account may not."""
 
     async def register(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = ""
@@ -269,20 +269,20 @@ class Permissions(Protocol):
     """A forum where admins change what an account may do."""
 
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
-        """Change what is given; the account as it is then. `ForumDenied` for all but admins."""
+        """Change the given rights and return the account. Raises `ForumDenied` unless an admin calls it."""
         ...
 
 
 @runtime_checkable
 class Notifications(Protocol):
-    """A forum that keeps for each account who mentioned or answered it."""
+    """A forum that notifies accounts of mentions and replies."""
 
     async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
-        """Of the signed-in account, newest first."""
+        """Return the notifications of the signed-in account, newest first."""
         ...
 
 
 class Forum(Reader, Writer, Accounts, Events, Protocol):
-    """A whole forum, signed in as one account."""
+    """A complete forum, signed in as one account."""
 
     async def close(self) -> None: ...

@@ -9,9 +9,9 @@ import structlog
 
 from agentrob.errors import ForumError, ForumMalformed
 
-#: An error of the connection or the forum is believed to be one of this post after so many tries in a row.
+#: After this many failures in a row, an error of the connection or the forum is attributed to the post.
 TRIES = 3
-#: Then it is tried again at every so many looks, and not any more after that many tries.
+#: From then on the post is retried on every `SELDOM`th look, until `MOST_TRIES`.
 SELDOM, MOST_TRIES = 8, 40
 MOST_KEPT = 1_000
 _P = ParamSpec("_P")
@@ -19,7 +19,7 @@ _log = structlog.get_logger()
 
 
 class PostRetries:
-    """Which posts could not be read, and how often."""
+    """Count the failed attempts to read each post."""
 
     def __init__(self) -> None:
         self._tries: dict[int, int] = {}
@@ -31,8 +31,11 @@ class PostRetries:
         *args: _P.args,
         **more: _P.kwargs,
     ) -> bool:
-        """Whether the post was read. An error of the connection is raised, so that what follows keeps its order, unless
-        it keeps happening to this post: then it is the post's."""
+        """Return whether the post was read.
+
+        Errors of the connection are raised, so that later posts stay in order, until they happened too often in a row
+        with this post: then the post counts as unreadable.
+        """
         tries = self._tries.get(post_id, 0)
         if tries >= TRIES and (tries % SELDOM or tries >= MOST_TRIES):
             self._tries[post_id] = min(tries + 1, MOST_TRIES)

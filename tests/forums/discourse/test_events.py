@@ -154,7 +154,7 @@ async def test_a_watermark_that_is_none_is_not_found(cursor: str, robot: Discour
 
 async def test_the_forums_clock_is_the_one_of_its_answers(robot: DiscourseForum, topic: int) -> None:
     _, at = await robot.now()
-    said, _ = robot._client.told_at or (None, 0.0)
+    said, _ = robot._client.clock_at or (None, 0.0)
     assert said is not None
     assert said.microsecond == 0
     assert timedelta() <= at - said < timedelta(seconds=5)

@@ -63,10 +63,10 @@ def test_many_answers_make_a_clock_of_whole_seconds_finer() -> None:
         asked = here + timedelta(milliseconds=90 * n)
         answered = asked + timedelta(milliseconds=20)
         there = asked + timedelta(milliseconds=10) + ahead
-        clock.heard(there.replace(microsecond=0), asked, answered)
-    assert clock.unsure_s < 0.15
+        clock.add(there.replace(microsecond=0), asked, answered)
+    assert clock.uncertainty_s < 0.15
     assert abs((clock.now() - datetime.now(UTC) - ahead).total_seconds()) < 0.1
-    clock.heard(here - timedelta(hours=1), here, here)
+    clock.add(here - timedelta(hours=1), here, here)
     assert clock.now() < datetime.now(UTC), "a clock that was set is believed"
 
 
@@ -106,7 +106,7 @@ def test_settings_that_are_none_are_refused_with_what_is_valid() -> None:
     with pytest.raises(ConfigError, match="valid are: operators"):
         NodeBBForum(ForumConfig(options={"operator": ["x"]}), "token")
     for setting in ("operators", "admins", "commanding_agents"):
-        with pytest.raises(ConfigError, match="whoever signs up is in registered-users"):
+        with pytest.raises(ConfigError, match="'registered-users' contains every new account"):
             NodeBBForum(ForumConfig(options={setting: ["Registered Users"]}), "token")
     with pytest.raises(ConfigError, match="login:NAME:PASSWORD"):
         Credentials.of("login:only-a-name")

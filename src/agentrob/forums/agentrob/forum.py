@@ -15,7 +15,15 @@ import structlog
 from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
-from agentrob.forums.http import USER_AGENT, retry_after_s, same_origin, text_of, translate_errors, where
+from agentrob.forums.http import (
+    USER_AGENT,
+    image_file,
+    request_line,
+    retry_after_s,
+    same_origin,
+    text_of,
+    translate_errors,
+)
 from agentrob.forums.protocol import TRACE_ID, Board, Event, Notification, Registered, Topic, Written
 from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRights, Role, StatusCard
 from agentrob.process.tls import tls
@@ -29,7 +37,7 @@ _log = structlog.get_logger()
 class BoardForum:
     """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `RobotPages`.
 
-    Cookies are never kept: they would fight with the token. Nothing is asked of the board before the first call.
+    Cookies are never kept, since they would conflict with the token. Makes no request before the first call.
     """
 
     max_edits: int | None = None
@@ -67,7 +75,7 @@ class BoardForum:
         return await self._call("GET", f"/posts/{quote(post_id, safe='')}", _post)
 
     async def download(self, url: str) -> bytes:
-        """From this board only: the token goes nowhere else."""
+        """Download from this board only: the token goes nowhere else."""
         address = self._http.base_url.join(url)
         if not same_origin(address, self._http.base_url):
             raise ForumError(f"{url} is not a picture of this board")
@@ -109,12 +117,11 @@ class BoardForum:
         return found[0] if found else None
 
     async def _upload(self, images: Sequence[bytes]) -> _JSON:
-        """Send pictures first; the text then names them. Uploaded twice after a lost answer is harmless."""
+        """Upload pictures first; the text then names them. Uploading twice after a lost answer is harmless."""
         ids = []
         for number, image in enumerate(images, 1):
-            kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
-            file = (f"{number}.{kind}", image, f"image/{kind}")
-            ids.append(await self._call("POST", "/images", lambda sent: str(sent["id"]), files={"file": file}))
+            files = {"file": image_file(number, image)}
+            ids.append(await self._call("POST", "/images", lambda sent: str(sent["id"]), files=files))
         return {"images": ids} if ids else {}
 
     # ---------------------------------------------------------------- Accounts
@@ -144,7 +151,7 @@ class BoardForum:
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         params: dict[str, str | float] = {"after": after, "heartbeat": heartbeat_s}
-        # A silent stream is a dead one: several heartbeats must have been missed before it is given up.
+        # Give the stream up after several missing heartbeats.
         timeout = httpx2.Timeout(10.0, read=max(2.0, 4 * heartbeat_s))
         with translate_errors("the board"):
             request = self._http.stream(
@@ -187,7 +194,7 @@ class BoardForum:
     async def has_semantic_search(self) -> bool:
         try:
             return await self._call("GET", "/search/modes", lambda found: "meaning" in found["items"])
-        except ForumUnoffered:  # a board of before
+        except ForumUnoffered:  # an older board
             return False
 
     async def search_semantic(
@@ -202,7 +209,7 @@ class BoardForum:
         return await self._call("GET", "/search", partial(_page, _post), params=params)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
-        """By an admin; the secret is a bearer token."""
+        """Create an account, as an admin; the secret is a bearer token."""
         new = {"name": name, "kind": str(kind), "display_name": display_name}
         account = await self._call("POST", "/admin/accounts", _account, new)
         path = f"/admin/accounts/{quote(account.name, safe='')}/tokens"
@@ -218,23 +225,23 @@ class BoardForum:
 
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
-        """The stop button of a robot's page."""
+        """Press the stop button of a robot's page."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/stop", _nothing)
 
     async def press_estop(self, robot: str) -> None:
-        """The button that stops a robot and locks it."""
+        """Press the button that stops a robot and locks it."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/estop", _nothing)
 
     async def press_release(self, robot: str) -> None:
-        """The owner's button that releases a locked robot."""
+        """Press the owner's button that releases a locked robot."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/release", _nothing)
 
     async def press_home(self, robot: str) -> None:
-        """The owner's button that makes the robot's home where it stands."""
+        """Press the owner's button that sets the robot's home to where it stands."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/home", _nothing)
 
     async def press_reset(self, robot: str) -> None:
-        """The button that resets a simulated room; operators only."""
+        """Press the button that resets a simulated room; operators only."""
         await self._call("POST", f"/robots/{quote(robot, safe='')}/reset", _nothing)
 
     # ---------------------------------------------------------------- inside
@@ -248,7 +255,7 @@ class BoardForum:
         key: str | None = None,
         **more: Any,
     ) -> T:
-        """Ask, and `read` the JSON of the answer; whatever goes wrong is one of our errors."""
+        """Send a request and return `read` of the JSON answer. Raises `ForumError` for everything that goes wrong."""
         headers = dict(more.pop("headers", {}))
         if key is not None:
             headers["Idempotency-Key"] = key
@@ -267,7 +274,9 @@ async def _raise_for(response: httpx2.Response) -> None:
     said = _problem(response)
     unoffered = response.status_code == 404 and _code(response) in ("not_found", "no_meaning")
     if response.status_code == 405 or unoffered:
-        raise ForumUnoffered(f"this board does not have it: {said}")  # or no such path: one of before, or another one
+        raise ForumUnoffered(
+            f"this board does not have it: {said}"
+        )  # or no such path: an older board, or another server
     match response.status_code:
         case 401 | 403:
             raise ForumDenied(said)
@@ -281,17 +290,17 @@ async def _raise_for(response: httpx2.Response) -> None:
 
 
 def _problem(response: httpx2.Response) -> str:
-    """One sentence of a problem-detail answer, or of whatever a proxy put in its place."""
+    """Return one sentence from a problem-detail answer, or from the text of a proxy."""
     try:
         problem = response.json()
         said = "; ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
     except (ValueError, AttributeError, TypeError):
         said = response.text[:200]
-    return f"{where(response)} {said}".rstrip()
+    return f"{request_line(response)} {said}".rstrip()
 
 
 def _code(response: httpx2.Response) -> str:
-    """The stable word of a problem-detail answer, or "" where it is none."""
+    """Return the code of a problem-detail answer, or an empty string."""
     try:
         return str(response.json()["code"])
     except (ValueError, KeyError, TypeError):
@@ -311,14 +320,14 @@ def _time(text: str) -> datetime:
 
 
 def _account(a: _JSON) -> Account:
-    """A kind or role that we do not know is the one with fewest rights."""
+    """Parse an account. An unknown kind or role becomes the one with the fewest rights."""
     kind = AccountKind(a["kind"]) if a["kind"] in frozenset(AccountKind) else AccountKind.MONITORING_AGENT
     role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.GUEST
     return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), a.get("display_name") or "")
 
 
 def _rights(r: _JSON) -> RobotRights:
-    """What is missing is an error, and then nothing is granted; words that we do not know grant nothing."""
+    """Parse a robot's rights. Missing fields are an error, so that nothing is granted; unknown words grant nothing."""
     closed = r["closed_until"]
     return RobotRights(
         owner=str(r["owner"]),
@@ -327,7 +336,7 @@ def _rights(r: _JSON) -> RobotRights:
         release=str(r["release"]),
         board=str(r["command_role"]),
         approval=tuple(map(str, r["approval"])),
-        approve_own=r.get("approve_own") is True,  # boards of before do not say
+        approve_own=r.get("approve_own") is True,  # older boards do not send it
         closed_s=(_time(closed) - datetime.now(UTC)).total_seconds() if closed is not None else None,
     )
 
@@ -368,13 +377,16 @@ def _boards(found: _JSON) -> tuple[Board, ...]:
 
 
 def _events(found: _JSON) -> tuple[Event, ...]:
-    """Kinds that a newer board may have are passed over, and so is what cannot be read."""
+    """Parse events; skip unreadable ones and kinds of newer boards."""
     return tuple(event for e in found["items"] if (event := _event_of(e)) is not None)
 
 
 def _event_of(told: Any) -> Event | None:
-    """An event, as JSON or its text. What is not as the board tells events carries nothing, but it is gone past: one
-    post keeps nobody from the next. None where not even its id can be read, or its kind is not known."""
+    """Parse an event from JSON or its text.
+
+    An event that cannot be read in full is returned without content, so that the stream goes on after it; None if its
+    id cannot be read or its kind is unknown.
+    """
     try:
         e = json.loads(told) if isinstance(told, str) else told
         event_id, kind = str(e["id"]), str(e["kind"])
@@ -395,7 +407,7 @@ def _notification(n: _JSON) -> Notification:
 
 
 def _nothing(_: Any) -> None:
-    """The answer carries nothing that is needed."""
+    """Ignore the answer's content."""
 
 
 def _written(answer: _JSON) -> Written:
@@ -403,7 +415,7 @@ def _written(answer: _JSON) -> Written:
 
 
 def _heartbeat_at(data: str) -> datetime:
-    """The board's clock when the heartbeat carries it, else ours."""
+    """Return the board's clock from a heartbeat, or ours if it has none."""
     try:
         return _time(json.loads(data)["at"])
     except (ValueError, KeyError, TypeError):

@@ -19,18 +19,18 @@ from agentrob.forums.protocol import Notification, Registered
 from agentrob.model import Account, AccountKind, Page, Post, Role
 
 _JSON = Mapping[str, Any]
-#: `notification_type`; what else Discourse notifies of (likes, badges, messages) names no post that wants an answer.
+#: `notification_type`; other notifications (likes, badges, messages) are not about a post to answer.
 NOTICE_KINDS = {1: "mention", 2: "reply", 3: "quote", 15: "mention"}
-#: Notifications that are read at once, and how often at most for one answer.
+#: Notifications per request, and the most requests for one answer.
 NOTES_A_PAGE, MOST_PAGES = 60, 5
-#: Nobody can write to such an address (RFC 2606). Discourse wants one of every account.
+#: Discourse requires an address for every account; mail to this domain goes nowhere (RFC 2606).
 NO_ADDRESS = "agents.invalid"
-#: As Discourse itself says "for ever".
+#: The date that Discourse uses for "for ever".
 FOR_EVER = "3021-01-01"
 
 
 class Forum(Protocol):
-    """The adapter, as far as it is needed here."""
+    """The part of the adapter that is needed here."""
 
     options: DiscourseOptions
 
@@ -44,7 +44,7 @@ class Forum(Protocol):
 
 
 async def notifications_of(forum: Forum, client: DiscourseClient, cursor: str | None, limit: int) -> Page[Notification]:
-    """Of the signed-in account, newest first. Posts that are gone are left out."""
+    """Return the notifications of the signed-in account, newest first, without those of deleted posts."""
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
     found: list[Notification] = []
     for _ in range(MOST_PAGES):
@@ -79,24 +79,24 @@ async def create_account(client: DiscourseClient, name: str, email: str, passwor
     wanted: dict[str, Any] = {"name": display_name or name, "username": name, "email": email, "password": password}
     if client.credentials.by_api_key:
         wanted |= {"active": True, "approved": True}
-    else:  # a visitor shows by the honeypot that it has read the form
+    else:  # the honeypot shows that a visitor has read the form
         honeypot = await client.get("/session/hp.json")
         wanted |= {"password_confirmation": honeypot["value"], "challenge": honeypot["challenge"][::-1]}
     answer = await client.ask("POST", "/users.json", json=wanted)
     if not answer.get("success"):  # refused with 200
-        raise ForumError(f"the forum does not take the account {name}: {answer.get('message')}")
+        raise ForumError(f"the forum rejects the account {name}: {answer.get('message')}")
     return bool(answer.get("active"))
 
 
 class AccountAdmin:
-    """Accounts and rights, for who is an admin of the Discourse itself; `ForumDenied` to all others."""
+    """Accounts and rights, for admins of the Discourse. Raises `ForumDenied` for all others."""
 
     def __init__(self, forum: Forum, client: DiscourseClient) -> None:
         self._forum = forum
         self._client = client
 
     async def register(self, name: str, kind: AccountKind, display_name: str) -> Registered:
-        """Make an account that works at once, with an API key of its own."""
+        """Create an account that works at once, with an API key of its own."""
         await self._allowed("making accounts")
         group = None if kind is AccountKind.HUMAN else await self._group_of(_setting(kind))
         password, email = secrets.token_urlsafe(24), f"{name}@{NO_ADDRESS}"
@@ -122,16 +122,16 @@ class AccountAdmin:
             await self._client.ask("PUT", f"/admin/users/{number}/unsuspend.json", json={})
         changed = await self._there(name)
         if role is not None and changed.role is not role:
-            raise ForumError(f"{name} is {changed.role} still: by a group that Discourse fills itself, or a hidden one")
+            raise ForumError(f"{name} is still {changed.role}: by a hidden group, or one that Discourse fills itself")
         return changed
 
     # ---------------------------------------------------------------- inside
     async def _set_role(self, name: str, role: Role) -> None:
-        """First out of the groups of other roles, so that nobody has more in between than before or after."""
+        """Leave the groups of other roles first, so that the account never has more rights than before or after."""
         options = self._forum.options
         names = {Role.OPERATOR: options.operators, Role.ADMIN: options.admins, Role.MEMBER: ()}
         if role not in names:
-            raise ForumUnoffered(f"on this forum nobody can be made {role}; there are: {', '.join(names)}")
+            raise ForumUnoffered(f"this forum cannot give the role {role}; valid: {', '.join(names)}")
         joined = None
         if role is not Role.MEMBER:
             joined = await self._group_of("operators" if role is Role.OPERATOR else "admins")
@@ -147,7 +147,7 @@ class AccountAdmin:
         return {int(group["id"]) for group in (await self._user(name)).get("groups") or ()}
 
     async def _group_of(self, setting: str) -> int:
-        """The first group of an option that can be joined."""
+        """Return the first group of an option that can be joined."""
         for name in getattr(self._forum.options, setting):
             try:
                 found = (await self._client.get(f"/groups/{safe_name(name)}.json"))["group"]
@@ -170,7 +170,7 @@ class AccountAdmin:
         return found
 
     async def _allowed(self, what: str) -> None:
-        """Discourse answers those who may not as if nothing were there."""
+        """Check that we are an admin: to others Discourse answers as if the address did not exist."""
         me = await self._forum.me()
         if not self._client.credentials.by_api_key or not (await self._user(me.name)).get("admin"):
             raise ForumDenied(f"{what} needs an API key of an admin of the Discourse; we are {me.name}")

@@ -27,7 +27,7 @@ from agentrob.forums.protocol import Event
 from agentrob.forums.unreadable_posts import PostRetries
 from agentrob.model import EventKind, Post
 
-#: Posts of a page of `/posts.json`; the last minutes' are held against what was there before, at most so many pages.
+#: Posts per page of `/posts.json`; the most pages of the last minutes' posts to compare.
 PAGE = 50
 _RECENT = timedelta(minutes=15)
 _RECENT_PAGES, _MISSED_PAGES = 4, 20
@@ -37,20 +37,20 @@ _log = structlog.get_logger()
 
 
 class Source(Protocol):
-    """The forum, as far as watching needs it."""
+    """The forum, as needed for watching."""
 
     async def newest(self, before: int | None) -> Sequence[RawPost]:
-        """A page of posts as the forum has them, newest first, with ids below `before`."""
+        """Return a page of posts, newest first, with ids below `before`."""
         ...
 
     async def one(self, post_id: int) -> RawPost | None:
-        """A post, or None when it is gone or not for our eyes."""
+        """Return a post, or None if it is deleted or not visible to us."""
         ...
 
     async def build(self, raw: RawPost) -> Post: ...
 
     def clock(self) -> datetime:
-        """The forum's time, as well as we know it."""
+        """Return the forum's estimated time."""
         ...
 
 
@@ -65,7 +65,7 @@ class _Seen:
 
 @dataclass(frozen=True, slots=True)
 class Watermark:
-    """An event's id: newest post and time until which all was delivered; `anchor` is an older post."""
+    """An event's id: the newest post and the time until which everything was delivered; `anchor` is an older post."""
 
     newest: int
     newest_ms: int
@@ -86,7 +86,7 @@ class Watermark:
 
 
 class ChangeTracker:
-    """Everything that one process saw happen. Calls of several tasks take turns."""
+    """All changes seen by one process. Calls of several tasks run one after another."""
 
     def __init__(self, source: Source) -> None:
         self._source = source
@@ -96,14 +96,14 @@ class ChangeTracker:
         self._places: dict[str, int] = {}
         self._floor: int | None = None
         self._newest = (0, 0)
-        #: The latest time that a post says of itself. Not the forum's clock: its answers say whole seconds.
+        #: The latest time of a post; not the forum's clock, which has whole seconds.
         self._until_ms = 0
         self._count = 0
         self._failing = PostRetries()
         self._turn = asyncio.Lock()
 
     async def now(self) -> tuple[str, datetime]:
-        """The id of the newest event, and the forum's clock."""
+        """Return the id of the newest event and the forum's clock."""
         async with self._turn:
             await self._look(())
             if self._log:
@@ -113,7 +113,7 @@ class ChangeTracker:
             return beginning, self._source.clock()
 
     async def changes(self, after: str, limit: int = 100, hints: Iterable[int] = ()) -> tuple[Event, ...]:
-        """Events after one. `hints` are posts that may have changed and be too old for the list of the newest."""
+        """Return events after one. `hints` may have changed but are too old for the list of newest posts."""
         async with self._turn:
             await self._look(hints)
             mark = Watermark.parse(after)
@@ -122,22 +122,22 @@ class ChangeTracker:
             return (await self._missed(mark))[:limit]
 
     def topics(self) -> tuple[str, ...]:
-        """Threads that were written in lately."""
+        """Return the recently active threads."""
         newest = sorted(self._seen, reverse=True)
         return tuple(islice(dict.fromkeys(self._seen[n].post.topic_id for n in newest), _TOPICS))
 
     def heartbeat(self) -> Event:
-        """A sign of life; its id is empty."""
+        """Return a heartbeat; its id is empty."""
         return Event("", EventKind.HEARTBEAT, self._source.clock())
 
     def last_known(self, post_id: int) -> Post | None:
-        """A post as it was when it was there."""
+        """Return a post as it was before it was removed."""
         seen = self._seen.get(post_id)
         return seen.post if seen else None
 
     # ---------------------------------------------------------------- looking
     async def _look(self, hints: Iterable[int]) -> None:
-        """Hold the newest posts against what was known, and note what changed. Whatever fails is found next time."""
+        """Compare the newest posts with the known ones and record changes. A failed look is repeated next time."""
         first = self._floor is None
         window = await self._read()
         if first:
@@ -154,7 +154,7 @@ class ChangeTracker:
         await self._compare(post_id, await self._source.one(post_id), listed=False)
 
     async def _read(self) -> dict[int, RawPost]:
-        """Pages of the newest posts: back to the last one known, and over the last minutes."""
+        """Read pages of newest posts, back to the last known post and over the last minutes."""
         found: dict[int, RawPost] = {}
         since = self._source.clock() - _RECENT
         known = self._newest[0]
@@ -170,7 +170,7 @@ class ChangeTracker:
         return found
 
     def _changed_at(self, post_id: int, raw: RawPost) -> datetime:
-        """When it happened: that a known post was edited, or that a new one was written."""
+        """Return when a known post was edited, or a new one written."""
         return _time(raw["updated_at" if post_id in self._seen else "created_at"])
 
     async def _compare(self, post_id: int, raw: RawPost | None, *, silent: bool = False, listed: bool = True) -> None:
@@ -197,7 +197,7 @@ class ChangeTracker:
         if seen is not None or (not listed and post.version > 1):
             self._note(EventKind.POST_EDITED, post, post.edited_at or self._source.clock())
         elif listed and post_id >= (self._floor or 0):
-            # Also below the newest: posts that are written at the same time need not appear in their order.
+            # Also below the newest: posts written at the same time may appear out of order.
             self._note(EventKind.POST_CREATED, post, post.created_at)
 
     def _note(self, kind: EventKind, post: Post, at: datetime) -> None:
@@ -223,7 +223,7 @@ class ChangeTracker:
 
     # ---------------------------------------------------------------- after another process
     async def _missed(self, mark: Watermark) -> tuple[Event, ...]:
-        """Events after a mark of another process: posts that are new or were edited since."""
+        """Return the events after another process's watermark: posts written or edited since."""
         posts = {n: s.post for n, s in self._seen.items() if not s.gone}
         while posts and min(posts) > mark.newest and len(posts) < PAGE * _MISSED_PAGES:
             page = await self._source.newest(min(posts))
@@ -250,7 +250,7 @@ class ChangeTracker:
         return tuple(sorted((*events, *gone), key=lambda e: e.at))
 
     async def _recognise(self, mark: Watermark, posts: Mapping[int, Post]) -> None:
-        """`ForumNotFound` when this is another forum, or one put back to before the mark."""
+        """Raise `ForumNotFound` if this is another forum, or one restored to before the watermark."""
         missing = []
         for number, created_ms in ((mark.newest, mark.newest_ms), (mark.anchor, mark.anchor_ms)):
             if number == 0:
@@ -268,12 +268,13 @@ class ChangeTracker:
 
 
 def removed(raw: RawPost) -> bool:
-    """Deleted by a moderator (`deleted_at`), by its author (`user_deleted`), or hidden by flags."""
+    """Return whether a post was deleted by a moderator (`deleted_at`) or its author (`user_deleted`), or hidden by
+    flags."""
     return bool(raw.get("deleted_at") or raw.get("user_deleted") or raw.get("hidden"))
 
 
 def _readable(raw: RawPost) -> bool:
-    """Whether a listed post has what it is told apart by; one that has not keeps nobody from the others."""
+    """Return whether a listed post has the necessary fields; one that has not does not block the others."""
     try:
         return type(raw["id"]) is int and all(_time(raw[at]) for at in ("created_at", "updated_at"))
     except Exception as e:
@@ -282,7 +283,7 @@ def _readable(raw: RawPost) -> bool:
 
 
 def _stamp(raw: RawPost | None) -> str:
-    """What changes with each edit. An edit within the grace period keeps the version, but not the text."""
+    """Return what changes with each edit. An edit within the grace period keeps the version, but not the text."""
     if raw is None:
         return ""
     told = f"{raw.get('version')} {raw.get('raw')}"

@@ -23,7 +23,6 @@ from agentrob.forums.discourse.http import DiscourseClient
 from agentrob.forums.discourse.mapping import VersionTracker, boards_of, number_of, safe_name, stranger_of, time_of
 from agentrob.forums.discourse.markers import mentions_and_images, unmark
 from agentrob.forums.discourse.message_bus import listen
-from agentrob.forums.discourse.search import find_posts
 from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
 from agentrob.forums.discourse.writer import PostWriter
 from agentrob.forums.http import text_of, translate_errors
@@ -31,19 +30,21 @@ from agentrob.forums.protocol import Board, Event, Notification, Registered, Top
 from agentrob.language.rendered_text import rendering_differs
 from agentrob.model import Account, AccountKind, Page, Post, Role, StatusCard
 
-#: How long an account is remembered for posts of lists and events; a single post and an account are always asked anew.
+#: How long an account is remembered for lists and events; single posts and accounts are always requested.
 REMEMBERED_S = 60.0
-#: Topics of a page of `/c/{slug}/{id}.json`.
+#: Posts per page of `/search.json`.
+RESULTS_A_PAGE = 50
+#: Topics per page of `/c/{slug}/{id}.json`.
 TOPICS_A_PAGE = 30
 _KEPT = 2_000
 _JSON = Mapping[str, Any]
 
 
 class DiscourseForum:
-    """A Discourse, signed in as one account; fulfils `Forum`. Nothing is asked of it before the first call.
+    """A Discourse, signed in as one account; fulfils `Forum`. Makes no request before the first call.
 
-    `live` says whether posts come by push, which the number of requests that the key may make decides;
-    otherwise `changes` may be asked every `fastest_poll_s`.
+    `live` says whether posts are pushed, which depends on the request limit of the key. Otherwise `changes` may be
+    called every `fastest_poll_s`.
     """
 
     max_edits: int | None = None
@@ -67,7 +68,7 @@ class DiscourseForum:
         usual = settings_of.USER_KEY_REQUESTS_PER_MINUTE if user_key else settings_of.DEFAULT_REQUESTS_PER_MINUTE
         may = self.options.requests_per_minute or usual
         self.live = self.options.push and may >= settings_of.LIVE_REQUESTS_PER_MINUTE
-        # Half of what may be asked is for listening, the other half for reading and writing.
+        # Half of the allowed requests are for events, the other half for reading and writing.
         self.fastest_poll_s = 120.0 / may
 
     async def close(self) -> None:
@@ -87,7 +88,7 @@ class DiscourseForum:
             return self._as_topic(t, await self._board_id(int(t["category_id"])), author)
 
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        """Latest activity first. Authors have the rights that are remembered of them, or none."""
+        """List topics by latest activity. Authors have their remembered rights, or none."""
         number, path = await self.category(board_id)
         start = int(cursor) if cursor and cursor.isdigit() else 0
         page, skip = divmod(start, TOPICS_A_PAGE)
@@ -108,7 +109,7 @@ class DiscourseForum:
         raws = await self.raw_posts(number, wanted[:limit])
         items = []
         for n in wanted[:limit]:
-            with suppress(ForumMalformed):  # one that cannot be read hides no other
+            with suppress(ForumMalformed):  # skip one that cannot be read
                 items += [await self.build(raws[n])] if n in raws else []
         return Page(tuple(items), str(wanted[limit - 1]) if len(wanted) > limit else None)
 
@@ -125,8 +126,25 @@ class DiscourseForum:
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts that have all words of the query, newest first."""
-        return await find_posts(self, self._client, query, board_id, cursor, limit)
+        """Return posts that contain all words of the query, newest first. Search operators (`in:`, `@`, `#`) are
+        removed, so that a query cannot search an account's private messages."""
+        words = [w for w in query.split() if ":" not in w and not w.startswith(("@", "#", "-"))]
+        if not words:
+            return Page(())
+        place = "#" + (await self.category(board_id))[1].replace("/", ":") if board_id else ""
+        start = int(cursor) if cursor and cursor.isdigit() else 0
+        page, skip = divmod(start, RESULTS_A_PAGE)
+        term = " ".join(filter(None, (*words, place, "order:latest")))
+        found = (await self._client.get("/search.json", q=term, page=page + 1))["posts"] or []
+        with translate_errors():
+            hits = [(int(p["topic_id"]), int(p["id"])) for p in found]
+        shown = hits[skip : skip + limit]
+        posts: dict[int, Mapping[str, Any]] = {}
+        for topic_id in dict.fromkeys(t for t, _ in shown):
+            posts |= await self.raw_posts(topic_id, [n for t, n in shown if t == topic_id])
+        items = [await self.build(posts[n]) for _, n in shown if n in posts]
+        more = len(hits) > skip + limit or len(found) >= RESULTS_A_PAGE
+        return Page(tuple(items), str(start + len(shown)) if more and shown else None)
 
     async def download(self, url: str) -> bytes:
         return await self._client.bytes(url)
@@ -179,7 +197,7 @@ class DiscourseForum:
         return account
 
     async def switch(self, name: str) -> Account:
-        """From now on act as this account; needs an API key for all users. `ForumDenied`: it is as before."""
+        """Act as this account from now on; needs an API key for all users. After `ForumDenied` nothing has changed."""
         before = self._client.credentials
         if "Api-Key" not in before.headers:
             raise ForumDenied("switching accounts needs an API key for all users")
@@ -194,8 +212,8 @@ class DiscourseForum:
         return me
 
     async def create_account(self, name: str, email: str, password: str, display_name: str = "") -> Account | None:
-        """Make an account: with an admin's API key at once, otherwise as visitors do; None when it must first be
-        confirmed by e-mail or approved."""
+        """Create an account: at once with an admin's API key, otherwise as visitors do. Returns None if it must first
+        be confirmed by e-mail or approved."""
         if not await create_account(self._client, name, email, password, display_name):
             return None
         return await self.account(name)
@@ -223,7 +241,7 @@ class DiscourseForum:
             yield event
 
     async def mentions(self, limit: int = 30) -> tuple[Post, ...]:
-        """Posts that mention this account, newest first, by its notifications."""
+        """Return posts that mention this account, newest first, from its notifications."""
         return tuple(n.post for n in (await self.notifications(limit=limit)).items if n.kind == "mention")
 
     # ---------------------------------------------------------------- what the other parts need
@@ -239,14 +257,14 @@ class DiscourseForum:
         except ForumNotFound:
             return None
         except ForumDenied:
-            await self.me()  # is it the post, or are we nobody any more?
+            await self.me()  # is the post gone, or has our session ended?
             return None
         return raw
 
     def clock(self) -> datetime:
-        if self._client.told_at is None:
+        if self._client.clock_at is None:
             return datetime.now(UTC)
-        said, then_s = self._client.told_at
+        said, then_s = self._client.clock_at
         return said + timedelta(seconds=time.monotonic() - then_s)
 
     async def myself(self) -> Account:
@@ -259,7 +277,7 @@ class DiscourseForum:
         return found
 
     async def number_of(self, post_id: str) -> int | None:
-        """A post's place in its topic."""
+        """Return a post's position in its topic."""
         if post_id not in self._places:
             raw = await self.one(number_of(post_id, "post"))
             if raw is None:
@@ -275,7 +293,7 @@ class DiscourseForum:
         return raw
 
     async def raw_posts(self, topic_id: int, post_ids: Sequence[int]) -> dict[int, _JSON]:
-        """Posts of a topic with their raw text, fifty a request."""
+        """Return posts of a topic with their raw text, fifty per request."""
         found: dict[int, _JSON] = {}
         for start in range(0, len(post_ids), 50):
             query = {"post_ids[]": list(post_ids[start : start + 50]), "include_raw": "true"}
@@ -288,7 +306,7 @@ class DiscourseForum:
         return found
 
     async def category(self, board_id: str) -> tuple[int, str]:
-        """A category's number and path of slugs."""
+        """Return a category's number and path of slugs."""
         for attempt in (1, 2):
             for number, board in self._boards.items():
                 if board.id == board_id:
@@ -300,7 +318,7 @@ class DiscourseForum:
         )
 
     async def build(self, raw: _JSON, fresh: bool = False) -> Post:
-        """A post of ours from one of theirs; `fresh`: with its author's rights of this moment."""
+        """Build our post from Discourse's; `fresh`: with its author's current rights."""
         with translate_errors():
             name, number, post_id = str(raw["username"]), int(raw["topic_id"]), int(raw["id"])
             author = (await self.account(name) if fresh else await self._known(name)) or stranger_of(raw)
@@ -331,21 +349,21 @@ class DiscourseForum:
 
     # ---------------------------------------------------------------- inside
     async def _known(self, name: str) -> Account:
-        """An account, remembered for a while; an account that is gone has no rights."""
+        """Return an account, remembered for a while; a deleted account has no rights."""
         at_s, account = self._remembered.get(name.lower(), (-REMEMBERED_S, None))
         if account is None or time.monotonic() - at_s > REMEMBERED_S:
             account = await self.account(name)
         return account or Account("0", name.lower(), AccountKind.MONITORING_AGENT)
 
     def _poster(self, t: _JSON, users: Mapping[Any, str]) -> Account:
-        """The first poster of a list is who began the topic."""
+        """Return who began a listed topic: its first poster."""
         number = next((p["user_id"] for p in t.get("posters") or ()), 0)
         name = users.get(number, "").lower()
         remembered = self._remembered.get(name)
         return remembered[1] if remembered else Account(str(number), name)
 
     async def _board_of(self, raw: _JSON, fresh: bool = False) -> str:
-        """Where its topic is; `fresh`: now, since a moderator may have moved it."""
+        """Return the board of a topic; `fresh`: ask again, since a moderator may have moved it."""
         number = int(raw["topic_id"])
         if fresh:
             self._topic_boards.pop(number, None)
@@ -366,7 +384,7 @@ class DiscourseForum:
         self._places[post_id] = number
 
     async def _answered(self, topic_id: int, number: int | None) -> str | None:
-        """The post that a reply answers: Discourse says its place in the topic."""
+        """Return the post that a reply answers; Discourse gives its position in the topic."""
         if number is None:
             return None
         if (topic_id, int(number)) not in self._numbers:

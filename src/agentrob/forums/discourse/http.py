@@ -14,10 +14,18 @@ import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse.settings import Credentials
-from agentrob.forums.http import USER_AGENT, asked_wait_s, bounded_s, same_origin, told_time, translate_errors, where
+from agentrob.forums.http import (
+    USER_AGENT,
+    bounded_s,
+    request_line,
+    requested_wait_s,
+    same_origin,
+    server_time,
+    translate_errors,
+)
 from agentrob.process.tls import tls
 
-#: A limit that lasts longer (edits of a day, posts of a first day) is not waited for.
+#: Longer limits (edits per day, posts on the first day) are not waited for.
 LONGEST_WAIT_S = 600.0
 Json = Any
 
@@ -27,12 +35,13 @@ class Refused(ForumError):
 
 
 class DiscourseClient:
-    """One signed-in client. After a 429 it holds back what would only be refused again, reading apart from writing."""
+    """One signed-in client. After a 429 it holds back requests that would be refused again, reading and writing
+    separately."""
 
     def __init__(self, url: str, credentials: Credentials) -> None:
         self.credentials = credentials
-        #: The forum's clock, as it said last, and our own then.
-        self.told_at: tuple[datetime, float] | None = None
+        #: The forum's clock in its last answer, and our own then.
+        self.clock_at: tuple[datetime, float] | None = None
         self._held: dict[str, float] = {}
         self._csrf = ""
         self._signing_in = asyncio.Lock()
@@ -44,7 +53,7 @@ class DiscourseClient:
             verify=tls(),
         )
         if not credentials.by_session:
-            # A cookie that came with a key would sign us in a second time, as somebody else after a switch.
+            # A cookie would sign us in beside the key, and as another account after a switch.
             self._http.cookies.jar.set_policy(DefaultCookiePolicy(allowed_domains=[]))
 
     @property
@@ -58,24 +67,24 @@ class DiscourseClient:
         return await self.ask("GET", path, params=query)
 
     async def ask(self, method: str, path: str, **more: Any) -> Json:
-        """The JSON of the answer, None of an empty one."""
+        """Return the JSON of the answer, None if it is empty."""
         with translate_errors():
             response = await self.send(method, path, **more)
             return response.json() if response.content.strip() else None
 
     async def location(self, path: str) -> str:
-        """Where an address leads to (a redirect is the answer)."""
+        """Return the target of a redirect."""
         with translate_errors():
             return str((await self.send("GET", path)).headers.get("location", ""))
 
     async def bytes(self, url: str) -> bytes:
-        """A file of this forum: the key goes nowhere else."""
+        """Download a file of this forum: the key goes nowhere else."""
         with translate_errors():
             address = self.base.join(url)
             if not same_origin(address, self.base):
                 raise ForumError(f"{url} is not a picture of this forum")
             response = await self.send("GET", str(address))
-            if response.has_redirect_location:  # to where it keeps its files; there without the key
+            if response.has_redirect_location:  # to its file storage, without the key
                 async with httpx2.AsyncClient(trust_env=False, timeout=15.0, verify=tls()) as elsewhere:
                     response = await elsewhere.get(address.join(response.headers["location"]))
                 await _raise_for(response)
@@ -83,7 +92,7 @@ class DiscourseClient:
 
     @asynccontextmanager
     async def stream(self, path: str, body: Mapping[str, Any]) -> AsyncIterator[AsyncIterator[str]]:
-        """An answer that comes in pieces, while it comes."""
+        """Yield an answer in pieces as they arrive."""
         timeout = httpx2.Timeout(10.0, read=40.0)
         with translate_errors():
             headers = {**self.credentials.headers, "Accept": "*/*"}
@@ -93,7 +102,7 @@ class DiscourseClient:
 
     # ---------------------------------------------------------------- inside
     async def send(self, method: str, path: str, **more: Any) -> httpx2.Response:
-        """One request; a session that ended is begun anew, once, without anybody noticing."""
+        """Send one request; if the session has ended, sign in once more."""
         kind = _kind(method, path)
         self._hold_back(kind)
         for attempt in (1, 2):
@@ -116,7 +125,7 @@ class DiscourseClient:
         raise AssertionError("unreachable")
 
     async def _signed_in(self) -> str:
-        """The CSRF token of a session that is signed in; the session is begun when there is none."""
+        """Return the CSRF token of a signed-in session; sign in if there is none."""
         async with self._signing_in:
             if self._csrf:
                 return self._csrf
@@ -144,15 +153,15 @@ class DiscourseClient:
                 raise ForumLimited(f"Discourse's rate limit lasts for another {left_s:.1f} s", left_s)
 
     def _note_limit(self, kind: str, response: httpx2.Response, wait_s: float) -> None:
-        """What holds for reading, or is told in plain text, is the limit of the address or key: it bounds everything.
-        A post that came too early makes nobody deaf."""
+        """Remember a rate limit. A limit on reading, or one in plain text, is that of the address or key and holds for
+        everything; a limit on posting must not stop reading."""
         plain = "json" not in response.headers.get("content-type", "")
         whole = kind == "read" or (plain and kind != "bus")
         if wait_s <= LONGEST_WAIT_S:
             self._held["all" if whole else kind] = time.monotonic() + wait_s
 
     def _note_clock(self, response: httpx2.Response) -> None:
-        self.told_at = (told_time(response) or datetime.now(UTC), time.monotonic())
+        self.clock_at = (server_time(response) or datetime.now(UTC), time.monotonic())
 
 
 def _kind(method: str, path: str) -> str:
@@ -165,7 +174,7 @@ async def _raise_for(response: httpx2.Response) -> None:
     if response.status_code < 400:
         return
     await response.aread()
-    said = _told(response)
+    said = _error_message(response)
     match response.status_code:
         case 401 | 403:
             raise ForumDenied(said)
@@ -183,18 +192,19 @@ async def _raise_for(response: httpx2.Response) -> None:
     raise ForumError(said)
 
 
-def _told(response: httpx2.Response) -> str:
-    """One sentence of Discourse's `errors`, or of the plain text that its limits answer with."""
+def _error_message(response: httpx2.Response) -> str:
+    """Return one sentence from Discourse's `errors`, or from the plain text of its rate limits."""
     try:
         said = " ".join(map(str, response.json()["errors"]))
     except (ValueError, KeyError, TypeError):
         said = " ".join(response.text[:200].split())
-    return f"{where(response)} {said}".rstrip()
+    return f"{request_line(response)} {said}".rstrip()
 
 
 def _wait_s(response: httpx2.Response) -> float:
-    """`Retry-After`, or `extras.wait_seconds` of the body, whichever is longer; never nothing."""
-    waits = [asked_wait_s(response) or 0.0]
+    """Return the longer of `Retry-After` and `extras.wait_seconds` of the body; at least one second if neither is
+    given."""
+    waits = [requested_wait_s(response) or 0.0]
     with suppress(ValueError, KeyError, TypeError, OverflowError):
         waits.append(bounded_s(float(response.json()["extras"]["wait_seconds"])))
     return max(waits) or 1.0

@@ -16,8 +16,8 @@ _KEPT = 2_000
 
 
 class VersionTracker:
-    """How often each post was changed. Discourse does not count edits within its grace period (five minutes): what
-    changed since it was seen, or was touched after it was written, is no first version (law 4)."""
+    """Count the versions of each post. Discourse does not count edits within its grace period (five minutes), so a post
+    that changed since it was seen, or was touched after it was written, is not at version 1 (law 4)."""
 
     def __init__(self) -> None:
         self._known = BoundedDict[int, tuple[str, int]](_KEPT)
@@ -33,7 +33,7 @@ class VersionTracker:
 
 
 def boards_of(categories: Sequence[_JSON], above: str = "") -> list[tuple[int, Board]]:
-    """Each category and those below it. Slugs are unique below one parent only; some have none."""
+    """Return all categories with their subcategories. Slugs are unique only below one parent, and may be missing."""
     found = []
     for c in categories:
         path = f"{above}{c['slug'] or str(c['id']) + '-category'}"
@@ -43,7 +43,7 @@ def boards_of(categories: Sequence[_JSON], above: str = "") -> list[tuple[int, B
 
 
 def stranger_of(raw: _JSON) -> Account:
-    """Who wrote it has no account any more: no rights, never obeyed."""
+    """Return an account without rights for an author whose account was deleted; it is never obeyed."""
     return Account(str(raw.get("user_id") or 0), str(raw["username"]).lower(), AccountKind.MONITORING_AGENT)
 
 
@@ -54,7 +54,7 @@ def number_of(text: str, what: str) -> int:
 
 
 def safe_name(name: str) -> str:
-    """A name for an address: nothing that could lead elsewhere."""
+    """Return a name that is safe in an address."""
     if not name or any(c in name for c in "/?#%\\") or name.startswith("."):
         raise ForumNotFound(f"there is no account {name!r}")
     return name

@@ -25,29 +25,31 @@ _PICTURE = re.compile(r"(!\[[^\[\]\n]*\]\(upload://[A-Za-z0-9_.-]+\))")
 
 
 def mark(marked: MarkedText) -> str:
-    """The raw text that `unmark` takes apart; pictures are Markdown lines, as `picture` makes them."""
+    """Return the raw text that `unmark` takes apart; pictures are Markdown lines by `picture`."""
     return "\n\n".join((marked.text.rstrip(), *marked.pictures, f'<div data-agentrob="{encode_marker(marked)}"></div>'))
 
 
 def unmark(raw: str, ours: bool = True) -> MarkedText:
-    """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
-    or by a robot; else the mark is cut off unread."""
+    """Take a raw text apart. Without a valid marker all of it is text.
+
+    `ours`: the post is by this account or by a robot; otherwise the marker is removed without decoding.
+    """
     return split_marker(raw, _MARK, _PICTURE, ours)
 
 
 def picture(short_url: str, number: int) -> str:
-    """The line that shows an uploaded picture."""
+    """Return the line that shows an uploaded picture."""
     return f"![{number}]({short_url})"
 
 
 def external_id(account_id: str, key: str) -> str:
-    """A topic's `external_id`, at most 50 of `[A-Za-z0-9_-]`: one for each account and key."""
+    """Return a topic's `external_id`, at most 50 of `[A-Za-z0-9_-]`: one for each account and key."""
     return "agentrob-" + hashlib.sha256(f"{account_id}\0{key}".encode()).hexdigest()[:40]
 
 
 # ---------------------------------------------------------------- what the forum made of the text
 class _Cooked(HTMLParser):
-    """Collects mentions that the forum resolved, and pictures that were uploaded."""
+    """Collects resolved mentions and uploaded pictures."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -84,8 +86,8 @@ class _Cooked(HTMLParser):
 
 
 def mentions_and_images(cooked: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names that are mentioned (lower case) and addresses of pictures, of a post's HTML; quotes are passed over."""
+    """Return the mentioned names (lower case) and the addresses of pictures in a post's HTML, without quotes."""
     reader = _Cooked()
-    with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts
+    with suppress(Exception):  # the parser fails on some malformed declarations; keep what it found before
         reader.feed(cooked)
     return tuple(dict.fromkeys(n for n in reader.mentions if n)), tuple(reader.pictures)

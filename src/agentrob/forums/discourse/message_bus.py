@@ -18,7 +18,7 @@ _AT_ONCE = 100
 
 
 class MessageBusClient:
-    """Where we are in each channel, and whether something came. What came is only a reason to look."""
+    """The position in each channel, and whether there was a message. Messages only trigger a look."""
 
     def __init__(self, client: DiscourseClient) -> None:
         self.rang = asyncio.Event()
@@ -29,7 +29,7 @@ class MessageBusClient:
         self._number = 0
 
     def listen_to(self, topics: Iterable[str]) -> bool:
-        """Hear these threads too (edits and deletions are told there only); whether any is new."""
+        """Subscribe to these threads too, since edits and deletions are sent only there; return whether any is new."""
         new = {f"/topic/{t}": -1 for t in topics if f"/topic/{t}" not in self._places}
         self._places |= new
         for channel in [c for c in self._places if c != _LATEST][: max(0, len(self._places) - 101)]:
@@ -37,16 +37,16 @@ class MessageBusClient:
         return bool(new)
 
     def hints(self) -> set[int]:
-        """Posts of which something was said since they were asked for last."""
+        """Return the posts named by messages since the last call."""
         hints, self._hints = self._hints, set()
         return hints
 
     async def probe(self) -> None:
-        """Ask for what is there, without waiting (`dlp=t`); the answer proves that the channel is alive."""
+        """Poll without waiting (`dlp=t`); the answer proves that the channel works."""
         self._take(await self._client.ask("POST", f"{self._path}?dlp=t", json=self._asked()))
 
     async def hold(self) -> None:
-        """Hold a request open and take what comes, for ever; where requests are not held, wait."""
+        """Keep a long poll open and process its messages, for ever; where long polls end at once, wait."""
         while True:
             loop = asyncio.get_running_loop()
             began = loop.time()
@@ -56,7 +56,7 @@ class MessageBusClient:
                     *whole, rest = (rest + piece).split(_BETWEEN)
                     for chunk in whole:
                         self._take(json.loads(chunk.replace("\r\n||\r\n", _BETWEEN)))
-                if rest.strip():  # one that is not in pieces
+                if rest.strip():  # a message that is not in pieces
                     self._take(json.loads(rest))
             if loop.time() - began < 1.0:
                 await asyncio.sleep(1.0)
@@ -74,7 +74,7 @@ class MessageBusClient:
             channel, data = message["channel"], message["data"]
             if channel == "/__status":
                 known = {c: int(n) for c, n in data.items() if c in self._places}
-                # Moved on past messages that are not for us: perhaps since our key is refused, which is not said here.
+                # The position moved past messages that are not for us; perhaps our key is refused.
                 if any(0 <= self._places[c] < n for c, n in known.items()):
                     self.rang.set()
                 self._places |= known
@@ -88,7 +88,7 @@ class MessageBusClient:
 
 
 async def listen(watch: ChangeTracker, client: DiscourseClient, after: str, beat_s: float) -> AsyncIterator[Event]:
-    """Events as they happen, and a heartbeat whenever the channel was proven alive and nothing came."""
+    """Yield events as they happen, and a heartbeat whenever the channel was proven alive without news."""
     bus = MessageBusClient(client)
     await watch.changes(after, 1)
     bus.listen_to(watch.topics())
@@ -101,7 +101,7 @@ async def listen(watch: ChangeTracker, client: DiscourseClient, after: str, beat
             for event in events:
                 after = event.id
                 yield event
-            if bus.listen_to(watch.topics()):  # what happened there before it was heard is looked for once more
+            if bus.listen_to(watch.topics()):  # look once more for changes from before the subscription
                 await bus.probe()
                 held = await _anew(held, bus)
                 continue

@@ -12,23 +12,24 @@ from agentrob.errors import ConfigError
 from agentrob.forums.groups import GroupOptions
 from agentrob.model import Account
 
-#: Discourse lets an admin's key ask 60 times a minute unless its owner lifts that; a user's key 20 times.
+#: Discourse's default limits: 60 requests per minute for an admin's key, 20 for a user's key.
 DEFAULT_REQUESTS_PER_MINUTE = 60
 USER_KEY_REQUESTS_PER_MINUTE = 20
-#: From here on the event channel can be proven alive each half second, and there is room for reading and writing.
+#: Enough to prove every half second that the event channel works, and to read and write.
 LIVE_REQUESTS_PER_MINUTE = 240
 
-#: Whoever signs up is in these.
+#: Groups of every new account.
 EVERYBODY = frozenset({"everyone", "logged_in_users", "trust_level_0"})
 
 
 class DiscourseOptions(GroupOptions):
     """`[forum.options]` of a forum of the kind `discourse`.
 
-    Groups are called by their names on the forum, the automatic ones too: `trust_level_2` means that level and above,
-    `staff` admins and moderators. Whoever is in none of `operators`, `moderators` (who approve, too) and `admins` looks
-    and stops only; groups that anybody may join give nothing (law 2: signing up makes nobody an operator).
-    `requests_per_minute`: what the key may ask (default 60, with a user's key 20); from 240 on posts come by push.
+    Groups are given by their names on the forum, also the automatic ones: `trust_level_2` means that level and above,
+    `staff` admins and moderators. Accounts in none of `operators`, `moderators` (who also approve) and `admins` only
+    look and stop; groups that anybody may join give no rights (law 2: signing up makes nobody an operator).
+    `requests_per_minute` is the request limit of the key (default 60, for a user's key 20); from 240 on posts are
+    pushed.
     """
 
     everybody = EVERYBODY
@@ -40,7 +41,7 @@ class DiscourseOptions(GroupOptions):
 
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
-    """An account of `/u/{username}.json`'s `user`, as it is now. What is not said (a hidden profile) gives no right."""
+    """Parse an account from `user` of `/u/{username}.json`. What is missing (a hidden profile) gives no rights."""
     listed = user.get("groups") or ()
     closed = {str(g["name"]).lower() for g in listed if g.get("automatic") or g.get("public_admission") is False}
     closed |= {f"trust_level_{n}" for n in range(int(user.get("trust_level") or 0) + 1)}
@@ -61,10 +62,10 @@ def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
 # ---------------------------------------------------------------- how we sign in
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """What the token's variable holds, taken apart; `headers` are sent with each request.
+    """The credentials in the token's variable; `headers` are sent with each request. Never printed.
 
-    `name:KEY` an API key, as that account (a key for all users may switch); `KEY` a key of a single user;
-    `user-api-key:KEY` a user's own key; `login:name:password` a session. Never printed.
+    `name:KEY` is an API key, as that account (a key for all users may switch); `KEY` a key of a single user;
+    `user-api-key:KEY` a user's own key; `login:name:password` a session.
     """
 
     headers: Mapping[str, str]
@@ -94,9 +95,9 @@ class Credentials:
 
     @property
     def by_api_key(self) -> bool:
-        """An admin's key: only these may give topics an `external_id`."""
+        """Whether this is an admin's key: only those may give topics an `external_id`."""
         return "Api-Key" in self.headers
 
     def named(self, name: str) -> Credentials:
-        """The same key as another account."""
+        """Return the same key as another account."""
         return Credentials({**self.headers, "Api-Username": name}, name)

@@ -16,21 +16,20 @@ from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.discourse import markers as marks
 from agentrob.forums.discourse.http import DiscourseClient, Refused
 from agentrob.forums.discourse.settings import DiscourseOptions
-from agentrob.forums.http import text_of, translate_errors
+from agentrob.forums.http import image_file, text_of, translate_errors
 from agentrob.forums.protocol import Written
 from agentrob.model import Account, Post, StatusCard
 
-#: Own posts of a topic that are searched for a key, newest first; and own topics when no topic is known.
+#: How many own posts of a topic, and how many topics, are searched for a key; newest first.
 SEARCHED_POSTS, SEARCHED_TOPICS = 300, 20
 #: How often to ask whether a moderator has approved a post.
 APPROVAL_S = 30.0
 _JSON = Mapping[str, Any]
 _KEPT, _KEPT_TURNS = 2_000, 500
-_KINDS = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}
 
 
 class PostSource(Protocol):
-    """The reading side, as far as writing needs it."""
+    """The reading side, as needed for writing."""
 
     async def myself(self) -> Account: ...
 
@@ -39,7 +38,7 @@ class PostSource(Protocol):
     async def one(self, post_id: int) -> _JSON | None: ...
 
     async def number_of(self, post_id: str) -> int | None:
-        """A post's place in its topic."""
+        """Return a post's position in its topic."""
         ...
 
     async def topic_json(self, topic_id: int, **query: Any) -> _JSON: ...
@@ -52,9 +51,9 @@ class PostSource(Protocol):
 
 
 class ReadPosts(BoundedDict[int, str | None]):
-    """Posts that were read already, each with its key when it is our own; of a key's posts `first` is the oldest.
+    """Posts that were read, with the key of our own ones. `first` is the oldest post of a key.
 
-    What is dropped counts as not read, so that its key is found on the forum again.
+    Dropped posts count as unread, so that their keys are found on the forum again.
     """
 
     def __init__(self, most: int) -> None:
@@ -84,11 +83,11 @@ class PostWriter:
         self._prefix = options.key_prefix
         self._turns: OrderedDict[str, asyncio.Lock] = OrderedDict()
         self._read = ReadPosts(_KEPT)
-        #: Keys of posts that wait for a moderator; None: not asked for yet.
+        #: Keys of posts that wait for a moderator; None: not requested yet.
         self._waiting: set[str] | None = None
 
     def own_key(self, key: str | None) -> str | None:
-        """The key that a mark of ours carries, as its writer called it."""
+        """Return the writer's key from that of a marker, None if it is not ours."""
         return key.removeprefix(self._prefix) if key and key.startswith(self._prefix) else None
 
     # ---------------------------------------------------------------- topics
@@ -105,14 +104,14 @@ class PostWriter:
                 content["external_id"] = await self._external_id(key)
             try:
                 sent = await self._create(key, content)
-            except Refused:  # perhaps it was there already, since an answer was lost
+            except Refused:  # perhaps an answer was lost, and the topic exists
                 if (old := await self._topic_of(key) or await self._by_search(key)) is not None:
                     return Written(old, created=False)
                 raise
             return Written(await self._noted(key, {**sent, "raw": raw, "category_id": number}))
 
     async def _topic_of(self, key: str) -> Post | None:
-        """The first post of the topic with this key's `external_id`, which only API keys may give."""
+        """Return the first post of the topic with this key's `external_id`, which only API keys may set."""
         if not self._client.credentials.by_api_key:
             return None
         try:
@@ -150,7 +149,7 @@ class PostWriter:
                 content["reply_to_post_number"] = number
             try:
                 sent = await self._create(key, content)
-            except Refused as e:  # too similar to itself: an answer was lost
+            except Refused as e:  # perhaps an answer was lost, and the post is too similar to itself
                 await self._search(topic_id)
                 if (old := await self._old(key)) is not None:
                     return Written(old, created=False)
@@ -164,7 +163,7 @@ class PostWriter:
             return Written(await self._noted(key, {**sent, "raw": raw}))
 
     async def _search(self, topic_id: int) -> int:
-        """Note the keys of the account's own posts in a topic; returns the highest number of a post."""
+        """Record the keys of the account's own posts in a topic; return the highest post number."""
         me = await self._source.myself()
         topic = await self._source.topic_json(topic_id, username_filters=me.name)
         with translate_errors():
@@ -176,7 +175,7 @@ class PostWriter:
             return int(topic["highest_post_number"] or 0)
 
     async def _explain(self, topic_id: int, refused: Refused) -> None:
-        """A thread in slow mode refuses without saying for how long."""
+        """Raise `ForumLimited` if the topic is in slow mode, which Discourse's refusal does not say."""
         slow_s = int((await self._source.topic_json(topic_id)).get("slow_mode_seconds") or 0)
         if slow_s > 0:
             raise ForumLimited(f"{refused} (this topic is in slow mode)", float(slow_s)) from None
@@ -189,7 +188,7 @@ class PostWriter:
         me = await self._source.myself()
         if str(before["user_id"]) != me.id:
             raise ForumDenied(f"post {post_id} belongs to {before['username']}")
-        await self._source.build(before)  # so that a change is told from what was there
+        await self._source.build(before)  # to detect the change
         was = marks.unmark(before["raw"])
         pictures = (*was.pictures, *await self._upload(images, len(was.pictures) + 1))
         raw = marks.mark(marks.MarkedText(body, was.key, card or was.card, pictures))
@@ -200,11 +199,11 @@ class PostWriter:
 
     # ---------------------------------------------------------------- keys
     async def find(self, key: str) -> Post | None:
-        """The own post of that key, among the newest of this account."""
+        """Return our post with that key, among the newest of this account."""
         return await self._old(key) or await self._topic_of(key) or await self._by_search(key)
 
     async def _by_search(self, key: str) -> Post | None:
-        """Look through the topics that this account wrote in last."""
+        """Search the topics in which this account posted last."""
         if (old := await self._old(key)) is not None:
             return old
         me = await self._source.myself()
@@ -223,7 +222,7 @@ class PostWriter:
         post_id = self._read.first(key)
         if post_id is None:
             return None
-        if self._waiting is not None:  # a moderator let it pass
+        if self._waiting is not None:  # a moderator approved it
             self._waiting.discard(key)
         return await self._source.post(str(post_id))
 
@@ -233,7 +232,7 @@ class PostWriter:
 
     # ---------------------------------------------------------------- inside
     def _turn(self, key: str) -> asyncio.Lock:
-        """Whose turn it is with a key; what has not been asked for lately is forgotten."""
+        """Return the lock of a key; forget keys that were not used lately."""
         lock = self._turns.setdefault(key, asyncio.Lock())
         self._turns.move_to_end(key)
         for old in list(self._turns)[:-_KEPT_TURNS]:
@@ -249,7 +248,7 @@ class PostWriter:
         return sent
 
     async def _not_waiting(self, key: str) -> None:
-        """A post that waits for a moderator is not written again."""
+        """Raise `ForumLimited` if a post with this key waits for a moderator, so that it is not written again."""
         if self._waiting is not None and key not in self._waiting:
             return
         pending = await self._pending()
@@ -259,30 +258,29 @@ class PostWriter:
         self._waiting = self._waiting if self._waiting is not None else pending
 
     def _not_rejected(self, key: str) -> None:
-        """What waited, waits no more and is not there was rejected."""
+        """Raise `ForumDenied` if a post with this key waited and was not approved."""
         if self._waiting and key in self._waiting:
             raise ForumDenied("a moderator did not approve the post")
 
     async def _pending(self) -> set[str]:
-        """Keys of own posts that wait for approval."""
+        """Return the keys of our posts that wait for approval."""
         me = await self._source.myself()
         try:
             found = await self._client.get(f"/posts/{me.name}/pending.json")
-        except (ForumNotFound, ForumDenied):  # not every version and key has it
+        except (ForumNotFound, ForumDenied):  # not available to every version and key
             return set()
         with translate_errors():
             keys = (self.own_key(marks.unmark(p["raw_text"]).key) for p in found["pending_posts"])
             return {key for key in keys if key is not None}
 
     async def _upload(self, images: Sequence[bytes], first: int = 1) -> tuple[str, ...]:
-        """Send pictures first; the text then shows them. Uploaded twice after a lost answer is harmless."""
+        """Upload pictures first; the text then shows them. Uploading twice after a lost answer is harmless."""
         lines = []
         for number, image in enumerate(images, first):
-            kind = _KINDS.get(image[:2], "jpeg")
-            file = {"file": (f"{number}.{kind}", image, f"image/{kind}")}
+            file = {"file": image_file(number, image)}
             about = {"upload_type": "composer", "synchronous": "true"}
             sent = await self._client.ask("POST", "/uploads.json", data=about, files=file)
             if not str(sent.get("short_url", "")).startswith("upload://"):
-                raise ForumError(f"the forum did not take picture {number}")
+                raise ForumError(f"the forum rejected picture {number}")
             lines.append(marks.picture(sent["short_url"], number))
         return tuple(lines)

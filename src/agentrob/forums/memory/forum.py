@@ -32,31 +32,30 @@ T = TypeVar("T")
 
 @dataclass
 class MemoryWorld(MemoryRecords):
-    """The forum itself, shared by everybody who signs in; times are the machine's clock plus `clock_offset_s`.
+    """The forum itself, shared by all signed-in accounts. Times are the machine's clock plus `clock_offset_s`.
 
-    `max_edits` limits edits per post, `live=False` has no event stream (agents must poll, every `fastest_poll_s` at
-    most). `reachable = False` makes every call and every open stream of everybody fail with `ForumUnreachable` until it
-    is set back; `limited_s > 0` makes writes fail with `ForumLimited`. With an `encoder` it is searched by meaning too.
+    `max_edits` limits edits per post. With `live=False` there is no event stream: agents poll, at most every
+    `fastest_poll_s`. `reachable = False` makes all calls and open streams fail with `ForumUnreachable` until it is set
+    back, `limited_s > 0` makes writes fail with `ForumLimited`. An `encoder` adds search by meaning.
     """
 
     def sign_in(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER, display_name: str = ""
     ) -> MemoryForum:
-        """The forum as this account sees it; the account is made when it is not there yet."""
+        """Return the forum as seen by this account, which is created if it does not exist."""
         self.add_account(name, kind, role, display_name)
         return MemoryForum(self, name)
 
 
-#: Worlds that are named by a configuration, for whoever builds a memory forum through its entry point.
+#: Worlds by the name in a configuration, for memory forums built through the entry point.
 _named: dict[str, MemoryWorld] = {}
 
 
 class MemoryForum:
-    """One account's view of a `MemoryWorld`; fulfils `Forum`, `RobotPages` and everything that not every forum has."""
+    """One account's view of a `MemoryWorld`; fulfils `Forum`, `RobotPages` and all optional protocols."""
 
     def __init__(self, world: MemoryWorld | ForumConfig, name: str) -> None:
-        """From a world, or (as every forum adapter) from settings and a token: `url` names the world, the token the
-        account."""
+        """Take a world, or like every adapter settings and a token: `url` names the world, the token the account."""
         self._world = world if isinstance(world, MemoryWorld) else _named.setdefault(world.url, MemoryWorld())
         if name not in self._world.accounts:
             self._world.sign_in(name)
@@ -67,11 +66,11 @@ class MemoryForum:
 
     @staticmethod
     def world(**settings: Any) -> MemoryWorld:
-        """A new, empty forum; settings as in `MemoryWorld`."""
+        """Return a new, empty forum; settings as in `MemoryWorld`."""
         return MemoryWorld(**settings)
 
     async def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is no connection."""
 
     # ---------------------------------------------------------------- Reader
     async def boards(self) -> Sequence[Board]:
@@ -93,11 +92,11 @@ class MemoryForum:
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
         await self.topic(topic_id)
         world = self._up()
-        return _page([self._seen(p.id) for p in world.posts.values() if p.topic_id == topic_id], cursor, limit)
+        return _page([self._visible(p.id) for p in world.posts.values() if p.topic_id == topic_id], cursor, limit)
 
     async def post(self, post_id: str) -> Post:
         self._up()
-        return self._seen(post_id)
+        return self._visible(post_id)
 
     async def download(self, url: str) -> bytes:
         pictures = self._up().pictures
@@ -188,12 +187,12 @@ class MemoryForum:
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts with all words somewhere in them, whatever their case."""
+        """Return posts that contain all words, in any case."""
         world, words = self._up(), query.casefold().split()
         if board_id is not None:
             self._board(board_id)
         found = [
-            self._seen(p.id)
+            self._visible(p.id)
             for p in reversed(world.posts.values())
             if board_id in (None, p.board_id) and not p.removed and all(w in p.raw.casefold() for w in words)
         ]
@@ -205,7 +204,7 @@ class MemoryForum:
     async def search_semantic(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts whose vectors are like the query's; they are made anew for each search."""
+        """Return posts with vectors like the query's. The vectors are computed for each search."""
         world = self._up()
         if world.encoder is None:
             raise ForumUnoffered("this forum has no model for a search by meaning")
@@ -215,10 +214,10 @@ class MemoryForum:
         wanted, *vectors = await asyncio.to_thread(world.encoder.encode, [query, *(p.raw for p in posts)])
         likeness = [(cosine_similarity(wanted, vector), p.id) for p, vector in zip(posts, vectors, strict=True)]
         found = sorted((entry for entry in likeness if entry[0] >= MIN_SIMILARITY), key=lambda entry: -entry[0])
-        return _page([self._seen(post_id) for _, post_id in found], cursor, limit)
+        return _page([self._visible(post_id) for _, post_id in found], cursor, limit)
 
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
-        """By an admin. The secret of an account of this forum is its name."""
+        """Create an account, as an admin. An account's secret is its name."""
         world = self._admin("making accounts")
         if name in world.accounts:
             raise ForumError(f"there is an account named {name!r} already")
@@ -242,9 +241,9 @@ class MemoryForum:
             if post.author.name == self._name or post.removed:
                 continue
             if self._name in post.mentions:
-                found.append(Notification(f"mention-{post.id}", "mention", self._seen(post.id)))
+                found.append(Notification(f"mention-{post.id}", "mention", self._visible(post.id)))
             elif answered is not None and answered.author.name == self._name:
-                found.append(Notification(f"reply-{post.id}", "reply", self._seen(post.id)))
+                found.append(Notification(f"reply-{post.id}", "reply", self._visible(post.id)))
         return _page(found, cursor, limit)
 
     # ---------------------------------------------------------------- RobotPages
@@ -261,23 +260,23 @@ class MemoryForum:
 
     # ---------------------------------------------------------------- buttons
     async def press_stop(self, robot: str) -> None:
-        """The stop button of a robot's page."""
+        """Press the stop button of a robot's page."""
         self._press(EventKind.ROBOT_STOP, robot)
 
     async def press_estop(self, robot: str) -> None:
-        """The button that stops a robot and locks it."""
+        """Press the button that stops a robot and locks it."""
         self._press(EventKind.ROBOT_ESTOP, robot)
 
     async def press_release(self, robot: str) -> None:
-        """The button that releases a locked robot; its agent judges who may."""
+        """Press the button that releases a locked robot; its agent checks the right."""
         self._press(EventKind.ROBOT_RELEASE, robot)
 
     async def press_home(self, robot: str) -> None:
-        """The button that makes the robot's home where it stands; its agent judges who may."""
+        """Press the button that sets the robot's home to where it stands; its agent checks the right."""
         self._press(EventKind.ROBOT_HOME, robot)
 
     async def press_reset(self, robot: str) -> None:
-        """The button that resets a simulated room; operators only."""
+        """Press the button that resets a simulated room; operators only."""
         if self._up().accounts[self._name].role.rank < Role.OPERATOR.rank:
             raise ForumDenied("resetting the room needs an operator")
         self._press(EventKind.ROBOT_RESET, robot)
@@ -312,8 +311,8 @@ class MemoryForum:
             raise ForumNotFound(f"there is no board {board_id!r}; there are: {', '.join(boards)}")
         return boards[board_id]
 
-    def _seen(self, post_id: str) -> Post:
-        """Keys are shown to their writer only."""
+    def _visible(self, post_id: str) -> Post:
+        """Show keys only to their writer."""
         post = self._world.fresh(post_id)
         return post if post.author.name == self._name else replace(post, key=None)
 

@@ -18,7 +18,7 @@ from agentrob.semantic.encoder import TextEncoder
 
 @dataclass
 class MemoryRecords:
-    """Accounts, topics, posts and events; fields as `MemoryWorld` says."""
+    """Accounts, topics, posts and events; for the fields see `MemoryWorld`."""
 
     max_edits: int | None = None
     live: bool = True
@@ -40,7 +40,7 @@ class MemoryRecords:
     _reachable: bool = True
 
     def add_account(self, name: str, kind: AccountKind, role: Role, display_name: str = "") -> None:
-        """Does nothing when it is there already."""
+        """Add an account unless it exists."""
         if name not in self.accounts:
             account = Account(f"a{len(self.accounts) + 1}", name, kind, role, display_name=display_name or name)
             self.accounts[name] = account
@@ -56,23 +56,23 @@ class MemoryRecords:
         self.accounts[name] = replace(self.accounts[name], role=role)
 
     def remove(self, post_id: str) -> None:
-        """Hide a post, as its author or a moderator does."""
+        """Hide a post, like its author or a moderator."""
         post = replace(self.fresh(post_id), removed=True)
         self.posts[post_id] = post
         self.emit(EventKind.POST_REMOVED, post=post)
 
     def move(self, topic_id: str, board_id: str) -> None:
-        """What a moderator does with a topic in the wrong place; no event tells of it."""
+        """Move a topic to another board, like a moderator; there is no event for it."""
         self.topics[topic_id] = replace(self.topics[topic_id], board_id=board_id)
         for post in [p for p in self.posts.values() if p.topic_id == topic_id]:
             self.posts[post.id] = replace(post, board_id=board_id)
 
     def give(self, post_id: str, name: str) -> None:
-        """Make a post another account's, as moderators of some forums can; nothing tells of it."""
+        """Give a post to another account, as moderators of some forums can; there is no event for it."""
         self.posts[post_id] = replace(self.posts[post_id], author=self.accounts[name])
 
     def watch(self, robot: str, viewers: int) -> None:
-        """So many people look at the robot's camera now."""
+        """Set the number of people who watch the robot's camera."""
         first = viewers > 0 and self.viewers.get(robot, 0) == 0
         self.viewers[robot] = viewers
         if first:
@@ -89,7 +89,7 @@ class MemoryRecords:
 
     # ---------------------------------------------------------------- inside
     def fresh(self, post_id: str) -> Post:
-        """The post with its author as the account is now."""
+        """Return the post with its author's current account."""
         if post_id not in self.posts:
             raise ForumNotFound(f"there is no post {post_id}")
         post = self.posts[post_id]
@@ -131,7 +131,7 @@ class MemoryRecords:
         return tuple(self._delivered(e) for e in self.events[start : start + limit])
 
     def _delivered(self, event: Event) -> Event:
-        """A post event carries the post as it is at delivery, as on the board."""
+        """Return the event with its post as it is at delivery, like the board."""
         return replace(event, post=self.fresh(event.post.id)) if event.post else event
 
     def _wake(self) -> None:
@@ -139,7 +139,7 @@ class MemoryRecords:
             waiting.set()
 
     async def wait(self, seconds: float) -> bool:
-        """Wait until something happens; False when nothing did in time."""
+        """Wait until something happens; return False if nothing does in time."""
         waiting = asyncio.Event()
         self._waiting.add(waiting)
         try:

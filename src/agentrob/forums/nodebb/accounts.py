@@ -12,14 +12,14 @@ from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.nodebb.settings import NodeBBOptions, account
 from agentrob.model import Account, AccountKind, Role
 
-#: For lists, where nobody decides by it, an account may have been read so long ago.
+#: How old a remembered account may be in lists, by which nothing is decided.
 LIST_AGE_S = 30.0
-#: So long one answer about the forum's setting Private Groups is believed.
+#: How long the forum's setting Private Groups is remembered.
 SETTING_AGE_S = 10.0
 
 
 class AccountAdmin:
-    """Accounts as the forum vouches for them, with the groups that say what they are and may do."""
+    """Accounts by the forum's current data, with the groups that give their kind and role."""
 
     def __init__(self, client: NodeBBClient, options: NodeBBOptions) -> None:
         self._client = client
@@ -30,7 +30,7 @@ class AccountAdmin:
         self._asked_s = -SETTING_AGE_S
 
     async def me(self, fresh: bool = False) -> Account:
-        """The account that we are signed in as; `fresh` with its rights of now."""
+        """Return the signed-in account; `fresh`: with its current rights."""
         if self._me is None or fresh:
             found = await self._client.get("/api/self")
             slug = str(found["userslug"])
@@ -38,7 +38,7 @@ class AccountAdmin:
         return self._me
 
     async def by_slug(self, slug: str) -> Account:
-        """By the handle after the @. `ForumNotFound` when there is none."""
+        """Return the account of a handle. Raises `ForumNotFound` if there is none."""
         path = f"/api/user/{quote(slug, safe='')}/groups"
         try:
             found = await self._client.get(path)
@@ -46,34 +46,40 @@ class AccountAdmin:
             raise ForumDenied(f"{e}; our account needs the privileges View Users and View Groups") from None
         if not str(found.get("userslug") or ""):
             raise ForumNotFound(f"there is no account {slug}")
-        made = account(found, await self._as_they_are(found["groups"]), self._options)
+        made = account(found, await self._with_open_groups(found["groups"]), self._options)
         self._lately[made.name] = (time.monotonic(), made)
         return made
 
-    async def _as_they_are(self, groups: list[dict[str, Any]]) -> list[dict[str, Any]]:
-        """With the forum's setting Private Groups switched off anybody joins any group that is not the system's own,
-        whatever the group says of itself."""
+    async def _with_open_groups(self, groups: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        """Return the groups; those that anybody may join count as open.
+
+        If the forum's setting Private Groups is off, anybody can join every group that is not a system group, whatever
+        the group itself says.
+        """
         named = self._options.rights_of(groups)
         if not named or time.monotonic() - self._asked_s < SETTING_AGE_S:
             return groups if self._private or not named else [{**g, "private": g.get("system")} for g in groups]
         found = await self._client.get(f"/api/groups/{quote(named[0], safe='')}")
         self._private, self._asked_s = bool(found.get("allowPrivateGroups")), time.monotonic()
-        return await self._as_they_are(groups)
+        return await self._with_open_groups(groups)
 
     async def writer(self, uid: object, slug: str, listed: bool = False) -> Account:
-        """Who wrote something; `listed`: for a list, where it may be known from just before."""
+        """Return an author; `listed`: for a list, where a recently read account will do."""
         if listed and slug in self._lately and time.monotonic() - self._lately[slug][0] < LIST_AGE_S:
             return self._lately[slug][1]
         try:
             found = await self.by_slug(slug) if slug else None
         except ForumNotFound:
             found = None
-        # Nobody commands by a name whose account is gone, or is another's by now.
+        # The name's account may be deleted, or belong to another person now.
         return found if found and found.id == str(uid) else former(uid)
 
     async def add(self, name: str, password: str, kind: AccountKind, email: str, fullname: str = "") -> str:
-        """Make an account, as an admin; its handle. Where the name is taken NodeBB makes another name of it: that
-        account is removed again, and it is `ForumError`."""
+        """Create an account, as an admin, and return its handle.
+
+        If the name is taken, NodeBB creates an account with another name: it is removed again, and `ForumError` is
+        raised.
+        """
         group = self._group(kind)
         more = {"email": email, "fullname": fullname}
         said = {"username": name, "password": password, **{k: v for k, v in more.items() if v}}
@@ -88,12 +94,12 @@ class AccountAdmin:
 
     # ---------------------------------------------------------------- rights
     async def set_rights(self, name: str, role: Role | None, suspended: bool | None) -> Account:
-        """As an administrator of the forum. A role is membership in the first group that the options name for it."""
+        """Change rights, as an administrator. A role is membership in the first group that the options name for it."""
         me = await self.me()
         if not any(g.get("slug") == "administrators" for g in await self._groups_of(me.name)):
             raise ForumDenied(f"changing rights is for administrators of the forum; we are {me.name}")
         uid = (await self.by_slug(name)).id
-        if suspended is False:  # first: nobody who is banned is made an administrator
+        if suspended is False:  # first, so that a banned account never becomes an administrator
             found = await self._client.get(f"/api/user/{quote(name, safe='')}/groups")
             for state, call in (("banned", "ban"), ("muted", "mute")):
                 if found.get(state):
@@ -104,11 +110,11 @@ class AccountAdmin:
             await self._client.send("PUT", f"/users/{uid}/ban", {"reason": "suspended through AgentRob"})
         changed = await self.by_slug(name)
         if role is not None and changed.role is not role:
-            raise ForumError(f"{name} is {changed.role} still: by a group that is hidden, or open to anybody")
+            raise ForumError(f"{name} is still {changed.role}: by a group that is hidden or open to anybody")
         return changed
 
     async def _set_role(self, name: str, uid: str, role: Role) -> None:
-        """First out of the groups of other roles, so that nobody has more in between than before or after."""
+        """Leave the groups of other roles first, so that the account never has more rights than before or after."""
         options = self._options
         named = {Role.OPERATOR: options.operators, Role.MODERATOR: options.moderators, Role.ADMIN: options.admins}
         if role is not Role.MEMBER and not named.get(role):
@@ -135,5 +141,5 @@ class AccountAdmin:
 
 
 def former(uid: object) -> Account:
-    """The writer of something whose account is gone: nobody, and nobody to be obeyed."""
+    """Return an account without rights for an author whose account was deleted; it is never obeyed."""
     return Account(str(uid), "", suspended=True, display_name="(former user)")

@@ -22,10 +22,10 @@ from agentrob.forums.unreadable_posts import PostRetries
 from agentrob.model import EventKind, Post
 
 _ID = re.compile(r"(\d{1,15})\.(\d{1,15})\.(\d{1,15})\.(\d{1,15})")
-#: So many pages of latest posts are watched for edits, the first at each look, the others at every fourth.
+#: Pages of latest posts that are watched for edits: the first at each look, the others at every fourth.
 WATCHED_PAGES = 3
 SELDOM = 4
-#: So many pages are read to catch up, and so many events are kept.
+#: The most pages to read for catching up, and the most events to keep.
 MOST_PAGES = 50
 MOST_EVENTS = 2_000
 
@@ -34,8 +34,8 @@ Summary = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where a ledger looks: a page of latest posts, newest first; one post as it is now (`ForumNotFound`: gone);
-    what the forum stores of a post; the forum's clock."""
+    """The forum, as needed here: a page of latest posts, newest first; one current post (`ForumNotFound` if deleted);
+    the stored fields of a post; the forum's clock."""
 
     recent: Callable[[int], Awaitable[Sequence[Summary]]]
     post: Callable[[str], Awaitable[Post]]
@@ -44,7 +44,7 @@ class Source:
 
 
 class ChangeTracker:
-    """Events of one forum as one account sees it."""
+    """Events of one forum, as seen by one account."""
 
     def __init__(self, source: Source) -> None:
         self._source = source
@@ -61,13 +61,13 @@ class ChangeTracker:
         self._lock = asyncio.Lock()
 
     async def newest(self) -> str:
-        """The id of the newest event; nothing before it comes any more."""
+        """Return the id of the newest event; later events come after it."""
         async with self._lock:
             await self._look()
             return self._events[-1].id if self._events else self._first
 
     async def after(self, event_id: str, limit: int) -> tuple[Event, ...]:
-        """Events after one. Raises `ForumNotFound` when it is none of this forum's."""
+        """Return the events after one. Raises `ForumNotFound` if it is not of this forum."""
         async with self._lock:
             if not self._knows(event_id):
                 await self._begin_at(event_id)
@@ -81,7 +81,7 @@ class ChangeTracker:
 
     # ---------------------------------------------------------------- beginning
     async def _begin_at(self, event_id: str) -> None:
-        """Take up after an event of another ledger, also one before a restart."""
+        """Resume after an event of another tracker, for example one from before a restart."""
         latest = await self._source.recent(1)
         found = _ID.fullmatch(event_id)
         if found is None:
@@ -96,7 +96,7 @@ class ChangeTracker:
         pages = await self._pages(until=pid, at_least=WATCHED_PAGES)
         self._floor = pid + 1
         for number in sorted(n for n in pages if n <= pid):
-            self._seen[number] = _shape(pages[number])
+            self._seen[number] = _fingerprint(pages[number])
             await self._failing.read(number, self._note_if_edited, edited_ms)
 
     async def _note_if_edited(self, number: int, since_ms: int) -> None:
@@ -105,7 +105,7 @@ class ChangeTracker:
                 await self._note_change(number)
 
     async def _pages(self, until: int, at_least: int) -> dict[int, Summary]:
-        """Latest posts, back to one that is known."""
+        """Yield latest posts, back to a known one."""
         found: dict[int, Summary] = {}
         for page in range(1, MOST_PAGES + 1):
             summaries = await self._source.recent(page)
@@ -123,13 +123,14 @@ class ChangeTracker:
             return
         found = await self._pages(self._newest[0], WATCHED_PAGES if seldom else 1)
         for number in sorted(set(found) - set(self._seen)):
-            if number < self._floor:  # older than all that is watched; it came into view because others went
-                self._seen[number] = _shape(found[number])
+            if number < self._floor:  # older than all watched posts; it is listed because newer ones were removed
+                self._seen[number] = _fingerprint(found[number])
             else:
                 await self._failing.read(number, self._note_new, found[number])
         for number in sorted(set(found) & set(self._seen)):
-            if _shape(found[number]) != self._seen[number] and await self._failing.read(number, self._note_change):
-                self._seen[number] = _shape(found[number])
+            changed = _fingerprint(found[number]) != self._seen[number]
+            if changed and await self._failing.read(number, self._note_change):
+                self._seen[number] = _fingerprint(found[number])
         oldest = min(found, default=0)
         for number in [n for n in self._seen if n >= oldest and n not in found and n not in self._gone]:
             await self._failing.read(number, self._note_change)
@@ -137,7 +138,7 @@ class ChangeTracker:
 
     async def _look_first(self) -> None:
         found = await self._pages(until=2**53, at_least=WATCHED_PAGES)
-        self._seen = {number: _shape(summary) for number, summary in found.items()}
+        self._seen = {number: _fingerprint(summary) for number, summary in found.items()}
         if found:
             newest = max(found)
             written_ms = found[newest].get("timestamp")
@@ -149,8 +150,8 @@ class ChangeTracker:
         try:
             post = await self._source.post(str(number))
         except ForumNotFound:
-            return  # gone already; if it comes back it is new
-        self._seen[number] = _shape(summary)
+            return  # removed already; if it is restored it counts as new
+        self._seen[number] = _fingerprint(summary)
         if number > self._newest[0]:
             self._newest = number, int(summary["timestamp"])
         if post.removed:
@@ -159,7 +160,7 @@ class ChangeTracker:
         self._append(EventKind.POST_CREATED, post, post.created_at)
 
     async def _note_change(self, number: int) -> None:
-        """Edited, removed, or there again."""
+        """Record whether a post was edited, removed or restored."""
         try:
             post = await self._source.post(str(number))
         except ForumNotFound:
@@ -184,7 +185,7 @@ class ChangeTracker:
         return f"{pid}.{written_ms}.{self._edited_ms}.{self._number}"
 
     def _forget(self) -> None:
-        """Keep what is watched and some more."""
+        """Keep the watched posts and some older ones."""
         if len(self._events) > MOST_EVENTS:
             dropped = self._events[: -MOST_EVENTS // 2]
             self._first, self._events = dropped[-1].id, self._events[-MOST_EVENTS // 2 :]
@@ -195,6 +196,6 @@ class ChangeTracker:
             self._floor = max(self._floor, kept[0])
 
 
-def _shape(summary: Summary) -> tuple[object, ...]:
-    """By what a change of a post is noticed."""
+def _fingerprint(summary: Summary) -> tuple[object, ...]:
+    """Return the fields by which a change of a post is noticed."""
     return str(summary.get("content")), bool(summary.get("deleted")), str(summary.get("tid"))

@@ -15,7 +15,7 @@ from typing import Any, ParamSpec, TypeVar
 from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.bounded import MOST_KNOWN, BoundedDict
-from agentrob.forums.http import translate_errors
+from agentrob.forums.http import image_file, translate_errors
 from agentrob.forums.nodebb.accounts import AccountAdmin
 from agentrob.forums.nodebb.events import ChangeTracker, Source
 from agentrob.forums.nodebb.http import GuestClient, NodeBBClient
@@ -30,16 +30,16 @@ from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, St
 P = ParamSpec("P")
 T = TypeVar("T")
 _JSON = dict[str, Any]
-#: A post that waits for a moderator is looked for again after so long.
+#: How often to ask whether a moderator has approved a post.
 QUEUE_S = 30.0
-#: So many pages of own posts, or of a topic, are searched for a key.
+#: Pages of own posts, or of a topic, that are searched for a key.
 KEY_PAGES = 5
-#: So often a stream makes sure that its session is not over.
+#: How often a stream checks that its session is alive.
 CHECK_S = 5.0
 
 
-def _in_our_errors(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any, Any, T]]:
-    """Whatever the forum answers that is not as we know it becomes a `ForumError`."""
+def _translated(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any, Any, T]]:
+    """Turn unexpected answers of the forum into `ForumError`."""
 
     @wraps(call)
     async def made(*args: P.args, **more: P.kwargs) -> T:
@@ -50,9 +50,10 @@ def _in_our_errors(call: Callable[P, Awaitable[T]]) -> Callable[P, Coroutine[Any
 
 
 class NodeBBForum:
-    """A NodeBB, signed in as one account; fulfils `Forum`. Nothing is asked of it before the first call.
+    """A NodeBB, signed in as one account; fulfils `Forum`. Makes no request before the first call.
 
-    A key stands in a mark at the end of a post (`nodebb_marks`), so it is known to whoever signs in as this account.
+    A key is stored in a marker at the end of a post (`markers`), so every client that signs in as this account knows
+    it.
     """
 
     max_edits: int | None = None
@@ -71,7 +72,7 @@ class NodeBBForum:
         source = Source(self._reader.recent, self._reader.post, self._reader.stored, self._client.clock.now)
         self._tracker = ChangeTracker(source)
         self._writing = asyncio.Lock()
-        #: Posts by their keys, pictures by their digests: what was dropped is looked for on the forum, or sent again.
+        #: Posts by key, pictures by digest; dropped ones are searched on the forum, or uploaded again.
         self._own = BoundedDict[str, str](MOST_KNOWN)
         self._uploaded = BoundedDict[str, str](MOST_KNOWN)
         self._checked_s = -CHECK_S
@@ -80,23 +81,23 @@ class NodeBBForum:
         await self._client.close()
 
     # ---------------------------------------------------------------- identity
-    @_in_our_errors
+    @_translated
     async def switch(self, token: str) -> Account:
-        """Be another account from now on; what was noted as the one of before is forgotten."""
+        """Act as another account from now on; forget everything about the one before."""
         async with self._writing:
             self._client.become(Credentials.of(token))
             self._begin()
         return await self.me()
 
     async def sign_in(self, name: str, password: str) -> Account:
-        """Be this account, by its password."""
+        """Act as this account, by its password."""
         return await self.switch(f"login:{name}:{password}")
 
-    @_in_our_errors
+    @_translated
     async def add_account(
         self, name: str, *, kind: AccountKind = AccountKind.HUMAN, email: str = "", display_name: str = ""
     ) -> tuple[Account, str]:
-        """Make an account, as an admin of the forum; the account and the secret that signs it in."""
+        """Create an account, as an admin; return it with the secret that signs it in."""
         password = secrets.token_urlsafe(24)
         slug = await self._admin.add(name, password, kind, email, display_name)
         return await self._admin.by_slug(slug), f"login:{name}:{password}"
@@ -104,13 +105,13 @@ class NodeBBForum:
     async def register(self, name: str, *, kind: AccountKind = AccountKind.HUMAN, display_name: str = "") -> Registered:
         return Registered(*await self.add_account(name, kind=kind, display_name=display_name))
 
-    @_in_our_errors
+    @_translated
     async def set_rights(self, name: str, *, role: Role | None = None, suspended: bool | None = None) -> Account:
         return await self._admin.set_rights(name, role, suspended)
 
     @classmethod
     async def sign_up(cls, settings: ForumConfig, name: str, password: str, email: str) -> NodeBBForum:
-        """Make an account by the forum's public form and sign in as it. `ForumDenied` when the forum refuses."""
+        """Create an account by the forum's public form and sign in as it. Raises `ForumDenied` if the forum refuses."""
         guest = GuestClient(settings.url)
         try:
             await guest.sign_up(name, password, email)
@@ -119,51 +120,51 @@ class NodeBBForum:
         return cls(settings, f"login:{name}:{password}")
 
     # ---------------------------------------------------------------- Reader
-    @_in_our_errors
+    @_translated
     async def boards(self) -> Sequence[Board]:
         return await self._reader.boards()
 
-    @_in_our_errors
+    @_translated
     async def topic(self, topic_id: str) -> Topic:
         return await self._reader.topic(topic_id)
 
-    @_in_our_errors
+    @_translated
     async def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
         return await self._reader.topics(board_id, cursor, limit)
 
-    @_in_our_errors
+    @_translated
     async def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[Post]:
         return await self._reader.posts(topic_id, cursor, limit)
 
-    @_in_our_errors
+    @_translated
     async def post(self, post_id: str) -> Post:
         return await self._reader.post(post_id)
 
-    @_in_our_errors
+    @_translated
     async def download(self, url: str) -> bytes:
         return await self._client.fetch(url)
 
-    @_in_our_errors
+    @_translated
     async def search(
         self, query: str, *, board_id: str | None = None, cursor: str | None = None, limit: int = 10
     ) -> Page[Post]:
-        """Posts that have the words, newest first; by the forum's search plugin."""
+        """Return posts with the words, newest first; needs the forum's search plugin."""
         return await self._reader.search(query, board_id, cursor, limit)
 
-    @_in_our_errors
+    @_translated
     async def mentions(self) -> tuple[Post, ...]:
-        """Posts whose mention of us the forum still shows as a notification, newest first."""
+        """Return posts that mention us, newest first, as long as the forum lists their notifications."""
         found = await self._client.get("/api/notifications", filter="mention")
         pids = [str(n["pid"]) for n in found["notifications"] if n.get("pid")]
         return tuple([await self.post(pid) for pid in dict.fromkeys(pids)])
 
-    @_in_our_errors
+    @_translated
     async def notifications(self, cursor: str | None = None, limit: int = 20) -> Page[Notification]:
         me = await self._admin.me()
         return await notifications_of(self._client, self._reader.post, me.name, cursor, limit)
 
     # ---------------------------------------------------------------- Writer
-    @_in_our_errors
+    @_translated
     async def create_topic(
         self, board_id: str, title: str, body: str, *, key: str, images: Sequence[bytes] = ()
     ) -> Written:
@@ -175,7 +176,7 @@ class NodeBBForum:
             answer = await self._client.send("POST", "/topics", {"cid": cid, "title": title, "content": raw})
             return await self._written(answer, key, "mainPid")
 
-    @_in_our_errors
+    @_translated
     async def reply(
         self,
         topic_id: str,
@@ -196,21 +197,21 @@ class NodeBBForum:
             written = await self._written(answer, key, "pid")
             return await self._only_one(written, key, topic_id, reply_to)
 
-    @_in_our_errors
+    @_translated
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
         async with self._writing:
             stored = await self._reader.stored(post_id)
             if str(stored.get("uid")) != (await self._admin.me()).id:
-                raise ForumDenied(f"post {post_id} is not ours to edit")
+                raise ForumDenied(f"post {post_id} belongs to another account")
             old = unmark(str(stored["content"]))
             pictures = (*old.pictures, *await self._upload(images))
             raw = mark(MarkedText(body, old.key, card or old.card, pictures))
             await self._client.send("PUT", f"/posts/{own_place(post_id)}", {"content": raw})
             return await self.post(post_id)
 
-    @_in_our_errors
+    @_translated
     async def find(self, key: str) -> Post | None:
         return await self._with_key(key)
 
@@ -221,7 +222,7 @@ class NodeBBForum:
         return Written(await self.post(self._own[key]))
 
     async def _with_key(self, key: str, topic_id: str | None = None, reply_to: str | None = None) -> Post | None:
-        """Our post of that key, if there is one; `ForumLimited` while it waits for a moderator."""
+        """Return our post with that key, if any. Raises `ForumLimited` while it waits for a moderator."""
         if key not in self._own and (pid := await self._search(key, topic_id, reply_to)) is not None:
             self._own[key] = pid
         if key in self._own:
@@ -239,7 +240,7 @@ class NodeBBForum:
         return await self._reader.own_in_topic(me, key, topic_id, since_ms, KEY_PAGES)
 
     async def _only_one(self, written: Written, key: str, topic_id: str, reply_to: str | None) -> Written:
-        """If somebody signed in as us wrote under this key at the same moment, the earlier post stands."""
+        """If another client of this account wrote with this key at the same time, keep the earlier post."""
         first = await self._search(key, topic_id, reply_to)
         if first is None or int(first) >= int(written.post.id):
             return written
@@ -248,26 +249,27 @@ class NodeBBForum:
         return Written(await self.post(first), created=False)
 
     async def _upload(self, images: Sequence[bytes]) -> tuple[str, ...]:
-        """Send pictures first; the text then names them. What was sent before is not sent again."""
+        """Upload pictures first; the text then names them. A picture is uploaded once."""
         if images and not self._client.credentials.by_session:
-            raise ForumError("this forum takes pictures only from who signed in by password: login:name:password")
+            raise ForumError(
+                "this forum takes pictures only from password sessions: set the token to login:name:password"
+            )
         places = []
         for number, image in enumerate(images, 1):
             digest = hashlib.sha256(image).hexdigest()
             if (place := self._uploaded.get(digest)) is None:
-                kind = {b"\x89P": "png", b"RI": "webp", b"GI": "gif"}.get(image[:2], "jpeg")
-                files = {"files[]": (f"{number}.{kind}", image, f"image/{kind}")}
+                files = {"files[]": image_file(number, image)}
                 answer = await self._client.ask("POST", "/api/post/upload", files=files)
                 place = self._uploaded[digest] = str(answer.json()["response"]["images"][0]["url"])
             places.append(place)
         return tuple(places)
 
     # ---------------------------------------------------------------- Accounts
-    @_in_our_errors
+    @_translated
     async def me(self) -> Account:
         return await self._admin.me(fresh=True)
 
-    @_in_our_errors
+    @_translated
     async def account(self, name: str) -> Account | None:
         try:
             return await self._admin.by_slug(name)
@@ -275,21 +277,21 @@ class NodeBBForum:
             return None
 
     # ---------------------------------------------------------------- Events
-    @_in_our_errors
+    @_translated
     async def now(self) -> tuple[str, datetime]:
         newest = await self._tracker.newest()
         await self._client.set_clock()
         return newest, self._client.clock.now()
 
-    @_in_our_errors
+    @_translated
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
         return await self._tracker.after(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        """By the socket where it can be had, and by asking each `heartbeat_s` besides: a heartbeat says that the latest
-        posts were read just now, which no quiet socket proves."""
+        """Yield events, triggered by the socket if available, and by polling each `heartbeat_s`: a heartbeat means that
+        the latest posts were just read, which a quiet socket does not prove."""
         async with AsyncExitStack() as stack:
-            await self._still_ourselves()
+            await self._check_session()
             events, push = await self.changes(after), None
             if self._options.push and self._client.credentials.by_session:
                 push = await stack.enter_async_context(Push(self._client))
@@ -300,11 +302,11 @@ class NodeBBForum:
                 if not events:
                     yield Event("", EventKind.HEARTBEAT, self._client.clock.now())
                     await (push.wait(heartbeat_s) if push else asyncio.sleep(heartbeat_s))
-                await self._still_ourselves()
+                await self._check_session()
                 events = await self.changes(after)
 
-    async def _still_ourselves(self) -> None:
-        """A session that is over reads on as a guest and says nothing; ask now and then."""
+    async def _check_session(self) -> None:
+        """Check now and then that the session is alive: without one NodeBB silently answers as to a guest."""
         if time.monotonic() - self._checked_s > CHECK_S:
             await self._client.check()
             self._checked_s = time.monotonic()

@@ -15,25 +15,36 @@ from typing import Any
 import httpx2
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.http import USER_AGENT, bounded_s, retry_after_s, same_origin, told_time, translate_errors, where
+from agentrob.forums.http import (
+    USER_AGENT,
+    bounded_s,
+    request_line,
+    retry_after_s,
+    same_origin,
+    server_time,
+    translate_errors,
+)
 from agentrob.forums.nodebb.clock import HeaderClock
 from agentrob.forums.nodebb.settings import Credentials
 from agentrob.process.tls import tls
 
-#: A refused sign-in is not tried again for so long: NodeBB locks accounts after a few.
+#: Pause after a refused sign-in, since NodeBB locks accounts after a few.
 DENIED_S = 60.0
-#: The forum's clock is known this well, if that takes no longer than a second.
+#: Wanted precision of the forum's clock.
 CLOCK_S, CLOCK_TRIES = 0.15, 16
 _WAIT = re.compile(r"(?:only post once every|wait) (\d+) (second|minute)")
-#: What it does not translate: `[[error:invalid-login-credentials]]`.
+#: An untranslated message: `[[error:invalid-login-credentials]]`.
 _KEYWORDS = re.compile(r"\[\[\w+:([^\]]+)\]\]")
 _MUTED = re.compile(r"You have been muted")
 _GONE = ("Category does not exist", "Topic does not exist", "Post does not exist", "User does not exist")
 
 
 class NodeBBClient:
-    """Requests of one identity. Nothing is asked before the first call; cookies are kept by hand, or not at all:
-    a bearer's answers bring a session cookie, and whoever sends that back fails for want of a CSRF token."""
+    """Requests of one identity. Makes none before the first call.
+
+    Cookies are kept by hand, or not at all: answers to a bearer token bring a session cookie, and a request that
+    returns it fails without a CSRF token.
+    """
 
     def __init__(self, url: str, credentials: Credentials) -> None:
         self.credentials = credentials
@@ -63,7 +74,7 @@ class NodeBBClient:
         await self._http.aclose()
 
     def become(self, credentials: Credentials) -> None:
-        """Be somebody else from the next request on."""
+        """Act as another identity from the next request on."""
         self.credentials = credentials
         self._forget()
 
@@ -76,13 +87,13 @@ class NodeBBClient:
         return found
 
     async def send(self, method: str, path: str, body: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """A call of the write API; what it answers."""
+        """Call the write API and return its answer."""
         answer = await self.ask(method, "/api/v3" + path, json=dict(body or {}))
         found: dict[str, Any] = answer.json()["response"] if answer.content else {}
         return found
 
     async def ask(self, method: str, path: str, **more: Any) -> httpx2.Response:
-        """Ask as ourselves. A lapsed session is begun anew, and what it refused is sent again: it was not done."""
+        """Send a request. If the session has expired, sign in again and repeat it, since it was not carried out."""
         for attempt in range(2):
             signed = await self._ready()
             response = await self._request(method, path, **more)
@@ -94,13 +105,13 @@ class NodeBBClient:
         return response
 
     async def check(self) -> None:
-        """Sign in again if the session is over, or `ForumDenied` if the token is void: else reading goes on silently,
-        as a guest, with less to see."""
+        """Sign in again if the session is over; raise `ForumDenied` if the token is invalid. Otherwise NodeBB would
+        answer as to a guest, without an error."""
         await self.ask("GET", "/api/self")
 
     async def _request(self, method: str, path: str, **more: Any) -> httpx2.Response:
         headers = dict(more.pop("headers", {}))
-        # Refusals are told in words; ask for English ones, by which we know them.
+        # Refusals are recognised by their English words.
         params = {"lang": "en-GB", **more.pop("params", {})}
         if self.credentials.by_session:
             headers |= {"Cookie": self.cookie, "x-csrf-token": self.csrf}
@@ -111,24 +122,24 @@ class NodeBBClient:
         asked = datetime.now(UTC)
         with translate_errors():
             response = await self._http.request(method, path, headers=headers, params=params, **more)
-        if (date := told_time(response)) is not None:
-            self.clock.heard(date, asked, datetime.now(UTC))
+        if (date := server_time(response)) is not None:
+            self.clock.add(date, asked, datetime.now(UTC))
         return response
 
     async def set_clock(self) -> None:
-        """Know the forum's time better than its header tells it: ask until a second ends."""
+        """Measure the forum's clock better than in whole seconds: poll until the second changes."""
         for _ in range(CLOCK_TRIES):
-            if self.clock.unsure_s < CLOCK_S:
+            if self.clock.uncertainty_s < CLOCK_S:
                 return
             await self.get("/api/v3/ping")
             await asyncio.sleep(CLOCK_S / 2)
 
     async def fetch(self, url: str) -> bytes:
-        """A file of this forum, and of no other: what signs us in goes nowhere else."""
+        """Download a file of this forum only: the credentials go nowhere else."""
         try:
             address = httpx2.URL(self.url + "/").join(url)
         except httpx2.InvalidURL:
-            raise ForumError(f"{url} is not an address") from None
+            raise ForumError(f"{url!r} is not an address") from None
         if not same_origin(address, self._http.base_url):
             raise ForumError(f"{url} is not a picture of this forum")
         return (await self.ask("GET", str(address))).content
@@ -140,13 +151,13 @@ class NodeBBClient:
         return self._signed
 
     async def _sign_in(self, signed: int) -> None:
-        """Once, however many ask for it: `signed` is the sign-in that did not work any more."""
+        """Sign in once, even if several requests need it; `signed` is the sign-in that no longer works."""
         async with self._signing:
             if self._signed != signed and self.cookie:
                 return
             if self._denied is not None and time.monotonic() - self._denied_s < DENIED_S:
                 raise ForumDenied(str(self._denied))
-            try:  # with the cookie of before: what needs a password entered lately asks for this very session
+            try:  # with the previous cookie: pages that need a recent password check this very session
                 await self._log_in()
             except ForumDenied as e:
                 self._denied, self._denied_s = e, time.monotonic()
@@ -169,7 +180,7 @@ class NodeBBClient:
         with translate_errors():
             config: dict[str, Any] = response.json()
             if not config["csrf_token"]:
-                raise ForumError(f"{self.url} takes {USER_AGENT} for a spider and gives it no CSRF token")
+                raise ForumError(f"{self.url} treats {USER_AGENT} as a spider and gives it no CSRF token")
             self.csrf = str(config["csrf_token"])
         self._keep_cookie(response)
         return config
@@ -182,7 +193,7 @@ class NodeBBClient:
 
 
 class GuestClient(NodeBBClient):
-    """Nobody yet: asks with a cookie of its own and a CSRF token, which signing up needs."""
+    """A visitor before signing up, with its own cookie and CSRF token."""
 
     def __init__(self, url: str) -> None:
         super().__init__(url, Credentials(name="guest", password="none"))
@@ -191,7 +202,7 @@ class GuestClient(NodeBBClient):
         await self._new_csrf()
 
     async def sign_up(self, name: str, password: str, email: str) -> None:
-        """Make an account by the public form. `ForumDenied` when the forum does not let anybody, or not this one."""
+        """Create an account by the public form. Raises `ForumDenied` if the forum does not allow it."""
         form = {"username": name, "password": password, "password-confirm": password, "email": email}
         answer = (await self._posted("/register", {**form, "gdpr_consent": "true", "userLang": "en-GB"})).json()
         if str(answer.get("next", "")).endswith("/register/complete"):
@@ -200,10 +211,11 @@ class GuestClient(NodeBBClient):
         elif answer.get("message"):
             raise ForumDenied(f"the account {name} must be approved first: {answer['message']}")
         with translate_errors():
-            await self._is_called(name, password)
+            await self._check_name(name, password)
 
-    async def _is_called(self, name: str, password: str) -> None:
-        """Where a name is taken, NodeBB makes an account of another name and says nothing: that one is left again."""
+    async def _check_name(self, name: str, password: str) -> None:
+        """Check the name of the new account. If the name is taken, NodeBB silently creates one with another name: sign
+        out of it."""
         await self._new_csrf()
         me = await self.get("/api/self")
         if me.get("username") != name:
@@ -222,17 +234,18 @@ class GuestClient(NodeBBClient):
 
 # ---------------------------------------------------------------- what answers mean
 def _says_session_is_over(response: httpx2.Response) -> bool:
-    """No session: 401, or a plain `Forbidden` for want of a matching CSRF token. Refused rights are told in JSON."""
+    """Return whether the session is over: 401, or a plain `Forbidden` for a wrong CSRF token. Missing rights are
+    refused in JSON."""
     plain = not response.headers.get("content-type", "").startswith("application/json")
     return response.status_code == 401 or (response.status_code == 403 and plain)
 
 
 def raise_for(response: httpx2.Response, before: str = "") -> None:
-    """One of our errors for an answer that is none. Too fast is 400 with a sentence here, and seldom 429."""
+    """Raise our error for a failed answer. NodeBB sends its rate limits as 400 with a sentence, rarely as 429."""
     status = response.status_code
     if status < 400:
         return
-    said = f"{before}{where(response)} {sentence(response)}".rstrip()
+    said = f"{before}{request_line(response)} {sentence(response)}".rstrip()
     if status == 429 or (wait := _wait_s(sentence(response))) is not None:
         raise ForumLimited(said, retry_after_s(response) if status == 429 else wait or 1.0)
     if _MUTED.search(said) or status in (401, 403):
@@ -247,11 +260,11 @@ def raise_for(response: httpx2.Response, before: str = "") -> None:
 
 
 def sentence(response: httpx2.Response) -> str:
-    """What went wrong, in one sentence, of JSON in any of its shapes or of a text."""
-    return _KEYWORDS.sub(lambda m: m[1].replace("-", " "), _told(response))[:300].strip()
+    """Return the error message of an answer in one sentence, from JSON of any shape or text."""
+    return _KEYWORDS.sub(lambda m: m[1].replace("-", " "), _error_message(response))[:300].strip()
 
 
-def _told(response: httpx2.Response) -> str:
+def _error_message(response: httpx2.Response) -> str:
     try:
         told = response.json()
     except ValueError:
@@ -267,7 +280,7 @@ def _told(response: httpx2.Response) -> str:
 
 
 def _wait_s(said: str) -> float | None:
-    """The wait that a refusal asks for, in seconds."""
+    """Return the wait that a refusal requests, in seconds."""
     if "already posting" in said:
         return 0.3
     if "too many files" in said:

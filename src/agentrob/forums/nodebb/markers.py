@@ -19,23 +19,25 @@ _MENTION = re.compile(r"(?<![\w@/.])@([\w-]+(?:\.[\w-]+)*)")
 
 
 def mark(marked: MarkedText) -> str:
-    """The raw text that `unmark` takes apart; pictures are addresses."""
+    """Return the raw text that `unmark` takes apart; pictures are addresses."""
     shown = (f"![picture {n}]({url})" for n, url in enumerate(marked.pictures, 1))
     return "\n\n".join((marked.text.rstrip(), *shown, f"[//]: # (agentrob:{encode_marker(marked)})"))
 
 
 def unmark(raw: str, ours: bool = True) -> MarkedText:
-    """Of a text without a mark, or with one that is not ours, everything is text. `ours`: the post is by this account
-    or by a robot; else the mark is cut off unread."""
+    """Take a raw text apart. Without a valid marker all of it is text.
+
+    `ours`: the post is by this account or by a robot; otherwise the marker is removed without decoding.
+    """
     return split_marker(raw, _MARK, _PICTURE, ours)
 
 
 def pictures_in(text: str) -> tuple[str, ...]:
-    """Addresses of the pictures that a text shows; code is passed over."""
+    """Return the addresses of the pictures in a text, without those in code."""
     return tuple(dict.fromkeys(_PICTURE.findall(_CODE.sub(" ", text))))
 
 
 def names_in(text: str) -> tuple[str, ...]:
-    """What may be mentions, lower case: the forum says which of them are accounts. Code and quotes are passed over."""
+    """Return possible mentions in lower case, without those in code and quotes; the forum knows which are accounts."""
     own = "\n".join(line for line in _CODE.sub(" ", text).splitlines() if not line.lstrip().startswith(">"))
     return tuple(dict.fromkeys(m.lower() for m in _MENTION.findall(own)))

@@ -10,18 +10,20 @@ from agentrob.forums.nodebb.http import NodeBBClient
 from agentrob.forums.protocol import Notification
 from agentrob.model import Page, Post
 
-#: By `type`; what else NodeBB notifies of (votes, followers, chats) names no post that wants an answer.
+#: By `type`; other notifications (votes, followers, chats) are not about a post to answer.
 KINDS = {"mention": "mention", "new-reply": "reply"}
-#: NodeBB's own; and so many pages are read at most for one answer.
+#: NodeBB's page size, and the most pages to read for one answer.
 NOTES_A_PAGE, MOST_PAGES = 20, 5
 
 
 async def notifications_of(
     client: NodeBBClient, read: Callable[[str], Awaitable[Post]], mine: str, cursor: str | None, limit: int
 ) -> Page[Notification]:
-    """Newest first, of the account `mine`. NodeBB makes them half a second after the post, and shows of several replies
-    in one topic the latest only. A reply that mentions us is told once, as a mention; posts that are gone, or may not
-    be read any more, are left out."""
+    """Return the notifications of the account `mine`, newest first.
+
+    NodeBB creates them half a second after the post, and shows only the latest of several replies in a topic. A reply
+    that mentions us appears once, as a mention. Deleted and unreadable posts are left out.
+    """
     at = int(cursor) if cursor and cursor.isdigit() and len(cursor) < 10 else 0
     found: list[Notification] = []
     for _ in range(MOST_PAGES):
@@ -47,7 +49,7 @@ async def _notification(
         return None
     try:
         post = await read(str(pid))
-    except ForumNotFound:  # NodeBB says so too of what may not be read
+    except ForumNotFound:  # also NodeBB's answer for posts that may not be read
         return None
     if post.removed or (kind == "reply" and mine in post.mentions):
         return None

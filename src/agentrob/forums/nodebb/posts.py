@@ -28,7 +28,7 @@ from agentrob.model import Account, AccountKind, Page, Post
 
 _JSON = dict[str, Any]
 BOARDS_AGE_S = 60.0
-#: Posts of a page that are asked for at once.
+#: Posts of a page that are requested at the same time.
 AT_ONCE = 6
 _UPLOADS = "/assets/uploads/"
 _log = structlog.get_logger()
@@ -54,7 +54,7 @@ class PostReader:
         return tuple(board for _, board in self._boards)
 
     async def cid(self, board_id: str) -> int:
-        """The category that a board's id (its handle, or its number) stands for."""
+        """Return the category for a board's id (its handle or number)."""
         for _ in range(2):
             for cid, board in self._boards:
                 if board_id in (board.id, str(cid)):
@@ -76,7 +76,7 @@ class PostReader:
         return await self._topic({**found, "user": user})
 
     async def topics(self, board_id: str, cursor: str | None, limit: int) -> Page[Topic]:
-        """Latest activity first, but those that are pinned come before all others."""
+        """List topics by latest activity, pinned ones first."""
         cid = await self.cid(board_id)
         start = _start(cursor)
         found, more = await self._rows(f"/api/category/{cid}", "topics", start, limit, sort="recently_replied")
@@ -114,7 +114,7 @@ class PostReader:
         return Page(tuple(p for p in read_all if p is not None), str(start + limit) if more else None)
 
     async def post(self, post_id: str, listed: bool = False) -> Post:
-        """As it is now. What we saw before and may not see any more was removed."""
+        """Return the current post. A known post that is no longer visible was removed."""
         try:
             stored, shown = await asyncio.gather(self.stored(post_id), self._shown(post_id))
         except ForumNotFound:
@@ -126,15 +126,15 @@ class PostReader:
         return made
 
     async def stored(self, post_id: str) -> _JSON:
-        """What the forum keeps of a post, its raw text too."""
+        """Return the stored fields of a post, including its raw text."""
         return await self._client.get_v3(f"/posts/{own_place(post_id)}")
 
     async def _shown(self, post_id: str) -> _JSON:
         return await self._client.get_v3(f"/posts/{own_place(post_id)}/summary")
 
     async def _removed(self, post_id: str) -> Post:
-        """A removed topic takes its posts out of sight, and NodeBB says that they never were."""
-        await self._client.check()  # unless it was only that we were a guest for a moment
+        """Return a post as removed. The posts of a removed topic are answered as if they had never existed."""
+        await self._client.check()  # unless our session was over for a moment
         known = self._known.get(post_id)
         if known is None or await self._is_there(post_id):
             raise ForumNotFound(f"there is no post {post_id}")
@@ -177,7 +177,7 @@ class PostReader:
         )
 
     async def _version(self, pid: str) -> int:
-        """How often it was edited is in the history, where that is kept and shown to us; else it is 2."""
+        """Return the version, from the edit history if it is kept and visible; otherwise 2."""
         try:
             history = await self._client.get_v3(f"/posts/{pid}/diffs")
             return max(2, len(history.get("timestamps") or ()))
@@ -186,26 +186,26 @@ class PostReader:
 
     # ---------------------------------------------------------------- latest
     async def recent(self, page: int) -> list[_JSON]:
-        """The forum's latest posts that we may read, newest first, 20 a page; deleted ones for moderators only."""
+        """Return the forum's latest readable posts, newest first, 20 per page; moderators also get deleted ones."""
         found: list[_JSON] = await self._client.get("/api/recent/posts", page=page)
         if not isinstance(found, list):
             raise TypeError(found)
         told = []
         for p in found:
             if not isinstance(p, dict) or type(p.get("pid")) is not int:
-                continue  # it came from another server
+                continue  # from another server
             try:
                 if (pid := str(p["pid"])) not in self._known:
                     self._known[pid] = await self._unread(pid, p)
             except ForumError:
                 raise
-            except Exception as e:  # what one post says keeps nobody from the others
+            except Exception as e:  # one bad post must not block the others
                 _log.warning("a listed post is not as NodeBB tells posts", post=p["pid"], error=repr(e)[:200])
             told.append(p)
         return told
 
     async def _unread(self, pid: str, p: _JSON) -> Post:
-        """Enough of a post to say later that it was removed."""
+        """Return enough of a post to report later that it was removed."""
         nobody = former(p["uid"])
         return Post(pid, str(p["tid"]), await self._board_of(int(p["topic"]["cid"])), nobody, "", _time(p["timestamp"]))
 
@@ -222,7 +222,7 @@ class PostReader:
 
     # ---------------------------------------------------------------- our own, by key
     async def own_with_key(self, me: Account, key: str, pages: int) -> str | None:
-        """Our post of that key among our latest; of several the earliest."""
+        """Return our post with that key among our latest ones; the earliest of several."""
         found: list[int] = []
         for page in range(1, pages + 1):
             listed = (await self._client.get(f"/api/user/{quote(me.name, safe='')}/posts", page=page))["posts"]
@@ -232,7 +232,8 @@ class PostReader:
         return str(min(found)) if found else None
 
     async def own_in_topic(self, me: Account, key: str, topic_id: str, since_ms: int, pages: int) -> str | None:
-        """The same among our posts of a topic that are not older; also removed ones, which no list of ours has."""
+        """Like `own_with_key`, among our recent posts in the topic; includes removed ones, which lists of our posts
+        omit."""
         found: list[int] = []
         path, size = f"/api/topic/{own_place(topic_id)}", await self._page_size("posts")
         for page in range(1, pages + 1):
@@ -245,7 +246,7 @@ class PostReader:
         return str(min(found)) if found else None
 
     async def _key_of(self, pid: str) -> str | None:
-        """The key that a post of ours was written under. It never changes, so it is seldom asked for twice."""
+        """Return the key of one of our posts. It never changes, so it is cached."""
         if pid not in self._keys:
             try:
                 self._keys[pid] = unmark(str((await self.stored(pid)).get("content") or "")).key
@@ -254,7 +255,7 @@ class PostReader:
         return self._keys[pid]
 
     async def waiting(self, my_id: str, key: str) -> str | None:
-        """The name of our post of that key in the queue for moderators."""
+        """Return the name of our post with that key in the moderation queue."""
         try:
             found = await self._client.get("/api/post-queue")
         except (ForumNotFound, ForumDenied):
@@ -268,7 +269,7 @@ class PostReader:
 
     # ---------------------------------------------------------------- pages
     async def _rows(self, path: str, what: str, start: int, limit: int, **params: Any) -> tuple[list[_JSON], bool]:
-        """`limit` rows from `start` on, of pages that are as long as the forum has them; and whether there are more."""
+        """Return `limit` rows from `start` on, across the forum's pages, and whether there are more."""
         size = await self._page_size(what)
         rows: list[_JSON] = []
         count = start + 1
@@ -289,7 +290,7 @@ class PostReader:
 
 
 class _Mentions(HTMLParser):
-    """Collects the names that the forum made links of; in quotes they are others' words."""
+    """Collects the names that the forum made links of, except in quotes."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -314,15 +315,16 @@ class _Mentions(HTMLParser):
 
 
 def mentions_in(content: str) -> tuple[str, ...]:
-    """Handles of the accounts that a post's HTML mentions."""
+    """Return the handles of the accounts that a post's HTML mentions."""
     reader = _Mentions()
-    with suppress(Exception):  # the parser fails on some malformed declarations; what it found before counts
+    with suppress(Exception):  # the parser fails on some malformed declarations; keep what it found before
         reader.feed(content)
     return tuple(dict.fromkeys(name for name in reader.names if name))
 
 
 def own_place(number: str) -> str:
-    """The number of a post or topic, fit for an address. Posts of other servers, which have addresses, are none."""
+    """Return the number of a post or topic for an address. Posts of other servers, whose ids are addresses, are not
+    found."""
     if not number.isdigit():
         raise ForumNotFound(f"there is no {number!r} on this forum")
     return number

@@ -11,17 +11,16 @@ from agentrob.errors import ConfigError
 from agentrob.forums.groups import GroupOptions, Groups
 from agentrob.model import Account
 
-#: Whoever signs up, or comes, is in these.
+#: Groups of every account, or of every visitor.
 EVERYBODY = frozenset({"registered-users", "verified-users", "unverified-users", "guests", "spiders", "fediverse"})
 
 
 class NodeBBOptions(GroupOptions):
-    """`[forum.options]` of a forum of the kind `nodebb`: what a member of a group may do, by the groups' names.
+    """`[forum.options]` of a forum of the kind `nodebb`: rights and kinds of accounts by the names of their groups.
 
-    Whoever is in none of `operators`, `moderators` (who approve, too) and `admins` looks and stops only. Groups
-    that anybody may join, and groups that are hidden from our account, give nothing (law 2: signing up makes nobody an
-    operator). `push`: whether the forum's socket is used; without it posts are heard when they are next asked for, half
-    a second later.
+    Accounts in none of `operators`, `moderators` (who also approve) and `admins` only look and stop. Groups that
+    anybody may join, or that are hidden from our account, give no rights (law 2: signing up makes nobody an operator).
+    `push`: use the forum's socket; without it posts are found by polling, half a second later.
     """
 
     everybody = EVERYBODY
@@ -31,23 +30,23 @@ class NodeBBOptions(GroupOptions):
 
     @staticmethod
     def spelled(name: str) -> str:
-        """Its slug."""
+        """Return a group's slug."""
         return name.lower().replace(" ", "-")
 
     @property
-    def _giving(self) -> Groups:
+    def _rights_groups(self) -> Groups:
         return (*self.operators, *self.moderators, *self.admins, *self.commanding_agents)
 
     def rights_of(self, groups: Iterable[Mapping[str, Any]]) -> list[str]:
-        """Those of the groups, not the forum's own, that give a right."""
+        """Return those of the groups, except system groups, that give a right."""
         slugs = {str(g.get("slug", "")).lower() for g in groups if not g.get("system")}
-        giving = {self.spelled(name) for name in self._giving}
+        giving = {self.spelled(name) for name in self._rights_groups}
         return sorted(slugs & giving)
 
 
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], options: NodeBBOptions) -> Account:
-    """An account as it is now, of what the forum says of a user and of the groups it is in."""
+    """Parse an account from the forum's user and groups."""
     closed = {str(g.get("slug", "")).lower() for g in groups if g.get("private") and not g.get("hidden")}
     said = {str(g.get("slug", "")).lower() for g in groups}
     return Account(
@@ -63,10 +62,10 @@ def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], option
 # ---------------------------------------------------------------- how we sign in
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """What the token's variable holds, taken apart; never printed.
+    """The credentials in the token's variable. Never printed.
 
-    `login:name:password`: a session, the only one that uploads pictures and has push. `TOKEN`: an account's own bearer
-    token. `TOKEN@UID`: a master token, as the account with that number.
+    `login:name:password` is a session, the only one that can upload pictures and gets push. `TOKEN` is an account's own
+    bearer token, `TOKEN@UID` a master token, used as the account with that number.
     """
 
     name: str = field(default="", repr=False)

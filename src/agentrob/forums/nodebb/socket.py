@@ -28,7 +28,7 @@ _log = structlog.get_logger()
 
 
 class Push:
-    """Keeps the socket open in the background while it is entered; `news` is set whenever something happened."""
+    """Keeps the socket open in the background while entered; `news` is set whenever something happened."""
 
     def __init__(self, client: NodeBBClient) -> None:
         self.news = asyncio.Event()
@@ -47,7 +47,7 @@ class Push:
             await self._task
 
     async def wait(self, seconds: float) -> bool:
-        """Until something happened, at most so long."""
+        """Wait until something happens, or for this long."""
         try:
             async with asyncio.timeout(seconds):
                 await self.news.wait()
@@ -89,7 +89,7 @@ class Push:
         }
 
     async def _listen(self, socket: ClientConnection) -> None:
-        """Packets: `0` open, `2` ping, `40` joined, `42[event, …]`. A server that no longer pings is gone."""
+        """Read packets: `0` open, `2` ping, `40` joined, `42[event, …]`. Without pings the server is gone."""
         silence_s = 20.0
         while True:
             async with asyncio.timeout(silence_s):
