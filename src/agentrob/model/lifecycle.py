@@ -50,11 +50,12 @@ _LABELS = {_S.WAITING: "waits for approval"}
 #: A claimed command can end in each of these states at any moment; a stop must never wait for the right state.
 _ENDS = frozenset({_S.FAILED, _S.REFUSED, _S.STOPPED, _S.INTERRUPTED, _S.CANCELLED, _S.HANDLED_ELSEWHERE})
 #: The states that may follow each state. A command that waits for approval cannot run: it must leave `WAITING` first.
+#: A post has a place in the queue while the mind still reads it, so the ends of `SEEN` can also follow `QUEUED`.
 TRANSITIONS: dict[CommandState, frozenset[CommandState]] = {
     _S.POSTED: frozenset({_S.SEEN, _S.FAILED, _S.STOP, _S.NOTHING}),
-    _S.SEEN: _ENDS | {_S.WAITING, _S.QUEUED, _S.RUNNING, _S.ASKS_BACK, _S.EXPIRED, _S.ANSWERED, _S.NOTHING},
+    _S.SEEN: _ENDS | {_S.WAITING, _S.QUEUED, _S.RUNNING, _S.ASKS_BACK, _S.ANSWERED, _S.EXPIRED, _S.NOTHING},
     _S.WAITING: _ENDS | {_S.QUEUED, _S.EXPIRED},
-    _S.QUEUED: _ENDS | {_S.WAITING, _S.RUNNING, _S.EXPIRED},
+    _S.QUEUED: _ENDS | {_S.WAITING, _S.RUNNING, _S.ASKS_BACK, _S.ANSWERED, _S.EXPIRED},
     _S.RUNNING: _ENDS | {_S.DONE},
 } | {
     state: frozenset()
