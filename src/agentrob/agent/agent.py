@@ -492,11 +492,11 @@ class RobotAgent:
         """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
         return self.stop_handler.pulled(by, posted_at)
 
-    def _stop_reply(self, told: StopReply) -> str:
-        how = self.owner.how_to_release(told.language)
-        said = words.stop_reply(told.result, told.language, told.ended, told.halted, told.folded, how, told.taken)
+    def _stop_reply(self, reply: StopReply) -> str:
+        how = self.owner.how_to_release(reply.language)
+        text = words.stop_reply(reply.result, reply.language, reply.ended, reply.halted, reply.folded, how, reply.taken)
         by = self._clock_set()
-        return said if by is None else f"{said} {words.clock_set(by, told.language)}"
+        return text if by is None else f"{text} {words.clock_set(by, reply.language)}"
 
     async def _pressed(self, event: Event, me: Account) -> None:
         await self._compared()

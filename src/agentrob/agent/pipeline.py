@@ -50,7 +50,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, JournalError, RobotError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import addresses
-from agentrob.language.messages.catalog import quote, say
+from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.language.messages.durations import duration
 from agentrob.language.messages.help import help_text
 from agentrob.model import (
@@ -191,8 +191,8 @@ class Pipeline:
         if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
             await self.journal.finish(post_id, CommandState.NOTHING)
             return None
-        ours, told = await self._claim(job)
-        if told:
+        ours, has_ended = await self._claim(job)
+        if has_ended:
             await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
             return None
         if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
@@ -275,8 +275,8 @@ class Pipeline:
             return await self._ended(job, understood.plan)
         match understood.intent:
             case Intent.HELP:
-                told = help_text(await self.driver.capabilities(), self.name, language)
-                return self._report(job, CommandState.ANSWERED, message=told)
+                text = help_text(await self.driver.capabilities(), self.name, language)
+                return self._report(job, CommandState.ANSWERED, message=text)
             case Intent.STATUS:
                 return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))
             case Intent.CANCEL:
@@ -326,15 +326,15 @@ class Pipeline:
             )
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
             by = self.clock_set()
-            told = [
+            sentences = [
                 say(f"agent.{why}", language, **limits),
                 *([words.clock_set(by, language)] if by is not None else []),
             ]
-            return self._report(job, CommandState.EXPIRED, plan, message=" ".join(told))
+            return self._report(job, CommandState.EXPIRED, plan, message=" ".join(sentences))
         if why is EndReason.DENIED and execution is None and job.decided is not None:
-            said = say("agent.denied.by", language, who=quote(job.decided.by.name))
+            reason = say("agent.denied.by", language, who=quote(job.decided.by.name))
             return self._report(
-                job, CommandState.REFUSED, plan, verdict=Verdict(Decision.REFUSE, "approval.denied", said)
+                job, CommandState.REFUSED, plan, verdict=Verdict(Decision.REFUSE, "approval.denied", reason)
             )
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else CommandState.CANCELLED
@@ -390,12 +390,11 @@ class Pipeline:
             return await self._ended(job, plan, execution)
         if execution.status is CommandState.STOPPED:  # past us: at the robot's machine, or by another of its clients
             return self._report(job, CommandState.STOPPED, plan, execution, message=job.stopped_by)
-        said = [say("agent.because.driver", language, message=execution.message)] if execution.message else []
-        said = said or [self._because(job, execution.fault)] if execution.fault else said
-        said = said or [why] if (why := visual_text.why(execution.looked, language)) else said
-        said += [] if kept else [self._because(job, "not_kept")]
-        message = ("" if language == "zh" else " ").join(said)
-        return self._report(job, execution.status, plan, execution, message=message)
+        sentences = [say("agent.because.driver", language, message=execution.message)] if execution.message else []
+        sentences = sentences or [self._because(job, execution.fault)] if execution.fault else sentences
+        sentences = sentences or [why] if (why := visual_text.why(execution.looked, language)) else sentences
+        sentences += [] if kept else [self._because(job, "not_kept")]
+        return self._report(job, execution.status, plan, execution, message=join_sentences(sentences, language))
 
     async def _pace(self, job: QueuedCommand) -> Verdict | None:
         """Wait while this account may not command again; a refusal when that is long."""
@@ -447,8 +446,8 @@ class Pipeline:
     ) -> tuple[Verdict, Capabilities | None]:
         """May it move now: not either when another agent of this account told its end meanwhile."""
         asked = permission(self.forum, self.driver, job.command, terms, plan)
-        (verdict, capabilities), told = await asyncio.gather(asked, job.status.told())
-        if told:
+        (verdict, capabilities), has_ended = await asyncio.gather(asked, job.status.has_ended())
+        if has_ended:
             return Verdict(Decision.REFUSE, "command.told", self._because(job, "told")), None
         return verdict, capabilities
 
@@ -580,17 +579,17 @@ class Pipeline:
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.assessment, **more)
-        told: list[str] = []
+        paragraphs: list[str] = []
         with self._beside(job, "notes left out"):
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
-            told += visual_text.paragraphs(looked, report.results, language, refused=False)
-            told += notes(job.assessment, self.assessor.mind.name, language, used)
-            told += await self.owner.ways_out(report) if self.owner else []
+            paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
+            paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
+            paragraphs += await self.owner.ways_out(report) if self.owner else []
 
         def text(pictures: Sequence[Picture]) -> str:
             with self._beside(job, "report told as data"):
                 table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
-                return words.final(report, pictures, told, by_model, table, page)
+                return words.final(report, pictures, paragraphs, by_model, table, page)
             return words.plain(report)
 
         return text, pictures, facts

@@ -320,10 +320,10 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
     if not in_world(model):
         return settings
     place = load(world)
-    told: dict[str, Any] = {"scene": place.in_words}
+    changes: dict[str, Any] = {"scene": place.in_words}
     if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
-        told |= {"allow_unknown_ranges": True, "fence": free.fence}
-    return settings.model_copy(update=told)
+        changes |= {"allow_unknown_ranges": True, "fence": free.fence}
+    return settings.model_copy(update=changes)
 
 
 # ---------------------------------------------------------------------- understanding

@@ -219,9 +219,9 @@ def _look(
 
     with _driver(name, settings, config) as socket:
         done = _outside_loop(lambda: asyncio.run(steer(socket)))
-    told = [done.message, visual_text.why(done.looked, language)]
-    told += visual_text.paragraphs(done.looked, done.results, language)
-    return Driven(done.status, Plan(goal.steps), done.results, "\n".join(part for part in told if part))
+    sentences = [done.message, visual_text.why(done.looked, language)]
+    sentences += visual_text.paragraphs(done.looked, done.results, language)
+    return Driven(done.status, Plan(goal.steps), done.results, "\n".join(part for part in sentences if part))
 
 
 # ---------------------------------------------------------------------- how

@@ -288,14 +288,14 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
     try:
         return stepping.result()
     except LeaseLost as e:
-        reason, outcome, said = e.why, Outcome.STOPPED, str(e)
+        reason, outcome, text = e.why, Outcome.STOPPED, str(e)
     except RobotError as e:
-        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, str(e)
+        reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, str(e)
     except asyncio.CancelledError:  # we gave it up: see `TELL_S`
-        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, "The driver did not say how far the step went."
+        reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, "The driver did not say how far the step went."
     except Exception as e:  # it was sent, whatever the answer was
-        reason, outcome, said = UNREACHABLE, Outcome.UNKNOWN, f"The driver's answer cannot be read ({e!r})."
-    return ActionResult(step, outcome, reason=reason, message=said, started_s=sent_s, ended_s=time.monotonic())
+        reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, f"The driver's answer cannot be read ({e!r})."
+    return ActionResult(step, outcome, reason=reason, message=text, started_s=sent_s, ended_s=time.monotonic())
 
 
 def decisive(execution: Execution, verdict: Verdict) -> Verdict:

@@ -62,7 +62,7 @@ class VisualTask:
     """A goal, the model that sees, and its limits. `told` is the goal in our words."""
 
     goal: Goal
-    told: str
+    goal_text: str
     prompt: str
     eyes: ChatModel
     mandate: Mandate
@@ -89,7 +89,7 @@ class VisualRun(Run):
         self.stepping = False
         self.end = LoopEnd("cut")
         self.loop = VisualLoop(
-            visual_task.eyes, visual_task.prompt, visual_task.told, visual_task.mandate, visual_task.capabilities,
+            visual_task.eyes, visual_task.prompt, visual_task.goal_text, visual_task.mandate, visual_task.capabilities,
             self, visual_task.budget, visual_task.spent,
         )  # fmt: skip
 
@@ -192,7 +192,7 @@ class VisualRun(Run):
         results = self.results
         denied = contradiction(self.visual_task.goal, end.claim, end.did, results, self.command.language)
         loop = self.loop
-        return LoopRecord(self.visual_task.told, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
+        return LoopRecord(self.visual_task.goal_text, end, tuple(loop.turns), tuple(loop.usage), loop.mind, denied)
 
     def execution(self) -> Execution:
         execution = super().execution()

@@ -198,5 +198,5 @@ async def chain_refusal(forum: Forum, command: Command) -> Verdict | None:
 
 
 def _denied(rule: str, command: Command) -> Verdict:
-    said = say(f"agent.because.{rule.removeprefix('command.')}", command.language)
-    return Verdict(Decision.REFUSE, rule, said)
+    reason = say(f"agent.because.{rule.removeprefix('command.')}", command.language)
+    return Verdict(Decision.REFUSE, rule, reason)

@@ -99,8 +99,8 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     if edited or not called or post.board_id not in addressing.boards:
         return TriagedPost(Route.NOTHING, text, others)
     fresh = _fresh(post, addressing)
-    if (said := approval_in(text)) is not None:
-        return TriagedPost(Route.APPROVE if said is ApprovalIntent.APPROVE else Route.DENY, text, others, fresh)
+    if (approval := approval_in(text)) is not None:
+        return TriagedPost(Route.APPROVE if approval is ApprovalIntent.APPROVE else Route.DENY, text, others, fresh)
     return TriagedPost(Route.READ if fresh else Route.STALE, text, others)
 
 

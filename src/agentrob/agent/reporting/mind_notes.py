@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from agentrob.agent.reporting.report import disarmed
 from agentrob.agent.understanding.extract import OVER, Assessment
-from agentrob.language.messages.catalog import can_say, quote, say
+from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.minds.extraction.summary import Summary
 from agentrob.minds.usage import Usage
 from agentrob.model import Language
@@ -22,17 +22,16 @@ def notes(assessment: Assessment | None, asked: str, language: Language, more: S
     """
     if assessment is None:
         return []
-    said = []
+    sentences = []
     if assessment.fallback and assessment.fallback != OVER:
         by = say("agent.mind.rules", language) if assessment.mind == "rules" else quote(assessment.mind)
-        said.append(
+        sentences.append(
             say("agent.mind.fallback", language, asked=quote(asked), why=_why(assessment.fallback, language), by=by)
         )
     if assessment.screened is not None and assessment.screened.failed not in ("", OVER):
-        said.append(say("agent.mind.unscreened", language, why=_why(assessment.screened.failed, language)))
+        sentences.append(say("agent.mind.unscreened", language, why=_why(assessment.screened.failed, language)))
     line = usage_line((*assessment.usage, *more), language)
-    joint = "" if language == "zh" else " "
-    return [part for part in (joint.join(said), line and f"*{line}*") if part]
+    return [part for part in (join_sentences(sentences, language), line and f"*{line}*") if part]
 
 
 def worded(summary: Summary | None, language: Language) -> str:
@@ -60,9 +59,9 @@ def _taken(ones: Sequence[Usage], language: Language) -> str:
     parts = []
     if len(ones) > 1:
         parts.append(say("agent.usage.questions", language, count=len(ones)))
-    told = [u for u in ones if u.input_tokens is not None and u.output_tokens is not None]
-    if told:
-        into, out = sum(u.input_tokens or 0 for u in told), sum(u.output_tokens or 0 for u in told)
+    counted = [u for u in ones if u.input_tokens is not None and u.output_tokens is not None]
+    if counted:
+        into, out = sum(u.input_tokens or 0 for u in counted), sum(u.output_tokens or 0 for u in counted)
         parts.append(say("agent.usage.tokens", language, input=into, output=out))
     elif not all(u.failed for u in ones):
         parts.append(say("agent.usage.unknown", language))

@@ -99,7 +99,7 @@ class Presence:
             "owner": self._settings.owner,
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
-            "told": self._owner.told if self._owner else None,
+            "told": self._owner.last_action if self._owner else None,
         }
 
 

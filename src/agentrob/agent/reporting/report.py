@@ -12,7 +12,7 @@ from datetime import timedelta
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.media.track import clips
-from agentrob.language.messages.catalog import can_say, quote, say
+from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.language.messages.durations import duration
 from agentrob.language.messages.plan_text import step_label
 from agentrob.model import (
@@ -47,6 +47,7 @@ _DISARMING = (
 )
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
+_COLUMNS = ("step", "asked", "measured", "outcome")
 #: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
 _NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
 
@@ -93,15 +94,15 @@ def waits(
     rights = rights or RobotRights()
     role = f"agent.who.{rights.approve}"
     who = say(role if can_say(role) else "agent.who.moderator", language)
-    said = [
+    sentences = [
         say("agent.waits", language),
         say("agent.waits.plan", language, understood=understood),
         disarmed(needed),
         say("agent.waits.who", language, who=who, wait=duration(wait_s, language)),
         say("agent.waits.how", language, robot=called),
     ]
-    said += [] if rights.approve_own else [say("agent.waits.own", language)]
-    return ("" if language == "zh" else " ").join(said)
+    sentences += [] if rights.approve_own else [say("agent.waits.own", language)]
+    return join_sentences(sentences, language)
 
 
 # -------------------------------------------------------------------- the end
@@ -109,7 +110,7 @@ def final(
     report: Report,
     pictures: Sequence[Picture] = (),
     notes: Sequence[str] = (),
-    said: str = "",
+    summary: str = "",
     calls: str = "",
     page: str = "",
 ) -> str:
@@ -120,7 +121,7 @@ def final(
     it has one.
     """
     language = report.command.language
-    parts = [_head(report), said, _why(report), calls or _table(report)]
+    parts = [_head(report), summary, _why(report), calls or _table(report)]
     if report.plan.notes and report.status not in (CommandState.ASKS_BACK, CommandState.REFUSED):
         parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
@@ -171,24 +172,24 @@ def _head(report: Report) -> str:
 def _why(report: Report) -> str:
     """The verdict's sentence, the message, and why the step that ended it did so."""
     language = report.command.language
-    said = []
+    sentences = []
     verdict = report.verdict
     if (
         verdict is not None
         and verdict.reason
         and (report.status in (CommandState.REFUSED, CommandState.CANCELLED) or verdict.rule.startswith("command."))
     ):
-        said.append(disarmed(verdict.reason))
+        sentences.append(disarmed(verdict.reason))
     if report.message and report.status is not CommandState.STOPPED:
-        said.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
+        sentences.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
     last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
         reason = _reason(last, language)
-        said = [sentence for sentence in said if sentence not in reason]  # said once: "My agent was ended."
-        said.append(reason)
+        sentences = [sentence for sentence in sentences if sentence not in reason]  # said once: "My agent was ended."
+        sentences.append(reason)
     if report.status is CommandState.REFUSED and verdict is not None:
-        said.append(say("agent.rule", language, rule=verdict.rule))
-    return "\n\n".join(said) if report.status is CommandState.ANSWERED else ("" if language == "zh" else " ").join(said)
+        sentences.append(say("agent.rule", language, rule=verdict.rule))
+    return "\n\n".join(sentences) if report.status is CommandState.ANSWERED else join_sentences(sentences, language)
 
 
 def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
@@ -211,14 +212,17 @@ def _table(report: Report) -> str:
     language = report.command.language
     if not report.results or all(r.outcome is Outcome.SKIPPED for r in report.results):
         return ""
-    head = [say(f"agent.table.{column}", language) for column in ("step", "asked", "measured", "outcome")]
-    rows = [_row(n, result, language) for n, result in enumerate(report.results, 1)]
-    lines = [head, ["---:", "---", "---", "---"], *rows]
+    rows = [
+        [str(n), asked(result, language), measured(result, language), outcome(result, language)]
+        for n, result in enumerate(report.results, 1)
+    ]
+    return markdown_table([say(f"agent.table.{column}", language) for column in _COLUMNS], rows)
+
+
+def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table whose first column holds numbers."""
+    lines = [head, ["---:", *["---"] * (len(head) - 1)], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def _row(number: int, result: ActionResult, language: Language) -> list[str]:
-    return [str(number), asked(result, language), measured(result, language), outcome(result, language)]
 
 
 def asked(result: ActionResult, language: Language) -> str:
@@ -228,8 +232,8 @@ def asked(result: ActionResult, language: Language) -> str:
 
 def outcome(result: ActionResult, language: Language) -> str:
     """How a step ended, in a word or two."""
-    said = say(f"agent.outcome.{result.outcome}", language)
-    return say("agent.outcome.animated", language, outcome=said) if result.animated else said
+    text = say(f"agent.outcome.{result.outcome}", language)
+    return say("agent.outcome.animated", language, outcome=text) if result.animated else text
 
 
 def measured(result: ActionResult, language: Language) -> str:
@@ -246,8 +250,8 @@ def measured(result: ActionResult, language: Language) -> str:
 def _slower(report: Report) -> str:
     """A step that was commanded slower than it was asked for says so, also when it was done."""
     language = report.command.language
-    said = (say("agent.slower", language, **clip._asdict()) for clip in clips(report.results))
-    return ("" if language == "zh" else " ").join(said)
+    sentences = (say("agent.slower", language, **clip._asdict()) for clip in clips(report.results))
+    return join_sentences(sentences, language)
 
 
 def _pictures(pictures: Sequence[Picture], language: Language) -> str:
@@ -257,24 +261,22 @@ def _pictures(pictures: Sequence[Picture], language: Language) -> str:
     joint = "、" if language == "zh" else ", "
     if not linked:
         return ""
-    said = say("agent.pictures", language, pictures=joint.join(linked))
+    sentences = [say("agent.pictures", language, pictures=joint.join(linked))]
     if valid_s := min((p.link.valid_s for p in pictures if p.link), default=None):
-        said += ("" if language == "zh" else " ") + say(
-            "agent.pictures.until", language, valid=duration(valid_s, language)
-        )
-    return said
+        sentences.append(say("agent.pictures.until", language, valid=duration(valid_s, language)))
+    return join_sentences(sentences, language)
 
 
 def _foot(report: Report, page: str) -> str:
     language, timings = report.command.language, report.timings_ms
-    said = [
+    parts = [
         say(f"agent.timing.{name}", language, seconds=timings[name] / 1000)
         for name in ("seen", "first_motion", "done")
         if name in timings and (name != "done" or report.status is CommandState.DONE)
     ]
     trace = say("agent.trace", language, trace_id=report.command.trace_id)
-    said.append(f"[{trace}]({page})" if page else trace)
-    return _small(" · ".join(said))
+    parts.append(f"[{trace}]({page})" if page else trace)
+    return _small(" · ".join(parts))
 
 
 def _small(text: str) -> str:
@@ -286,10 +288,10 @@ def stop_figures(stop: StopResult, language: Language) -> str:
     """What a stop did, in figures that were measured."""
     if not stop.confirmed:
         return say("agent.stop.unconfirmed", language)
-    said = say("agent.stop.moving" if stop.was_moving else "agent.stop.still", language, latency_ms=stop.latency_ms)
+    text = say("agent.stop.moving" if stop.was_moving else "agent.stop.still", language, latency_ms=stop.latency_ms)
     if stop.was_moving and stop.coasted_m is not None:
-        return said + say("agent.stop.coasted", language, coasted_m=stop.coasted_m)
-    return said + say("agent.stop.end", language)
+        return text + say("agent.stop.coasted", language, coasted_m=stop.coasted_m)
+    return text + say("agent.stop.end", language)
 
 
 def stop_reply(
@@ -304,17 +306,17 @@ def stop_reply(
     """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
     `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released.
     `taken`: the post was taken as a stop, though it is not plainly one."""
-    said = [say("agent.stopped", language)] if stop is not None and stop.confirmed else []
-    said += [say("agent.stop.taken", language)] if taken else []
-    said.append(stop_figures(stop, language) if stop else say("agent.stop.unreachable", language))
+    sentences = [say("agent.stopped", language)] if stop is not None and stop.confirmed else []
+    sentences += [say("agent.stop.taken", language)] if taken else []
+    sentences.append(stop_figures(stop, language) if stop else say("agent.stop.unreachable", language))
     if halted is not False and stop:
-        said.append(say("agent.stop.halted" if halted else "agent.stop.not_halted", language))
-        said += [how] if halted and how else []
+        sentences.append(say("agent.stop.halted" if halted else "agent.stop.not_halted", language))
+        sentences += [how] if halted and how else []
     if ended:
-        said.append(say("agent.stop.cancelled", language, count=ended))
+        sentences.append(say("agent.stop.cancelled", language, count=ended))
     if folded:
-        said.append(say("agent.stop.folded", language, count=folded))
-    return " ".join(said)
+        sentences.append(say("agent.stop.folded", language, count=folded))
+    return " ".join(sentences)
 
 
 def clock_set(by: timedelta, language: Language) -> str:
@@ -328,14 +330,14 @@ def state_text(state: RobotState | None, waiting: int, language: Language, messa
     if state is None:
         return say("agent.status.unknown", language, message=disarmed(message))
     mode = say(f"agent.mode.{state.mode}", language) if can_say(f"agent.mode.{state.mode}") else disarmed(state.mode)
-    said = [say("agent.status.mode", language, mode=mode)]
+    parts = [say("agent.status.mode", language, mode=mode)]
     if state.battery_percent is None:
-        said.append(say("agent.status.battery.unknown", language))
+        parts.append(say("agent.status.battery.unknown", language))
     else:
-        said.append(say("agent.status.battery", language, percent=state.battery_percent))
+        parts.append(say("agent.status.battery", language, percent=state.battery_percent))
     if state.pose is not None:
-        said.append(say("agent.status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
-    said += [say("agent.status.halted", language)] if state.halted else []
-    said += [] if state.homed else [say("agent.status.not_homed", language)]
-    said.append(say("agent.status.queue", language, count=waiting))
-    return ("，" if language == "zh" else ", ").join(said) + ("。" if language == "zh" else ".")
+        parts.append(say("agent.status.pose", language, x_m=state.pose.x_m, y_m=state.pose.y_m))
+    parts += [say("agent.status.halted", language)] if state.halted else []
+    parts += [] if state.homed else [say("agent.status.not_homed", language)]
+    parts.append(say("agent.status.queue", language, count=waiting))
+    return ("，" if language == "zh" else ", ").join(parts) + ("。" if language == "zh" else ".")

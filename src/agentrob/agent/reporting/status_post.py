@@ -138,7 +138,7 @@ class StatusPost:
             self._asks_id = written.post.id
         self._last = shown
 
-    async def told(self) -> bool:
+    async def has_ended(self) -> bool:
         """Whether the status post tells an end by now. Never raises a `ForumError`."""
         if self._post_id is None:
             return False

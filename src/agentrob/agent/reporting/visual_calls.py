@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 
 from agentrob.agent.media.pictures import Picture
-from agentrob.agent.reporting.report import asked, measured, outcome
+from agentrob.agent.reporting.report import asked, markdown_table, measured, outcome
 from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op
@@ -29,17 +29,16 @@ def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequenc
         say("agent.table.outcome", language),
     ]  # fmt: skip
     rows = list(_rows(looked.turns, results, pictures, language))
-    lines = [head, ["---:", "---", "---", "---"], *rows[:MOST_ROWS]]
-    told = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    text = markdown_table(head, rows[:MOST_ROWS])
     more = len(rows) - MOST_ROWS
-    return told + "\n\n" + say("visual.calls.more", language, count=more) if more > 0 else told
+    return text + "\n\n" + say("visual.calls.more", language, count=more) if more > 0 else text
 
 
 def lines(looked: LoopRecord) -> bytes:
     """The same for programs: the goal and how it ended, then a line for each call."""
     head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
-    told = [head, *(asdict(turn) for turn in looked.turns)]
-    return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in told).encode()
+    rows = [head, *(asdict(turn) for turn in looked.turns)]
+    return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in rows).encode()
 
 
 def _rows(
@@ -54,7 +53,7 @@ def _rows(
             at = turn.step
             yield _step(at, results[at - 1], call(turn), seen, language)
         elif turn is not None:
-            yield ["", call(turn), _NONE, _told(turn, language)]
+            yield ["", call(turn), _NONE, _outcome(turn, language)]
         while left and left[0][0] == at + 1:
             at, row = left.pop(0)
             yield row
@@ -63,10 +62,10 @@ def _rows(
 
 def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
     what = measured(result, language) if result.primitive.op is not Op.GET_FRONT_IMAGE else _NONE
-    told = outcome(result, language)
+    cell = outcome(result, language)
     if number in seen:
-        told += ("，" if language == "zh" else ", ") + seen[number]
-    return [str(number), called, what, told]
+        cell += ("，" if language == "zh" else ", ") + seen[number]
+    return [str(number), called, what, cell]
 
 
 def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
@@ -80,7 +79,7 @@ def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
     return seen
 
 
-def _told(turn: LoopCall, language: Language) -> str:
+def _outcome(turn: LoopCall, language: Language) -> str:
     if turn.problem:
         return say("visual.calls.problem", language, problem=_code(turn.problem))
     if turn.outcome:
@@ -93,8 +92,8 @@ def call(turn: LoopCall) -> str:
     if not turn.tool:
         return _code(turn.words)
     given = turn.arguments.get("raw") if list(turn.arguments) == ["raw"] else None
-    told = given if given is not None else " ".join(_argument(*one) for one in turn.arguments.items())
-    return _code(" ".join(f"{turn.tool} {'' if told == '{}' else told}".split()))
+    arguments = given if given is not None else " ".join(_argument(*one) for one in turn.arguments.items())
+    return _code(" ".join(f"{turn.tool} {'' if arguments == '{}' else arguments}".split()))
 
 
 def _argument(name: str, value: object) -> str:

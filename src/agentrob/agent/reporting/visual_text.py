@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from agentrob.language.messages.catalog import can_say, quote, say
+from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.minds.visual_loop.claims import turned_deg, walked_m
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op, Outcome
@@ -26,13 +26,17 @@ def paragraphs(
     if looked is None:
         return []
     done = [r for r in results if r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)]
-    measured = say(
+    sentences = [say(
         "visual.measured", language, metres=walked_m(done), degrees=turned_deg(done),
         pictures=sum(r.primitive.op is Op.GET_FRONT_IMAGE for r in done), calls=len(looked.turns),
-    )  # fmt: skip
+    )]  # fmt: skip
     if unknown := sum(bool(r.unmeasured) for r in done):
-        measured += ("" if language == "zh" else " ") + say("visual.unmeasured", language, count=unknown)
-    return [measured, *_claims(looked, language), *(_refused(looked.turns, language) if refused else [])]
+        sentences.append(say("visual.unmeasured", language, count=unknown))
+    return [
+        join_sentences(sentences, language),
+        *_claims(looked, language),
+        *(_refused(looked.turns, language) if refused else []),
+    ]
 
 
 def why(looked: LoopRecord | None, language: Language) -> str:
@@ -47,27 +51,27 @@ def why(looked: LoopRecord | None, language: Language) -> str:
 def _claims(looked: LoopRecord, language: Language) -> list[str]:
     end, mind = looked.end, quote(looked.mind)
     joint = "、" if language == "zh" else ", "
-    said = []
+    sentences = []
     if end.saw:
-        said.append(
+        sentences.append(
             say("visual.saw", language, mind=mind, saw=joint.join(quote(line.rstrip(" .。")) for line in end.saw))
         )
     if end.did:
-        said.append(say("visual.did", language, mind=mind, did=quote(end.did.rstrip(" .。"))))
-    if said and not looked.contradicted:
-        said.append(say("visual.unchecked", language))
+        sentences.append(say("visual.did", language, mind=mind, did=quote(end.did.rstrip(" .。"))))
+    if sentences and not looked.contradicted:
+        sentences.append(say("visual.unchecked", language))
     if looked.contradicted:
-        said.append(say("visual.denied", language, why=looked.contradicted))
-    return [("" if language == "zh" else " ").join(said)] if said else []
+        sentences.append(say("visual.denied", language, why=looked.contradicted))
+    return [join_sentences(sentences, language)] if sentences else []
 
 
 def _refused(turns: Sequence[LoopCall], language: Language) -> list[str]:
     problems = [turn for turn in turns if turn.tool and turn.problem]
-    told = [f"{quote(_call(turn))} ({quote(turn.problem)})" for turn in problems[:MOST_REFUSED]]
+    calls = [f"{quote(_call(turn))} ({quote(turn.problem)})" for turn in problems[:MOST_REFUSED]]
     if len(problems) > MOST_REFUSED:
-        told.append(f"+{len(problems) - MOST_REFUSED}")
+        calls.append(f"+{len(problems) - MOST_REFUSED}")
     joint = "；" if language == "zh" else "; "
-    return [say("visual.refused", language, calls=joint.join(told))] if told else []
+    return [say("visual.refused", language, calls=joint.join(calls))] if calls else []
 
 
 def _call(turn: LoopCall) -> str:

@@ -45,8 +45,8 @@ class ModeratorAlert:
         if topic_id is None or self._rang_at is None:
             return
         names = " ".join(f"@{name}" for name in self._names)
-        said = say("agent.stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
+        text = say("agent.stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
         try:
-            await self._forum.reply(topic_id, said, key=f"alarm:{self._robot}:{self._rang_at.isoformat()}")
+            await self._forum.reply(topic_id, text, key=f"alarm:{self._robot}:{self._rang_at.isoformat()}")
         except ForumError as e:
             _log.warning("moderators not told", robot=self._robot, error=str(e))

@@ -19,7 +19,7 @@ from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Event, Forum, RobotControls, RobotRightsSource
-from agentrob.language.messages.catalog import quote, say
+from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.model import (
     EMERGENCY_STOP,
     Account,
@@ -63,7 +63,7 @@ class OwnerActions:
         now: Callable[[], datetime],
         changed: Callable[[], None],
     ) -> None:
-        self.told: dict[str, Any] | None = None
+        self.last_action: dict[str, Any] | None = None
         self._name = name
         self._settings = settings
         self._forum = forum
@@ -86,12 +86,12 @@ class OwnerActions:
         async with self._one_at_a_time:
             try:
                 why = await self._objection(by, action, pressed_s)
-                done, said = (False, why) if why else await self._do(action, by.name, event.at, pressed_s)
+                done, message = (False, why) if why else await self._do(action, by.name, event.at, pressed_s)
             except RobotError as e:
-                done, said = False, f"{e}."
+                done, message = False, f"{e}."
         level = _log.info if done else _log.warning
-        level("owner's button", robot=self._name, action=action, by=by.name, done=done, said=said)
-        self.told = {"deed": action, "by": by.name, "at": self._now().isoformat(), "done": done, "said": said}
+        level("owner's button", robot=self._name, action=action, by=by.name, done=done, message=message)
+        self.last_action = {"deed": action, "by": by.name, "at": self._now().isoformat(), "done": done, "said": message}
         self._changed()
 
     async def _objection(self, by: Account, action: OwnerAction, pressed_s: float) -> str:
@@ -126,13 +126,13 @@ class OwnerActions:
         if (await self._driver.state()).halted:
             self._stop_handler.released(at)  # first: nothing that was posted before it finds the robot free
             lock = await self._driver.release(by, pressed_s)
-        said = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
+        message = f"It had been {_locked_by(lock)}." if lock else "It was not locked."
         if ahead is not None:
-            said += (
+            message += (
                 f" Its last stop bore a time in the future ({ahead:%Y-%m-%d %H:%M:%S} UTC); it no longer holds back"
                 " commands."
             )
-        return True, said
+        return True, message
 
     # ------------------------------------------------------------------ what a thread is told
     async def learn_page(self) -> None:
@@ -167,21 +167,22 @@ class OwnerActions:
         locked = state.halted if state is not None else bool(reasons & _LOCKED)
         if locked:
             # The sentence of a step that the driver refused says who, when and why; that of one it broke off does not.
-            told = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
-            return [self.locked(None if told or state is None else state.lock, language)]
+            already_said = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
+            return [self.locked(None if already_said or state is None else state.lock, language)]
         if reasons & _HOMELESS and not (state is not None and state.homed):
             return [self.how_to_home(language)]
         return []
 
     def of_state(self, state: RobotState, language: Language) -> list[str]:
         """Paragraphs for the answer to "how are you"."""
-        said = [self.locked(state.lock, language)] if state.halted else []
-        return said + ([] if state.homed else [self.how_to_home(language)])
+        paragraphs = [self.locked(state.lock, language)] if state.halted else []
+        return paragraphs + ([] if state.homed else [self.how_to_home(language)])
 
     def locked(self, lock: Lock | None, language: Language) -> str:
         """Who locked it, why and since when, and how it is released."""
-        joint = "" if language == "zh" else " "
-        return joint.join(part for part in (lock and lock_text(lock, language), self.how_to_release(language)) if part)
+        return join_sentences(
+            filter(None, (lock and lock_text(lock, language), self.how_to_release(language))), language
+        )
 
     async def _state(self) -> RobotState | None:
         try:

@@ -154,10 +154,10 @@ class StopReplies:
             replying = asyncio.create_task(self._reply(post, stopping, reply))
             self._replies[post.topic_id] = replying
             await asyncio.shield(replying)
-        elif (told := await asyncio.shield(first)) is not None:
-            told.folded += 1
-            if told.updating is None or told.updating.done():
-                told.updating = asyncio.create_task(self._update(told))
+        elif (shown := await asyncio.shield(first)) is not None:
+            shown.folded += 1
+            if shown.updating is None or shown.updating.done():
+                shown.updating = asyncio.create_task(self._update(shown))
 
     async def _reply(self, post: Post, stopping: asyncio.Task[StopResult | None], reply: StopReply) -> StopReply | None:
         reply.result = await asyncio.shield(stopping)

@@ -91,11 +91,13 @@ def approval(asked: ApprovalRequest | None) -> dict[str, Any] | None:
     """Until when an approval was asked for, and who said what by which post; None where none was needed."""
     if asked is None:
         return None
-    said, until = asked.decided, {"until": asked.until_at.isoformat()}
-    if said is None:
+    until = {"until": asked.until_at.isoformat()}
+    if (decision := asked.decided) is None:
         return until
-    by = {"by": said.by.name, "role": str(said.by.role), "post": said.post_id, "at": said.at.isoformat()}
-    return until | {"approved": said.approved} | by
+    return until | {
+        "approved": decision.approved, "by": decision.by.name, "role": str(decision.by.role),
+        "post": decision.post_id, "at": decision.at.isoformat(),
+    }  # fmt: skip
 
 
 def _minds(assessment: Assessment | None) -> dict[str, Any]:

@@ -238,10 +238,10 @@ def read_claim(row: tuple[Any, ...]) -> Claim:
     )
 
 
-def read_asked(asked_at: str | None, until_at: str | None, said: str | None) -> ApprovalRequest | None:
+def read_asked(asked_at: str | None, until_at: str | None, decision: str | None) -> ApprovalRequest | None:
     if asked_at is None or until_at is None:
         return None
-    decided = DECIDED.validate_json(said) if said else None
+    decided = DECIDED.validate_json(decision) if decision else None
     return ApprovalRequest(datetime.fromisoformat(asked_at), datetime.fromisoformat(until_at), decided)
 
 

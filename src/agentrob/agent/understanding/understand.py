@@ -60,7 +60,7 @@ class Assessor:
         work = partial(self._think, job, terms)
         if not job.known:
             # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
-            work = partial(_told, await work())
+            work = partial(_return, await work())
         assessment = _ASSESSMENT.validate_json(await self.journal.once(f"post-{job.command.post_id}", work))
         if assessment.understanding.intent is not Intent.NOTHING:
             job.command = replace(job.command, language=assessment.understanding.language)
@@ -143,9 +143,9 @@ class Assessor:
             screened = SafetyReview(self.mind.name, failed=assessment.fallback) if assessment.fallback != OVER else None
         else:
             part = part_for(job.command.text, addressee.names, addressee.others)
-            told = in_words(assessment.goal, "en") if assessment.goal else ""
+            goal = in_words(assessment.goal, "en") if assessment.goal else ""
             looking = review_command(
-                self.model, part, plan, capabilities, language, history, scene, spent=assessment.usage, goal=told
+                self.model, part, plan, capabilities, language, history, scene, spent=assessment.usage, goal=goal
             )
             screened = await job.unless_ended(looking)
         usage = (*assessment.usage, *(screened.usage if screened else ()))
@@ -153,6 +153,6 @@ class Assessor:
         return replace(assessment, verdict=verdict, usage=usage, screened=screened)
 
 
-async def _told(text: str) -> str:
+async def _return(text: str) -> str:
     """An answer that is there already."""
     return text

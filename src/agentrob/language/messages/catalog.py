@@ -8,6 +8,7 @@ for harm is the name of its rule.
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Iterable
 
 from agentrob.language.registry import DEFAULT, known
 from agentrob.language.visible_text import OMITTED, without_invisible
@@ -30,6 +31,11 @@ def say(key: str, language: Language, **values: object) -> str:
 def can_say(key: str) -> bool:
     """Return whether the catalogue has the sentence `key`."""
     return key in known()[DEFAULT].sentences
+
+
+def join_sentences(sentences: Iterable[str], language: Language) -> str:
+    """Join sentences to one paragraph; Chinese puts no space between them."""
+    return ("" if language == "zh" else " ").join(sentences)
 
 
 def quote(words: str) -> str:
