@@ -1,5 +1,5 @@
-"""May this command move its robot now, and does its approval still hold: asked again immediately before motion, on
-today's state (laws 4, 5 and 7)."""
+"""Check whether a command may move its robot, and whether its approval still holds; checked again immediately before
+motion, on today's state (laws 4, 5 and 7)."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ from agentrob.screening.audience import text_for_robot
 from agentrob.screening.rights import may_approve
 from agentrob.screening.screen import screen
 
-#: Through so many commanding agents may a command come (law 1), and so many posts of a chain are read.
+#: The most commanding agents that a command may pass through (law 1), and the most posts of a chain that are read.
 MAX_HOPS = 3
 MAX_LINKS = 20
 
 
 @dataclass(frozen=True, slots=True)
 class CommandTerms:
-    """What the owner and the forum allow besides: flips, and the longest step in seconds (law 16).
+    """What a command is judged by besides its text and author.
 
-    `robot` is the robot's account, by which a forum may keep who may command it. `scene` is what is known to be around
-    the robot, in English; `names` are the mentions that call it. `known`: what it is asked is understood to the last
-    word, as a goal of a closed vocabulary. `boards` are where the robot may be commanded; empty: anywhere. `rights` are
-    the owner's own, where the forum keeps none; the classes of action that need an approval by them need it everywhere.
-    `approval`: somebody approved this command.
+    `step_s` is the longest step in seconds (law 16). `robot` is the robot's account, under which a forum may keep its
+    rights. `scene` describes in English what is known to be around the robot. `names` are the mentions that address it.
+    `known`: every word of the command is understood, as a goal of a closed vocabulary. `boards` are where the robot may
+    be commanded; empty means anywhere. `rights` are the owner's own, for a forum that keeps none; a class of action
+    that needs an approval by them needs it on every forum. `approval` is the decision of somebody who approved it.
     """
 
     allow_flip: bool = False
@@ -59,7 +59,7 @@ class CommandTerms:
 
 
 def own_rights(settings: RobotConfig) -> RobotRights:
-    """What the owner configured of who may do what: who commands is for the roles to say, so only the approvals."""
+    """The rights that the owner configured: who approves what. Roles decide who may command."""
     asks = settings.approval
     return RobotRights(
         owner=settings.owner,
@@ -71,10 +71,9 @@ def own_rights(settings: RobotConfig) -> RobotRights:
 
 
 async def rights_on(forum: Forum, command: Command, terms: CommandTerms) -> RobotRights | None:
-    """What the forum keeps of who may command the robot where this stands now; the owner's where forums keep no such
-    thing.
+    """The robot's rights on the board where the command stands now, or the owner's if the forum keeps none.
 
-    A forum that should know and does not grants nothing. Raises `ForumError`; then nothing is granted either.
+    A forum that keeps rights and does not know this robot grants nothing. Raises `ForumError`.
     """
     if not isinstance(forum, RobotRightsSource) or not terms.robot:
         return terms.rights
@@ -94,7 +93,7 @@ def judge(
     terms: CommandTerms,
     rights: RobotRights | None = None,
 ) -> Verdict:
-    """The screen, which asks for the author's rights first."""
+    """Screen a plan; the author's rights are checked first."""
     others = [name for name in mentions(command.text) if name not in terms.names]
     return screen(
         plan,
@@ -113,9 +112,10 @@ def judge(
 async def permission(
     forum: Forum, driver: DriverClient, command: Command, terms: CommandTerms, plan: Plan
 ) -> tuple[Verdict, Capabilities | None]:
-    """Read the post, its author, the rights and the robot's limits anew and judge again; also the limits judged by.
+    """Read the post, its author, the rights and the robot's limits again and judge the plan by them. Also return the
+    limits.
 
-    What cannot be read is not granted. Rules that begin with `command.` say that the command is no longer what it was.
+    What cannot be read is not granted. A rule that begins with `command.` means that the command has changed.
     """
     try:
         post, author, rights, capabilities = await asyncio.gather(
@@ -144,7 +144,7 @@ async def permission(
 async def _approved(
     forum: Forum, command: Command, author: Account, approval: ApprovalDecision, rights: RobotRights | None
 ) -> Verdict:
-    """Whether the approval still stands as it was given, by somebody who may still give it."""
+    """Whether the approval is unchanged, and its author may still give it."""
     try:
         post, by = await asyncio.gather(forum.post(approval.post_id), forum.account(approval.by.name))
     except ForumNotFound:
@@ -160,7 +160,7 @@ async def _approved(
 
 
 def _changed(post: Post, author: Account | None, command: Command) -> str | None:
-    """A command is (post, text, author): the rule that names which of them is no longer so."""
+    """A command is (post, text, author): return the rule for the one that has changed, if any."""
     if post.removed:
         return "command.removed"
     if post.content_hash != command.content_hash:
@@ -173,10 +173,10 @@ def _changed(post: Post, author: Account | None, command: Command) -> str | None
 
 
 async def chain_refusal(forum: Forum, command: Command) -> Verdict | None:
-    """A refusal when an agent's command came through too many agents, as far as their replies to each other tell.
+    """Refuse an agent's command that passed through too many agents, as far as their replies show.
 
-    Counted are the changes from one commanding agent to another, back to the last human; the robots' own reports
-    between them do not count. Raises `ForumError`.
+    Counts the changes from one commanding agent to another, back to the last human. Reports of robots in between do not
+    count. Raises `ForumError`.
     """
     if command.author.kind is not AccountKind.COMMANDING_AGENT:
         return None

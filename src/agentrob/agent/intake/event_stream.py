@@ -1,4 +1,4 @@
-"""The ear of an agent: events of a forum without end, streamed or polled, and for how long it has been silent."""
+"""Receive the events of a forum, streamed or polled, and measure how long the forum has been silent."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from agentrob.model import EventKind
 BEAT_S = 0.5
 SILENCE_S = 2.0
 UNPROVEN_STEP_S = 5.0
-#: A forum's clock that differs by more than this from what it should say was set.
+#: A forum's clock that is off by more than this was set.
 STEP = timedelta(seconds=5)
 _BACKOFF_S = (0.1, 5.0)
 _log = structlog.get_logger()
 
 
 def elapsed_s() -> float:
-    """Seconds that nobody sets; those that the machine slept count, where it can tell."""
+    """Seconds of a clock that cannot be set. Includes the time that the machine slept, where the system counts it."""
     return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
 
 
@@ -41,11 +41,11 @@ class ClockStep:
 
 
 class EventStream:
-    """Events after `cursor`, which moves on with each. Survives a forum that goes away.
+    """Events after `cursor`, which advances with each event. Reconnects to a forum that was away.
 
-    `poll_s` is the interval where the forum has no stream, `BEAT_S` while a robot moves. One that does not `listen`
-    has no stream and asks only when `poke` says so, and while a robot moves. `on_beat` is told what the forum's clock
-    said with each heartbeat; it must not wait.
+    A forum without a stream is polled every `poll_s` seconds, and every `BEAT_S` while a robot moves. If `listens` is
+    false the forum is polled only after `poke` and while a robot moves. `on_beat` is called with the forum's time at
+    each heartbeat; it must not wait.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class EventStream:
         on_beat: Callable[[datetime], None] = lambda _: None,
     ) -> None:
         self.cursor = cursor
-        #: The last time that the forum's clock was found to have been set; None while it never was.
+        #: The newest change of the forum's clock that was noticed; None if it was never set.
         self.step: ClockStep | None = None
         self._on_beat = on_beat
         self._forum = forum
@@ -81,24 +81,24 @@ class EventStream:
 
     # ---------------------------------------------------------------- the forum's clock
     def now(self) -> datetime:
-        """The forum's clock, counted on from when it was last asked: this machine's own may be set meanwhile."""
+        """The forum's time now, computed from its last answer: this machine's own clock may be set meanwhile."""
         return self.at(elapsed_s())
 
     def at(self, moment_s: float) -> datetime:
-        """What the forum's clock would have said at a moment (by `elapsed_s`), had it always gone as it goes now."""
+        """The forum's time at a moment of `elapsed_s`, by the forum's clock as it is set now."""
         at, compared_s = self._compared
         if not math.isfinite(compared_s):
             at, compared_s = datetime.now(UTC), elapsed_s()
         return at + timedelta(seconds=moment_s - compared_s)
 
     def differs(self, at: datetime) -> bool:
-        """Whether a time that the forum's clock said just now is not what it should have said."""
+        """Whether the time that the forum just reported differs from the time expected."""
         return abs(at - self.now()) > STEP
 
     @property
     def compared_at(self) -> datetime:
-        """What the forum's clock said when it was last asked, and so never later than it is: what is posted once
-        that was answered is newer, however long the answer was on its way."""
+        """The forum's time in its last answer, never later than now: a post written after that answer is newer, however
+        long the answer took."""
         return self._compared[0]
 
     async def set_clock(self) -> str:
@@ -131,7 +131,7 @@ class EventStream:
         return self.silent_s > SILENCE_S and self.step_s == math.inf
 
     async def prove(self) -> bool:
-        """Wait until the channel is proven alive; False when it stays silent for `SILENCE_S`."""
+        """Wait until an event or heartbeat arrives; False when the forum stays silent for `SILENCE_S`."""
         if self.silent_s <= max(BEAT_S * 2, self._fastest_s):
             return True
         self._heard.clear()
@@ -146,7 +146,7 @@ class EventStream:
         return True
 
     def __enter__(self) -> EventStream:
-        """`with channel:` while a robot moves: poll fast where polling is needed."""
+        """`with event_stream:` while a robot moves: poll fast where polling is needed."""
         self._hurrying += 1
         self._hurry.set()
         return self
@@ -156,7 +156,7 @@ class EventStream:
         self._calm()
 
     async def poke(self) -> None:
-        """Ask the forum now, where it has no stream; returns when what was new has been heard."""
+        """Poll the forum now if it has no stream; return once the new events have been received."""
         if self._live:
             return
         self._pokes += 1
@@ -172,7 +172,7 @@ class EventStream:
 
     # ---------------------------------------------------------------- events
     async def events(self) -> AsyncIterator[Event]:
-        """Every event once and in order, heartbeats left out, for ever. `ForumNotFound`: the cursor is of no event."""
+        """Yield every event once and in order, without heartbeats. `ForumNotFound`: the cursor names no event."""
         wait_s, longest_s = _BACKOFF_S
         while True:
             try:
@@ -191,13 +191,13 @@ class EventStream:
             except ForumError as e:
                 wait_s = max(wait_s, e.retry_after_s) if isinstance(e, ForumLimited) else wait_s
                 _log.warning("forum events cut, trying again", after_s=round(wait_s, 1), error=str(e))
-            except Exception:  # an adapter's own; whoever is deaf stops no robot
+            except Exception:  # a fault of the adapter: without events no stop would be received
                 _log.error("forum events cut, trying again", after_s=round(wait_s, 1), trace=traceback.format_exc())
             await asyncio.sleep(wait_s)
             wait_s = min(longest_s, wait_s * 2)
 
     async def _poll(self) -> AsyncIterator[Event]:
-        """Polling that ends (and is begun anew by `events`) only with an error."""
+        """Poll until an error; `events` then polls again."""
         while True:
             pokes = self._pokes
             events = await self._forum.changes(self.cursor)

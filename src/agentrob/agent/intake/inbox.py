@@ -1,4 +1,4 @@
-"""What was heard and waits to be taken: claimed in the journal, put into the line, or ended because it changed."""
+"""Accept events in order: claim commands in the journal, queue them, and end those whose post changed."""
 
 from __future__ import annotations
 
@@ -24,9 +24,12 @@ _log = structlog.get_logger()
 
 
 class Inbox:
-    """Events of one robot in their order. `stopped` tells why a post of some time may not move, as its time is of
-    before the newest stop; `settled` gives what was heard, once it is known what time it is; `take_up` begins a job,
-    `decline` tells a command that it could not be written down, `approve` takes what approves or denies one."""
+    """Handles one robot's events in order.
+
+    `stopped` returns why a post of a given time may not move: the newest stop is later. `settled` returns the triaged
+    post again once the forum's clock is known. `take_up` starts a command. `decline` reports that a command could not
+    be recorded. `approve` handles a post that approves or denies a command.
+    """
 
     def __init__(
         self,
@@ -39,9 +42,9 @@ class Inbox:
         decline: Callable[[Command], None],
         approve: Callable[[Post, TriagedPost], Awaitable[None]],
     ) -> None:
-        #: Commands that were heard and are not in line yet.
+        #: Posts of commands that have been received and are not queued yet.
         self.coming: dict[str, Post] = {}
-        #: Commands that an earlier process took and that are not in line yet.
+        #: Commands that an earlier process claimed and that are not queued yet.
         self.left_open: frozenset[str] = frozenset()
         self._ended: dict[str, EndReason] = {}
         self._robot = robot
@@ -59,7 +62,7 @@ class Inbox:
         return self._waiting.empty() and not self.coming
 
     def put(self, event: Event, triaged: TriagedPost) -> None:
-        """Never waits."""
+        """Queue an event for `take_all`. Never waits."""
         post = event.post
         if post is not None and event.kind is EventKind.POST_CREATED and triaged.route in _TO_TAKE:
             if post.id in self.left_open and post.id not in self.coming:  # heard anew, and so after those stops
@@ -68,19 +71,19 @@ class Inbox:
         self._waiting.put_nowait((event, triaged))
 
     def end_coming(self, why: EndReason = EndReason.STOP, until: datetime | None = None) -> None:
-        """What was heard, and is not in line yet, does not move: all of it, or what was posted `until` then."""
+        """End what has been received and is not queued yet: all of it, or what was posted `until` then."""
         ended = [post.id for post in self.coming.values() if until is None or post.created_at <= until]
         ended += self.left_open if until is None else ()
         for post_id in ended:
             self._ended.setdefault(post_id, why)
 
     def none_left_open(self) -> None:
-        """All that an earlier process took is in line now."""
+        """Everything that an earlier process claimed is queued now."""
         self.left_open = frozenset()
         self._ended = {post_id: why for post_id, why in self._ended.items() if post_id in self.coming}
 
     def ended(self, post_id: str) -> EndReason | None:
-        """Why a post that is not in line yet may not move, whatever its time; None when it may."""
+        """Why a post that is not queued yet may not move, whatever its time; None if it may."""
         return self._ended.get(post_id)
 
     def clear(self) -> None:
@@ -90,7 +93,7 @@ class Inbox:
         self._ended.clear()
 
     async def take_all(self) -> None:
-        """Take what is there and what comes, for ever."""
+        """Handle events until cancelled."""
         saved_s = 0.0
         while True:
             event, triaged = await self._waiting.get()
@@ -99,12 +102,12 @@ class Inbox:
             saved_s = time.monotonic() if save else saved_s
 
     async def take_waiting(self) -> None:
-        """Take what is there now."""
+        """Handle the events that have been received so far."""
         while not self._waiting.empty():
             await self._take(*self._waiting.get_nowait(), save=True)
 
     async def _take(self, event: Event, triaged: TriagedPost, save: bool) -> None:
-        """Accept what was heard; `save`: after a restart go on after it."""
+        """Accept an event. `save`: a restart continues after it."""
         try:
             await self.accept(event, triaged)
             if save and event.id:
@@ -121,7 +124,7 @@ class Inbox:
                 self._ended.pop(event.post.id, None)
 
     def _not_taken(self, event: Event, triaged: TriagedPost) -> None:
-        """Tell a command that it could not be taken, unless it is under way."""
+        """Report that a command could not be accepted, unless it is already queued."""
         post = event.post
         if post is None or event.kind is not EventKind.POST_CREATED or triaged.route not in _TO_TAKE:
             return
@@ -129,7 +132,7 @@ class Inbox:
             self._decline(self._command(post, triaged))
 
     async def accept(self, event: Event, triaged: TriagedPost) -> None:
-        """Claim a post in the journal and begin its turn; end what was edited or removed."""
+        """Claim the post of a command and start it; end a command whose post was edited or removed."""
         post = event.post
         if post is None:
             return
@@ -163,7 +166,7 @@ class Inbox:
         return self.ended(post.id) or self._stopped(post.created_at)
 
     async def _amend(self, post: Post) -> None:
-        """A post was edited or removed: what it had asked for is ended."""
+        """End the command of a post that was edited or removed."""
         if (job := self._queue.find(post.id)) is None:
             return
         if post.removed:

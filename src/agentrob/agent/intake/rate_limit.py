@@ -1,4 +1,4 @@
-"""How often one account may command one robot: a cooldown, which waits, a number per hour, and a number at a time."""
+"""Limit how often one account may command one robot: a cooldown and a number of commands per hour."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from limits.strategies import MovingWindowRateLimiter
 
 from agentrob.config.robots import RatesConfig
 
-#: A command waits so long at most; beyond, it is refused.
+#: The longest time that a command waits for its limit; one that would wait longer is refused.
 SHORT_S = 30.0
 
 
 @dataclass(frozen=True, slots=True)
 class RateLimitWait:
-    """Why and how long an account has to wait: `rule` is the name of what it met."""
+    """How long an account has to wait, and the name of the limit that it reached."""
 
     rule: str
     seconds: float
 
     @property
     def short(self) -> bool:
-        """Then the command waits by itself; else its author is told when to post it again."""
+        """Whether the command waits by itself. If not, it is refused, and the reply says when to post it again."""
         return self.seconds <= SHORT_S
 
     @property
     def minutes(self) -> int:
-        """As people say it: full minutes, at least one."""
+        """Full minutes, at least one."""
         return max(1, math.ceil(self.seconds / 60))
 
 
 class RateLimiter:
-    """Counts commands that were allowed otherwise; in memory, so a restart begins anew. Stops are never counted."""
+    """Counts the commands of each account in memory, so a restart resets it. Stops are never counted."""
 
     def __init__(self, rates: RatesConfig) -> None:
         self._limiter = MovingWindowRateLimiter(MemoryStorage())
@@ -46,7 +46,7 @@ class RateLimiter:
             self._items["rate.cooldown"] = RateLimitItemPerSecond(1, rates.cooldown_s)
 
     def take(self, account: str) -> RateLimitWait | None:
-        """Count one command of this account now; or, uncounted, what it has to wait for."""
+        """Count one command of this account; if it is over a limit, count nothing and return the wait."""
         waits = [RateLimitWait(rule, self._wait_s(item, account)) for rule, item in self._items.items()]
         longest = max(waits, key=lambda wait: wait.seconds, default=None)
         if longest is not None and longest.seconds > 0:
@@ -56,11 +56,11 @@ class RateLimiter:
         return None
 
     def exceeded(self, account: str) -> bool:
-        """Whether a command of this account would be refused now; counts nothing."""
+        """Whether a command of this account would be refused now. Counts nothing."""
         return any(not RateLimitWait(rule, self._wait_s(item, account)).short for rule, item in self._items.items())
 
     def _wait_s(self, item: RateLimitItem, account: str) -> float:
         if self._limiter.test(item, account):
             return 0.0
-        # The window may tell whole seconds; a moment more, so that the next look finds it free.
+        # The window may be in whole seconds: wait a moment longer, so that the next check passes.
         return max(0.05, self._limiter.get_window_stats(item, account).reset_time - time.time())

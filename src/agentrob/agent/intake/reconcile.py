@@ -1,4 +1,4 @@
-"""What an agent finds on the forum when its journal is new: posts that came before it, claims that nobody remembers."""
+"""Reconcile a new journal with the forum: find earlier posts, and close claims that the journal does not know."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from agentrob.model import Account, CommandState, Post
 
 
 async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
-    """Posts written after `since` in the threads that were active last, oldest first in each."""
+    """Yield posts written after `since` in the most recently active topics, oldest first in each."""
     for board in boards:
         for topic in (await insist(partial(forum.topics, board))).items:
             cursor: str | None = None
@@ -32,14 +32,14 @@ async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> 
 
 
 def is_open(post: Post, me: Account) -> bool:
-    """Whether this is a status post of ours that promises more to come."""
+    """Whether this is a status post of ours whose command has not ended."""
     return post.author.id == me.id and post.card is not None and not post.card.is_final and not post.removed
 
 
 async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime] | None:
-    """Where a forum does not know the event that was heard last: since when and until when its events are lost to us,
-    for it does not keep them any more. None when it is another forum, or one put back from a backup: it does not know
-    our newest claim, or it keeps events that are older than the one that we heard last."""
+    """For a forum that does not know our last event: the time span of the events that it no longer keeps. None if the
+    forum was replaced or restored from a backup: it does not know our newest claim, or it still keeps events older than
+    our last one."""
     heard_at, newest = await journal.get_time("cursor_at"), await journal.newest_claim()
     if heard_at is None or newest is None:
         return None
@@ -57,8 +57,8 @@ async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime]
 async def close_unknown(
     forum: Forum, journal: Journal, statuses: Iterable[Post], moves: Callable[[str], Awaitable[bool]]
 ) -> None:
-    """End open status posts whose command this journal does not know: what they promised does not come any more. Not
-    those that another agent of this account still brings to their end. Never raises a `ForumError`."""
+    """Close open status posts whose command this journal does not know, unless another agent of this account still
+    works on them. Never raises a `ForumError`."""
 
     async def close(post: Post) -> None:
         with contextlib.suppress(ForumError):

@@ -1,4 +1,4 @@
-"""Is this post for me, and what is it: a stop, an approval, something to read, or too old (pure; laws 1, 3, 5, 13)."""
+"""Decide what a post is for one robot: a stop, an approval, a text to read, too old, or nothing (laws 1, 3, 5, 13)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Route(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Addressing:
-    """Who listens, and what it knows of the world when a post arrives.
+    """Who is addressed, and the state of things when a post arrives.
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
     `running_topics` are threads in which a command of this robot runs or waits, `commands` the posts of these commands,
@@ -54,8 +54,8 @@ class Addressing:
 
 @dataclass(frozen=True, slots=True)
 class TriagedPost:
-    """What was made of a post. `text` is its visible text, `others` are those it mentions besides. An approval that is
-    not `fresh` is too old to count. `taken_as_stop`: it stops since something moves or waits, and else would not."""
+    """A post with its route. `text` is its visible text, `others` are the other accounts that it mentions. An approval
+    that is not `fresh` is too old to count. `taken_as_stop`: it is a stop only because something moves or waits."""
 
     route: Route
     text: str = ""
@@ -69,7 +69,7 @@ class TriagedPost:
 
 
 def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedPost:
-    """`edited`: the post was seen before and has changed; then only a stop counts (law 4)."""
+    """Return the route of a post. `edited`: it was seen before and has changed, so only a stop counts (law 4)."""
     if post.removed or not obeyed(post.author, addressing.me):
         return TriagedPost(Route.NOTHING)
     text = text_in(post)

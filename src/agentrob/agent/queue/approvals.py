@@ -1,7 +1,7 @@
-"""A command that needs somebody's approval waits for it; hears who approves and denies what (laws 1, 2, 4, 5 and 7).
+"""Let commands wait for approval, and handle the posts that approve or deny them (laws 1, 2, 4, 5 and 7).
 
 An approval is a post of its own: by an account that may approve, fresh, never edited, and about one command. It counts
-when it is in the journal, and is looked at again immediately before motion (`permission`).
+once it is in the journal, and is checked again immediately before motion (`permission`).
 """
 
 from __future__ import annotations
@@ -34,16 +34,17 @@ from agentrob.screening.rights import may_approve
 #: So shortly after one of the thread's commands was settled, an approval must say which command it means: two who
 #: approve the same at once approve one command, not the next one too.
 OTHER_S = 30.0
-#: How far the forum's clock, as we know it, may be off.
+#: By how much our copy of the forum's clock may be off.
 CLOCK_S = 2.0
-#: How long the forum may take to say who may approve.
+#: How long the forum may take to answer who may approve.
 ASK_S = 10.0
 _log = structlog.get_logger()
 
 
 @dataclass
 class Approvals:
-    """One robot's. `now` is the forum's clock, `spawn` begins work that nobody waits for, `called` is what calls it."""
+    """The approvals of one robot. `now` is the forum's clock, `spawn` starts a task that nobody awaits, `called` is the
+    name by which posts address the robot."""
 
     name: str
     called: str
@@ -58,14 +59,14 @@ class Approvals:
     # ---------------------------------------------------------------- waiting
     @property
     def wait_s(self) -> float:
-        """So long after its post a command is approved at the latest."""
+        """How long after its post a command can be approved."""
         return min(self.settings.approval.wait_s, self.settings.queue_expiry_s)
 
     async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
-        """Until somebody approved the command, or it was ended: denied, stopped, changed, or not approved in time. It
-        waits on after a restart, and others go before it meanwhile.
+        """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time. After a
+        restart it goes on waiting; others pass it meanwhile.
 
-        `understood` is what it would do and `needed` why it needs an approval, in words.
+        `understood` says what it would do and `needed` why it needs an approval.
         """
         until_at = job.command.posted_at + timedelta(seconds=self.wait_s)
         job.asked = await self.journal.ask(job.command.post_id, self.now(), until_at)
@@ -80,7 +81,7 @@ class Approvals:
         self._settle(job.command.topic_id, self.now())
 
     async def _tell(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
-        """Say in the thread that it waits, for what and for whom."""
+        """Post that the command waits, for what and for whose approval."""
         rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
         text = words.waits(understood, needed, rights, self.called, wait_s, job.command.language)
@@ -93,13 +94,13 @@ class Approvals:
         return CommandTerms(robot=self.name, rights=own_rights(self.settings))
 
     def _settle(self, topic_id: str, at: datetime) -> None:
-        """One of the thread's commands waits no more."""
+        """Record that a command of this topic no longer waits."""
         recent = {k: v for k, v in self._settled_at.items() if at - v <= timedelta(seconds=OTHER_S)}
         self._settled_at = recent | {topic_id: at}
 
     # ---------------------------------------------------------------- hearing
     async def hear(self, post: Post, triaged: TriagedPost) -> None:
-        """Count a post that approves or denies, or say why it does not count. Hearing it again changes nothing."""
+        """Count a post that approves or denies a command, or reply why it does not count. A post counts once."""
         if await self.journal.counted(post.id):
             return
         job, why = self._meant(post, triaged)
@@ -122,7 +123,7 @@ class Approvals:
             job.end(EndReason.DENIED)
 
     def _meant(self, post: Post, triaged: TriagedPost) -> tuple[QueuedCommand | None, str]:
-        """The command that a post is about, or why there is none."""
+        """The command that a post decides about, or the reason why there is none."""
         denies = triaged.route is Route.DENY
         found = [job for job in self.queue if job.command.topic_id == post.topic_id and _waits(job, denies)]
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
@@ -136,7 +137,7 @@ class Approvals:
         return found[0], ""
 
     async def _objection(self, job: QueuedCommand, post: Post, triaged: TriagedPost) -> str:
-        """Why a post may not decide about this command; empty when it may."""
+        """Why a post may not decide about this command; empty if it may."""
         assert job.asked is not None
         language, denies = triaged.language, triaged.route is Route.DENY
         if post.version > 1:
@@ -172,7 +173,7 @@ class Approvals:
 
 
 def _waits(job: QueuedCommand, denies: bool) -> bool:
-    """Whether a word about this command may still count: what was approved may be denied until it moves."""
+    """Whether a decision about this command still counts: an approved command can be denied until it moves."""
     if job.asked is None or job.ended is not None or job.moving or job.status is None:
         return False
     return job.decided is None or denies

@@ -1,4 +1,4 @@
-"""The line before one robot: commands wait in the order in which they were accepted, one moves at a time."""
+"""The queue of one robot: commands wait in the order in which they were accepted, one moves at a time."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class QueuedCommand:
-    """One post under way, from its claim to its final reply.
+    """One command in progress, from its claim to its final reply.
 
-    `known`: the claim was there before this process; then `waited_s` is how long before `accepted_s` (monotonic) that
-    was. `begun`: so was its motion, and only its report is left to tell: nothing ends it any more. `ended` is the
+    `known`: an earlier process claimed it, `waited_s` seconds before `accepted_s` (monotonic). `begun`: its motion
+    began in that process, so only its report is left to write, and nothing ends it any more. `ended` is the
     reason as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
     `ready`, read and judged, and while it is `held`. `asked`: it waits or waited for an approval, and what was said of
     it. `stop` brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it
@@ -55,7 +55,7 @@ class QueuedCommand:
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
 
     def note(self, name: str, at: datetime) -> None:
-        """Remember when something happened, in milliseconds after the post was accepted; the first time counts."""
+        """Record when something happened, in milliseconds after the post was accepted. The first time counts."""
         self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
 
     @property
@@ -64,23 +64,23 @@ class QueuedCommand:
 
     @property
     def decided(self) -> ApprovalDecision | None:
-        """Who approved or denied it, as soon as somebody did."""
+        """The decision on its approval, once there is one."""
         return self.asked.decided if self.asked is not None else None
 
     def decide(self, decided: ApprovalDecision) -> None:
-        """Somebody approved or denied it."""
+        """Record the decision on its approval."""
         assert self.asked is not None
         self.asked = replace(self.asked, decided=decided)
         self._changed.set()
 
     def end(self, why: EndReason) -> None:
-        """The first reason counts."""
+        """End it; the first reason counts."""
         if self.can_end:
             self.ended = why
         self._changed.set()
 
     async def unless_ended(self, work: Coroutine[Any, Any, T]) -> T | None:
-        """What `work` gives; None, and `work` is cancelled, when the command is ended before (law 14)."""
+        """Return the result of `work`; cancel it and return None if the command is ended first (law 14)."""
         if self.ended is not None:
             work.close()
             return None
@@ -99,7 +99,7 @@ class QueuedCommand:
 
 
 class CommandQueue:
-    """Who waits. `on_change` hears whenever somebody came, went or moved up."""
+    """The commands that wait or move. `on_change` is called when one is added, removed or moves up."""
 
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
         self._jobs: list[QueuedCommand] = []
@@ -115,7 +115,7 @@ class CommandQueue:
 
     @property
     def posts(self) -> list[str]:
-        """The posts of all that is not told yet, the next one first; who is held back comes last."""
+        """The posts of all commands in progress, the next one first and those held back last."""
         return [job.command.post_id for job in sorted(self._jobs, key=lambda job: job.held)]
 
     @property
@@ -127,25 +127,25 @@ class CommandQueue:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)
 
     def asking(self) -> set[asyncio.Task[Any]]:
-        """What carries those that wait for an approval."""
+        """The tasks of commands that wait for an approval."""
         return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
 
     def place(self, job: QueuedCommand) -> int:
-        """How many are before it; 0 when it is its turn."""
+        """How many commands are before it; 0 when it is next."""
         before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
         return len(before) + (self._turn not in (None, job, *before))
 
     def of_same_author(self, before: QueuedCommand) -> list[QueuedCommand]:
-        """What its account asked for before it and is not done."""
+        """The earlier commands of its account that are still in progress."""
         author = before.command.author.id
         return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
 
     def number_of(self, account_id: str) -> int:
-        """How many commands of this account are under way."""
+        """How many commands of this account are in progress."""
         return sum(job.command.author.id == account_id for job in self._jobs)
 
     async def in_order(self, job: QueuedCommand) -> None:
-        """Wait until what its account asked for before is paced (or done), whichever was read sooner."""
+        """Wait until the earlier commands of its account have passed the rate limit or ended."""
         while job.ended is None and not all(other.paced for other in self.of_same_author(job)):
             job._changed.clear()
             await job._changed.wait()
@@ -163,7 +163,7 @@ class CommandQueue:
         self._on_change()
 
     def leave(self, job: QueuedCommand) -> None:
-        """Leaving twice does nothing."""
+        """Remove a command. Removing it twice does nothing."""
         if job in self._jobs:
             self._jobs.remove(job)
             if self._turn is job:
@@ -189,7 +189,7 @@ class CommandQueue:
         return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
 
     def end_waiting(self, job: QueuedCommand, why: EndReason) -> list[QueuedCommand]:
-        """The same of what its own account asked for and does not move."""
+        """End the earlier commands of its own account that do not move; return those that had not been ended."""
         return self._end([other for other in self.of_same_author(job) if not other.moving], why)
 
     def _end(self, jobs: Sequence[QueuedCommand], why: EndReason) -> list[QueuedCommand]:
@@ -199,7 +199,7 @@ class CommandQueue:
         return found
 
     async def turn(self, job: QueuedCommand, expiry_s: float) -> bool:
-        """Wait until it is the job's turn (True) or it was ended; False as well once it is `expiry_s` old."""
+        """Wait for the job's turn. False if it was ended before, or is `expiry_s` old."""
         job.ready = True
         left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
         if left_s is not None and left_s <= 0:
@@ -216,14 +216,14 @@ class CommandQueue:
         return job.ended is None
 
     def close(self) -> None:
-        """Nobody gets a turn any more: who has not had one stays as it is, for the agent's next start."""
+        """Give out no more turns: the commands that wait are left to the agent's next start."""
         self._closed = True
 
     def _is_next(self, job: QueuedCommand) -> bool:
         return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
     async def aside(self, job: QueuedCommand, seconds: float) -> None:
-        """Let others go before it for so long, whatever becomes of it meanwhile."""
+        """Let others pass it for this long, even if it is ended meanwhile."""
         job.held = True
         self._moved_up()
         try:
@@ -232,7 +232,7 @@ class CommandQueue:
             job.held = False
 
     async def hold(self, job: QueuedCommand, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
-        """Let others go before it for a while, or `until` something is so; it keeps its place. False when it was ended
+        """Let others pass it for this long, or `until` a condition holds; it keeps its place. False if it was ended
         meanwhile."""
         job.held = True
         self._moved_up()

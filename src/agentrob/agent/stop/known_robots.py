@@ -1,8 +1,8 @@
-"""Which accounts are known to be robots: only a mention of one of these may turn a stop away from this robot (law 13).
+"""Know which accounts are robots: only a mention of a known robot may turn a stop away from this one (law 13).
 
-Whoever is not known may be a person who is warned ("@alice stop it!"), so the robot stops. Nothing here is asked while
-a stop is heard: the forum's robots are listed once at the start, where a forum can list them, whoever writes is noted,
-and an unknown account that a post mentions is looked up afterwards, for the next time.
+An unknown account may be a person who is warned ("@alice stop it!"), so the robot stops. No stop waits for a lookup:
+the forum's robots are listed once at the start, authors of posts are noted, and an unknown account that a post mentions
+is looked up afterwards, for the next time.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from agentrob.forums.bounded import BoundedDict
 from agentrob.forums.protocol import Forum, RobotDirectory
 from agentrob.model import Account, AccountKind
 
-#: So many names are remembered, those of robots and those that were asked about.
+#: The most names that are remembered, of robots and of accounts that were looked up.
 MOST = 1_000
-#: A name is asked about again after so long, and so many wait to be asked about.
+#: When a name is looked up again, and how many lookups can wait.
 AGAIN_S, MOST_WAITING = 600.0, 8
-#: The forum's list of robots may take so long; the agent starts without it.
+#: How long the forum's list of robots may take; the agent starts without it.
 LIST_S = 3.0
 _log = structlog.get_logger()
 
 
 class KnownRobots:
-    """`spawn` begins work that nobody waits for."""
+    """The robots known on one forum. `spawn` starts a task that nobody awaits."""
 
     def __init__(self, forum: Forum, spawn: Callable[[Coroutine[Any, Any, Any]], object]) -> None:
         self._forum = forum
@@ -42,7 +42,7 @@ class KnownRobots:
         return self._robots.keys()
 
     async def list_robots(self) -> None:
-        """Learn the forum's robots, where it lists them. Whatever it answers, the agent starts."""
+        """Load the forum's robots, if it lists them. Never raises: the agent starts anyway."""
         if isinstance(self._forum, RobotDirectory):
             try:
                 async with asyncio.timeout(LIST_S):
@@ -52,7 +52,7 @@ class KnownRobots:
                 _log.warning("the forum's robots are not known", error=repr(error)[:200])
 
     def meet(self, account: Account) -> None:
-        """Note what somebody is who wrote, or was looked up."""
+        """Record whether the author of a post, or an account that was looked up, is a robot."""
         name = account.name.lower()
         if account.kind is AccountKind.ROBOT_AGENT:
             self._robots[name] = None
@@ -60,7 +60,7 @@ class KnownRobots:
             self._robots.pop(name, None)
 
     def look_up(self, names: Collection[str]) -> None:
-        """Ask the forum about accounts that are not known to be robots. Never waits."""
+        """Look up accounts that are not known to be robots. Never waits."""
         idle = not self._waiting
         for name in names:
             asked_s = self._asked_s.get(name)

@@ -1,4 +1,4 @@
-"""Moderators hear when a robot is stopped again and again (law 15)."""
+"""Alert moderators when a robot is stopped repeatedly (law 15)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
 from agentrob.model import Language
 
-#: So many stops within so long are told, and then not again for as long.
+#: How many stops within how long cause an alert; no second one follows within the same time.
 STOPS = 3
 WITHIN = timedelta(minutes=5)
 _log = structlog.get_logger()
@@ -30,9 +30,9 @@ class ModeratorAlert:
         self._rang_at: datetime | None = None
 
     def rings(self, at: datetime) -> bool:
-        """Count a stop that was accepted at `at`; whether this one is to be told."""
+        """Count a stop that was accepted at `at`; return whether to alert."""
         self._stops.append(at)
-        # The forum's clock may have been set back since: then its times say nothing, and it is told once too often.
+        # The forum's clock may have been set back since: then there may be one alert too many.
         quiet = self._rang_at is None or abs(at - self._rang_at) > WITHIN
         if not quiet or len(self._stops) < STOPS or abs(at - self._stops[0]) > WITHIN:
             return False
@@ -40,7 +40,7 @@ class ModeratorAlert:
         return True
 
     async def tell(self, topic_id: str | None, language: Language) -> None:
-        """Say so in a thread, where there is one, and in the log."""
+        """Post the alert in a topic, if there is one, and log it."""
         _log.warning("stopped again and again", robot=self._robot, stops=STOPS, minutes=WITHIN.seconds // 60)
         if topic_id is None or self._rang_at is None:
             return

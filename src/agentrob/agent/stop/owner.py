@@ -77,7 +77,7 @@ class OwnerActions:
 
     # ------------------------------------------------------------------ buttons
     async def pressed(self, event: Event, me: Account) -> None:
-        """Release the robot or set its home, when whoever pressed may and did so just now. Never moves anything."""
+        """Release the robot or set its home, if the account may and pressed just now. Never moves anything."""
         by = event.account
         action: OwnerAction = "release" if event.kind is EventKind.ROBOT_RELEASE else "home"
         if by is None or not obeyed(by, me):
@@ -95,7 +95,7 @@ class OwnerActions:
         self._changed()
 
     async def _objection(self, by: Account, action: OwnerAction, pressed_s: float) -> str:
-        """Why this press does not count, on today's rights; empty when it does."""
+        """Why this press does not count, by the rights of now; empty if it does."""
         if time.monotonic() - pressed_s > FRESH_S:
             return f"It was pressed more than {FRESH_S:.0f} s before I heard of it. Look at the robot, and press again."
         try:
@@ -117,7 +117,7 @@ class OwnerActions:
             return RobotRights()
 
     async def _do(self, action: OwnerAction, by: str, at: datetime, pressed_s: float) -> tuple[bool, str]:
-        """Whether it was done, and what came of it in English. Raises `RobotError`."""
+        """Do it; return whether it was done, and the result in English. Raises `RobotError`."""
         if action == "home":
             await self._driver.home(by)
             return True, "Its home is where it stood then."
@@ -136,7 +136,7 @@ class OwnerActions:
 
     # ------------------------------------------------------------------ what a thread is told
     async def learn_page(self) -> None:
-        """Ask the forum once where the robot's page is, for links to it."""
+        """Ask the forum once for the address of the robot's page."""
         if isinstance(self._forum, RobotControls) and not self._page:
             with contextlib.suppress(ForumError, TimeoutError):
                 async with asyncio.timeout(ASK_S):
@@ -158,15 +158,15 @@ class OwnerActions:
         return say(f"agent.how.{action}", language, who=who, page=page, robot=self._name)
 
     async def ways_out(self, report: Report) -> list[str]:
-        """Paragraphs for a command that did not move since the robot is locked or has no home: who did that, and how
-        it ends."""
+        """Paragraphs for a command that did not move because the robot is locked or has no home: who locked it, and how
+        to release it or set its home."""
         reasons, language = {result.reason for result in report.results}, report.command.language
         if not reasons & (_LOCKED | _HOMELESS) and report.status is not CommandState.STOPPED:
             return []
         state = await self._state()
         locked = state.halted if state is not None else bool(reasons & _LOCKED)
         if locked:
-            # The sentence of a step that the driver refused says who, when and why; that of one it broke off does not.
+            # The driver's message says who, when and why if it refused a step, but not if it broke one off.
             already_said = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
             return [self.locked(None if already_said or state is None else state.lock, language)]
         if reasons & _HOMELESS and not (state is not None and state.homed):
@@ -179,7 +179,7 @@ class OwnerActions:
         return paragraphs + ([] if state.homed else [self.how_to_home(language)])
 
     def locked(self, lock: Lock | None, language: Language) -> str:
-        """Who locked it, why and since when, and how it is released."""
+        """Say who locked the robot, why and since when, and how to release it."""
         return join_sentences(
             filter(None, (lock and lock_text(lock, language), self.how_to_release(language))), language
         )
@@ -193,7 +193,7 @@ class OwnerActions:
 
 
 def lock_text(lock: Lock, language: Language) -> str:
-    """A lock in a sentence of the language; its texts are others' and stand there as code."""
+    """A lock as a sentence; its untrusted texts are shown as code."""
     why = say("agent.lock.emergency", language) if lock.why == EMERGENCY_STOP else quote(lock.why.rstrip("."))
     if not lock.by or lock.at is None:
         return say("agent.lock.nobody", language, why=why)

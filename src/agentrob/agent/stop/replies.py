@@ -1,4 +1,5 @@
-"""Stop, straight to the driver: no model, journal, queue or limit stands in the way (laws 13 to 17)."""
+"""Send stops straight to the driver and reply to stop posts: no model, journal, queue or limit delays a stop (laws 13
+to 17)."""
 
 from __future__ import annotations
 
@@ -23,25 +24,25 @@ from agentrob.model import Language, Post, StopResult
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.stop import stop_robot
 
-#: A reply that is folded is brought up to date at most this often.
+#: The shortest time between two updates of a reply that several stops share.
 FOLD_S = 1.0
-#: A forum that fails so often (for some 50 s) is left without the reply to a stop.
+#: How often the reply to a stop is tried, which takes about 50 s.
 TRIES = 9
-#: Threads whose reply to a stop is remembered, until a new command comes; a stop in another one is answered anew.
+#: Topics whose reply to a stop is remembered, until a new command comes.
 THREADS = 100
 _log = structlog.get_logger()
-#: What the second channel's answer to a halt says: it can only stop.
+#: The message of the second channel's answer to a halt: it can only stop.
 ONLY_STOPPED = "only stopped"
-#: A stop that is told as late by more than this is told once the clocks are compared.
+#: If a stop seems later than this, its latency is computed once the clocks are compared.
 LATE_MS = STEP.total_seconds() * 1000
 
 
 @dataclass
 class StopReply:
-    """One reply that tells of a stop, and of those that came after it in its thread.
+    """The reply to a stop, and to the stops that followed it in its topic.
 
-    `ended` counts commands. `halted` is None when a halt was asked for and could not be done, `taken` says that the
-    post is no plain stop. `result` is what the stop did, None when the driver was not reached.
+    `ended` counts commands. `halted` is None if a halt was asked for and could not be done. `taken`: the post is not a
+    plain stop. `result` is what the stop did, None if the driver was not reached.
     """
 
     language: Language
@@ -56,9 +57,9 @@ class StopReply:
 
 
 class StopReplies:
-    """Stops one robot and answers stop posts, with one reply per thread until a new command comes.
+    """Stops one robot and answers stop posts, with one reply per topic until a new command comes.
 
-    `now` is the forum's clock; `settled` waits until that is known, `render` gives a reply's Markdown.
+    `now` is the forum's clock, `settled` waits until it is known, `render` returns the Markdown of a reply.
     """
 
     def __init__(
@@ -81,9 +82,9 @@ class StopReplies:
         self._replies = BoundedDict[str, asyncio.Task[StopReply | None]](THREADS)
 
     async def stop(self, by: str, at: datetime, halt: bool = False) -> StopResult | None:
-        """Stop or halt the robot; the result's latency counts from `at`, when the stop was accepted by the forum.
+        """Stop or halt the robot. The latency counts from `at`, when the forum accepted the stop.
 
-        None when no driver could be reached on either of its two channels.
+        None if no driver could be reached on either of its two channels.
         """
         with self._counted():
             result = await self._stop(by, at, halt)
@@ -92,13 +93,13 @@ class StopReplies:
             return result
 
     async def quietly(self, why: str) -> None:
-        """Stop because a command of ours ended before its time; raises `RobotError`. It is no stop of somebody: what
-        waits is left, and a stop that came before this one still ends it (law 14)."""
+        """Stop because a command of ours ended early. Raises `RobotError`. It is not a person's stop: commands that
+        wait are left alone, unless an earlier stop ends them (law 14)."""
         with self._counted():
             await self._driver.stop(f"agent: {why}", running_only=True)
 
     async def settled(self) -> None:
-        """Wait for the stops that are on their way to the driver."""
+        """Wait until the driver has answered the stops sent so far."""
         if self._under_way:
             await asyncio.wait(tuple(self._under_way))
 
@@ -113,9 +114,9 @@ class StopReplies:
             done.set_result(None)
 
     async def since(self, accepted_s: float) -> float:
-        """Since when the driver may know of no stop, for a command accepted at `accepted_s` (monotonic) that we did
-        not end: waits for our own stops, which were for earlier commands, and counts from when the driver ended those:
-        a stop by somebody at the robot, while it still came to rest, is not hidden by ours."""
+        """The time since which no stop may have reached the driver, for a command accepted at `accepted_s` (monotonic)
+        that we did not end. Waits for our own stops, which were for earlier commands, and counts from when the driver
+        ended those: they do not hide a stop by a person at the robot while it still comes to rest."""
         await self.settled()
         return max(accepted_s, self._ended_s)
 
@@ -141,11 +142,11 @@ class StopReplies:
         return replace(result, latency_ms=late_ms + result.latency_ms)
 
     def _late_ms(self, at: datetime, heard_s: float) -> float:
-        """How long after it was accepted by the forum a stop was heard, by the forum's clock as it goes now."""
+        """How long after the forum accepted it a stop was received, by the forum's clock as it is set now."""
         return ((self._now() - at).total_seconds() - (time.monotonic() - heard_s)) * 1000
 
     def new_command(self) -> None:
-        """The next stop is about something new and gets a reply of its own."""
+        """Give the next stop a reply of its own."""
         self._replies.clear()
 
     async def answer(self, post: Post, stopping: asyncio.Task[StopResult | None], reply: StopReply) -> None:

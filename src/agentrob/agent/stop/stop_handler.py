@@ -1,8 +1,9 @@
-"""What a stop ends: all that was posted earlier, whether it is on its way, waits or moves (laws 13 to 15).
+"""Stop the robot, and end every command that was posted earlier: received, waiting or moving (laws 13 to 15).
 
-What was heard before a stop was posted before it, whatever the forum's clock said. Of a post that is heard after it,
-only the clock tells which was first, and that clock may be set in between. So a stop keeps the moment at which it was
-heard as well, by a clock that nobody sets: a post can be older than the stop only if it is older than that moment.
+A post that was received before a stop was posted before it, whatever the forum's clock said. For a post that is
+received after a stop only the clock tells which came first, and that clock may be set in between. So a stop also keeps
+the moment at which it was received, by a clock that cannot be set: a post can be older than the stop only if it is
+older than that moment.
 """
 
 from __future__ import annotations
@@ -30,16 +31,17 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Stopped:
-    """A stop: when it was posted, by the forum's clock as it went then, and when it was heard, by `elapsed_s`. One that
-    came `past` the forum bears no time of it, and ends what was posted until it was heard."""
+    """A stop: when it was posted, by the forum's clock as it was set then, and when it was received, by `elapsed_s`. A
+    stop that did not come through the forum (`past`) has no time of the forum, and ends what was posted until it was
+    received."""
 
     posted_at: datetime
     heard_s: float
     past: bool = False
 
     def at(self, event_stream: EventStream) -> datetime:
-        """Nothing that was posted then or before moves any more. Never more than `STEP` later than when the stop was
-        heard, by the forum's clock as it goes now."""
+        """Nothing that was posted then or before moves any more. At most `STEP` later than when the stop was received,
+        by the forum's clock as it is set now."""
         heard_at = event_stream.at(self.heard_s)
         if self.posted_at > heard_at + STEP:  # the forum's clock has been set back since
             return heard_at
@@ -47,8 +49,8 @@ class Stopped:
 
 
 class StopHandler:
-    """One robot's. `journal` gives None while it is not open, `spawn` begins work that nobody waits for. Whether
-    somebody may stop is asked before."""
+    """Handles the stops of one robot. `journal` returns None while it is not open, `spawn` starts a task that nobody
+    awaits. The caller has checked that the account may stop."""
 
     def __init__(
         self,
@@ -72,11 +74,11 @@ class StopHandler:
 
     @property
     def stopped_at(self) -> datetime:
-        """Nothing that was posted then or before moves any more, by the forum's clock as it goes now."""
+        """Nothing that was posted then or before moves any more, by the forum's clock as it is set now."""
         return self._last.at(self._event_stream) if self._last is not None else datetime.min.replace(tzinfo=UTC)
 
     async def remember(self, journal: Journal, begun: datetime) -> None:
-        """What the journal knows of stops counts too. `begun`: the agent's first start."""
+        """Load the newest stop from the journal. `begun`: the agent's first start."""
         posted_at, heard = await journal.get_time("stopped") or begun, await journal.get("stopped_heard") or ""
         machine, _, heard_s = heard.partition(" ")
         kept = Stopped(posted_at, float(heard_s) if heard_s and machine == boot() else elapsed_s())
@@ -89,8 +91,8 @@ class StopHandler:
             self._save_soon(journal)
 
     def why_not(self, posted_at: datetime) -> EndReason | None:
-        """Why a post that was heard after the newest stop may not move: it was written before; or it may have been, as
-        far as a clock that was set since can tell. None when it may."""
+        """Why a post that was received after the newest stop may not move: it was written before the stop, or may have
+        been, as far as a clock that was set since can tell. None if it may."""
         if self._last is None or posted_at > self.stopped_at:
             return None
         step, last = self._event_stream.step, self._last
@@ -100,8 +102,9 @@ class StopHandler:
         return EndReason.STOP
 
     def heard(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
-        """A stop of the forum: end and cancel all that was posted earlier, and stop the robot, with nothing between.
-        `taken`: the post was taken as a stop since the robot moves or a command waits; its reply says so."""
+        """Handle a stop of the forum: end everything that was posted earlier and stop the robot, with nothing in
+        between. `taken`: the post counts as a stop only because the robot moves or a command waits; its reply says
+        so."""
         post = event.post
         edited = event.kind is EventKind.POST_EDITED
         at = post.created_at if post is not None and not edited else event.at
@@ -113,21 +116,22 @@ class StopHandler:
         self._ring(event.at, post.topic_id if post is not None else None, ended, language)
 
     def pulled(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:
-        """A stop past the forum ends what was posted until now, and until `posted_at`; how many that were."""
+        """Handle a stop that did not come through the forum: end what was posted until now and until `posted_at`.
+        Return how many commands it ended, and the task that stops the robot."""
         now = self._event_stream.now()
         ended, stopping = self._end_all(by, Stopped(max(now, posted_at or now), elapsed_s(), past=True), now)
         self._ring(now, None, ended, "en")
         return len(ended), stopping
 
     def released(self, at: datetime) -> None:
-        """A locked robot is released: what was posted before that does not move it afterwards (laws 14 and 17)."""
+        """Record that a locked robot is released: what was posted before does not move it afterwards (laws 14, 17)."""
         self._note(Stopped(at, elapsed_s()))
         self._inbox.end_coming(until=at)
         self._write_down(self._queue.end_posted(at, EndReason.RELEASE), EndReason.RELEASE)
 
     def clear(self) -> datetime | None:
-        """From now on no stop of before holds back what is posted. The time that the newest one bears, where that is in
-        the future by the forum's clock as it goes now."""
+        """Let no earlier stop hold back what is posted from now on. Return the time of the newest stop if it is in the
+        future, by the forum's clock as it is set now."""
         last, now = self._last, self._event_stream.now()
         if last is None or last.posted_at <= now:
             return None
@@ -148,7 +152,7 @@ class StopHandler:
         return ended, stopping
 
     def _note(self, stopped: Stopped) -> None:
-        """The later one counts, by the forum's clock as it goes now."""
+        """Keep the later stop, by the forum's clock as it is set now."""
         if self._last is None or stopped.at(self._event_stream) >= self._last.at(self._event_stream):
             self._last = stopped
 
@@ -168,7 +172,7 @@ class StopHandler:
             self._spawn(self._moderator_alert.tell(topic, language))
 
     async def _save(self, journal: Journal) -> None:
-        """Many stops at once are one or two writes, so that nobody's command waits behind them."""
+        """Save the newest stop. Many stops at once need one or two writes, so that no command waits behind them."""
         saved: Stopped | None = None
         while (last := self._last) is not None and saved is not last:
             saved = last

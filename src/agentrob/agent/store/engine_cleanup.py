@@ -1,4 +1,5 @@
-"""What the journal's engine leaves behind: dropped at a start when it is unfinished, else some time after its end."""
+"""Delete the workflows of the journal's engine: unfinished ones at the start, finished ones some time after their
+end."""
 
 from __future__ import annotations
 
@@ -8,14 +9,14 @@ from datetime import datetime
 
 from dbos import DBOS, DBOSClient, DBOSPortableJSONSerializer
 
-#: What is finished is kept so long. Only a command that is still open needs it, and that one keeps it.
+#: How long a finished workflow is kept. Only an open command needs it, and an open command keeps it.
 KEEP_S = 3600.0
-#: So many workflows are dropped in one write, so that a motion's row need not wait for long.
+#: How many workflows are deleted in one write, so that the row of a motion does not wait for long.
 AT_ONCE = 200
 
 
 def forget_unfinished(url: str, exists: bool) -> None:
-    """Drop workflows that were left unfinished, of this version or another."""
+    """Delete unfinished workflows, of this version or another."""
     if not exists:
         return
     client = DBOSClient(system_database_url=url, serializer=DBOSPortableJSONSerializer())
@@ -28,7 +29,7 @@ def forget_unfinished(url: str, exists: bool) -> None:
 
 
 def forget_finished(needed: Collection[str]) -> None:
-    """Drop workflows that ended and were begun more than `KEEP_S` ago, but for those `needed`. The engine runs."""
+    """Delete finished workflows that began more than `KEEP_S` ago, except those `needed`. The engine must run."""
     before = datetime.fromtimestamp(time.time() - KEEP_S).astimezone().isoformat()
     done = DBOS.list_workflows(status=["SUCCESS", "ERROR"], end_time=before, load_input=False, load_output=False)
     ids = [w.workflow_id for w in done if w.workflow_id not in needed]

@@ -1,14 +1,14 @@
-"""What an agent must not forget: which posts it claimed, whether their motion began, and what came of each.
+"""The agent's journal: which posts it claimed, whether their motion began, and the result of each.
 
 Two things share one SQLite file. The rows (`claim`, `motion`, `meta`) are ours and decide whether anything may move.
-The workflows are DBOS's: each thought and motion is one, with an id made of the post, so that what was finished
-before a crash is not done again. Unfinished workflows are forgotten at the start and begun anew from the claim rows:
+The workflows are DBOS's: each assessment and each motion is one, with an id made of the post, so that what was finished
+before a crash is not done again. Unfinished workflows are dropped at the start and begun again from the claim rows:
 what must not be repeated is guarded by its own row, never by the engine.
 
     post-<id>            read the post, understand it, screen it
     post-<id>:motion     move; the motion row is written before, and the first insert wins
 
-The final reply needs none: it can be told again, since whoever tells it looks first whether it is there.
+The final reply needs no workflow: before it is written again, the agent checks whether it is there.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ from agentrob.model.lifecycle import check_transition
 T = TypeVar("T")
 Work = Callable[[], Awaitable[str]]
 
-#: Raised by one when stored workflows of the old version must not be taken for those of the new.
+#: Increase it when stored workflows of the old version must not be taken for those of the new.
 VERSION = "agentrob-1"
-#: So many answers are written at once, or made anew after a restart.
+#: How many results are written at once.
 KEEPING = 8
-#: A claim is kept so long whatever their number: a post that is younger must be known again (law 6).
+#: A claim is kept at least this long: a younger post must be recognized again (law 6).
 AT_LEAST_S = 86400.0
 
 _PLAN = TypeAdapter(Plan)
@@ -155,9 +155,9 @@ class Journal(Rows):
 
     # ---------------------------------------------------------------- claims
     async def claim(self, command: Command, ended: EndReason | None = None) -> Claim:
-        """Take a post, before anything about it is written on the forum. Taking it again changes nothing.
+        """Claim a post, before anything about it is written on the forum. Claiming it again changes nothing.
 
-        `ended` is why it may never move; that is kept with it from the first moment on.
+        `ended` is why it may never move; it is written together with the claim.
         """
         return await self._in_rows(self._claim, command, ended)
 
@@ -181,12 +181,12 @@ class Journal(Rows):
         return await self._in_rows(self._claimed, post_id)
 
     async def open_claims(self) -> Sequence[Claim]:
-        """Claims without a final reply, in the order in which they were taken."""
+        """Claims without a final reply, oldest first."""
         found = await self._in_rows(self._all, f"{db.CLAIMS} WHERE final IS NULL ORDER BY number")
         return [db.read_claim(row) for row in found]
 
     async def newest_claim(self) -> Claim | None:
-        """The claim taken last whose status post is on the forum."""
+        """The newest claim whose status post is on the forum."""
         query = f"{db.CLAIMS} WHERE status_post NOT NULL ORDER BY number DESC LIMIT 1"
         found = await self._in_rows(self._one, query)
         return db.read_claim(found) if found else None
@@ -211,16 +211,17 @@ class Journal(Rows):
         return await self._in_rows(self._one, "SELECT 1 FROM claim WHERE post = ?", (post_id,)) is not None
 
     async def posted(self, post_id: str, status_post: str) -> None:
-        """The status post of a claim is on the forum."""
+        """Record that the status post of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))
 
     async def did(self, post_id: str, plan: Plan) -> None:
-        """A claim's plan was done as it was meant."""
+        """Record the plan of a command that is done."""
         kept = _PLAN.dump_json(plan).decode()
         await self._in_rows(self._do, "UPDATE claim SET plan = ? WHERE post = ?", (kept, post_id))
 
     async def finish(self, post_id: str, final: CommandState) -> None:
-        """The final reply of a claim is on the forum. `IllegalTransition` for a state that cannot be its end."""
+        """Record that the final reply of a claim is on the forum. `IllegalTransition` for a state that cannot be its
+        end."""
 
         def rows() -> None:
             self._check(post_id, final)
@@ -250,9 +251,10 @@ class Journal(Rows):
         return await self._in_rows(rows)
 
     async def decide(self, post_id: str, decided: ApprovalDecision) -> bool:
-        """Somebody approved or denied; the first word counts, but what was approved may be denied until it moves.
+        """Record an approval or a denial. The first decision counts, but an approved command can be denied until it
+        moves.
 
-        False when it came too late. What is denied may not begin to move any more.
+        False if it came too late. A denied command may not begin to move any more.
         """
 
         def rows() -> bool:
@@ -270,8 +272,8 @@ class Journal(Rows):
         return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
 
     async def prune(self, days: float, commands: int) -> None:
-        """Let go of claims that were told more than `days` ago, or more than a day ago and more than `commands` claims
-        ago, and of what the engine kept of commands that are told. `JournalError` when that cannot be done."""
+        """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago,
+        and the engine's workflows of ended commands. Raises `JournalError`."""
 
         def rows() -> list[str]:
             now = time.time()
@@ -288,7 +290,7 @@ class Journal(Rows):
             raise JournalError(f"old workflows cannot be dropped: {e}") from None
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
-        """The plans done before in a thread, oldest first."""
+        """The plans that were done in a topic, oldest first."""
         query = (
             "SELECT plan FROM claim WHERE topic = ? AND plan NOT NULL AND coalesce(final, 'done') = 'done'"
             " ORDER BY number DESC LIMIT ?"
@@ -359,7 +361,7 @@ class Journal(Rows):
 
     # ---------------------------------------------------------------- motion rows
     def _begin(self, post_id: str) -> str | None:
-        """None when the motion may begin now, and is on disk as begun; else what to answer instead."""
+        """None if the motion may begin now, and is on disk as begun; else the result to return instead."""
         if self._insert_motion(post_id, MotionState.BEGUN):
             return None
         state, result = self._one("SELECT state, result FROM motion WHERE post = ?", (post_id,)) or ("", None)
@@ -379,7 +381,7 @@ class Journal(Rows):
         self._do("UPDATE motion SET state = ?, result = ? WHERE post = ?", (MotionState.ENDED, result, post_id))
 
     async def cancel(self, post_id: str) -> bool:
-        """Make sure that a motion which has not begun never does; False when it has begun."""
+        """Keep a motion from ever beginning. False if it has a row already: it has begun, or was cancelled before."""
         return await self._in_rows(self._cancel, post_id)
 
     def _cancel(self, post_id: str) -> bool:
@@ -393,13 +395,13 @@ class Journal(Rows):
         return bool(found[0] == MotionState.ENDED if ended else found[0] != MotionState.CANCELLED)
 
     async def kept(self, post_id: str) -> str | None:
-        """What a motion that ended answered; None when that is not known."""
+        """The result of a motion that ended; None if it is not known."""
         query = "SELECT result FROM motion WHERE post = ? AND state = ?"
         found = await self._in_rows(self._one, query, (post_id, MotionState.ENDED))
         return None if found is None or found[0] is None else str(found[0])
 
     async def set_aside(self) -> None:
-        """The forum was replaced and its ids mean other posts now: what was kept counts no more, open claims end."""
+        """Forget the posts of a forum that was replaced, since its ids mean other posts now: open claims end."""
 
         def rows() -> None:
             era = f"before-{time.time_ns()}-"

@@ -1,4 +1,4 @@
-"""The journal's own tables, its connection, a claim as it is read from them, and the clock that tells how old it is."""
+"""The journal's tables and connection, and the claims that are read from them."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ FROM claim LEFT JOIN approval ON approval.post = claim.post LEFT JOIN motion ON 
 
 
 class Rows:
-    """A database whose connection one thread owns, so that rows are written in the order in which that was asked for.
+    """A database whose connection belongs to one thread, so that rows are written in the order of the calls.
 
-    `_in_rows` hands that thread a call; what else begins with `_` is for such calls.
+    `_in_rows` runs a call in that thread; the other methods that begin with `_` are for such calls.
     """
 
     def __init__(self, thread_name: str) -> None:
@@ -69,7 +69,7 @@ class Rows:
 
     @contextlib.contextmanager
     def _together(self) -> Iterator[None]:
-        """All writes within are on disk, or none."""
+        """Write everything inside in one transaction."""
         self._do("BEGIN IMMEDIATE")
         try:
             yield
@@ -100,7 +100,7 @@ class Rows:
         await self.put_all(**{key: value})
 
     async def put_all(self, **values: str) -> None:
-        """All of them are on disk, or none."""
+        """Write all values in one transaction."""
         query = "INSERT INTO meta (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value"
 
         def rows() -> None:
@@ -116,18 +116,17 @@ class Rows:
 
 
 def migrate(db: sqlite3.Connection) -> None:
-    """Journals of earlier versions lack a column."""
+    """Add the column that journals of earlier versions lack."""
     if "ended" not in [column[1] for column in db.execute("PRAGMA table_info(claim)")]:
         db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
 
 
 def prune(db: sqlite3.Connection, before: float, commands: int, day: float) -> None:
-    """Claims that are told go when they are older than `before` (Unix seconds), or older than `day` and not among the
-    newest `commands`. Open ones never go.
+    """Delete ended claims older than `before` (Unix seconds), or older than `day` and not among the newest `commands`.
+    Open claims are kept.
 
-    A post whose claim is gone is not known any more, and could be claimed again if the forum delivered it anew. It
-    still moves nothing (law 6): it is at least a day old, and a post moves something only within minutes (law 5). The
-    claim that stands on the forum stays there as well.
+    A post whose claim is deleted could be claimed again if the forum delivered it again. It still moves nothing (law
+    6): it is at least a day old, and a post moves something only within minutes (law 5). Its claim on the forum stays.
     """
     old = "final NOT NULL AND (at < :before OR (at < :day AND number <= (SELECT max(number) FROM claim) - :commands))"
     values = {"before": before, "day": day, "commands": commands}
@@ -155,7 +154,7 @@ SET_ASIDE = (
 
 @dataclass(frozen=True, slots=True)
 class ApprovalDecision:
-    """What somebody said of a command that needed an approval, bound to their post as a command is to its own."""
+    """An approval or a denial of a command, bound to its post as a command is bound to its own."""
 
     approved: bool
     by: Account
@@ -166,7 +165,7 @@ class ApprovalDecision:
 
 @dataclass(frozen=True, slots=True)
 class ApprovalRequest:
-    """A command for which an approval was asked at `asked_at`, by the forum's clock, and what was said until now."""
+    """A request for approval, made at `asked_at` by the forum's clock, and the decision, if there is one."""
 
     asked_at: datetime
     until_at: datetime
@@ -178,11 +177,11 @@ COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(ApprovalDecision)
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """A post that this journal took. `new` is False when it had been taken before, perhaps by an earlier process.
+    """A post that this journal claimed. `new` is False if it was claimed before, perhaps by an earlier process.
 
-    `waited_s` is how long ago it was accepted by the machine's clock that nobody sets, infinite when the machine has
-    been started anew since. `final` is the state that its reply told, None while it is open. `ended` is why it may
-    never move, None while it may. `asked`: an approval was asked for. `motion` is the state of its motion row.
+    `waited_s` is how long ago it was accepted, by the machine's clock that cannot be set; infinite if the machine was
+    restarted since. `final` is the state of its final reply, None while it is open. `ended` is why it may never move,
+    None while it may. `asked` is its request for approval. `motion` is the state of its motion row.
     """
 
     command: Command
@@ -208,7 +207,7 @@ class Claim:
     def why_not(
         self, now_at: datetime, watermark_at: datetime, stopped_at: datetime, max_age_s: float
     ) -> EndReason | None:
-        """Why an earlier process's claim may not begin to move; None when the restart fell within its time."""
+        """Why a claim of an earlier process may not begin to move; None if it is still fresh."""
         posted_at = self.command.posted_at
         if self.ended is not None:
             return self.ended
@@ -246,12 +245,12 @@ def read_asked(asked_at: str | None, until_at: str | None, decision: str | None)
 
 
 def boot_s() -> float:
-    """Seconds since this machine started, sleep included: a clock that nobody sets."""
+    """Seconds since this machine started, sleep included: a clock that cannot be set."""
     return time.clock_gettime(time.CLOCK_BOOTTIME)
 
 
 def boot() -> str:
-    """Which start of the machine this is."""
+    """The id of this start of the machine."""
     with contextlib.suppress(OSError):
         return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     return f"{os.uname().nodename}"
