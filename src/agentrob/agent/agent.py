@@ -55,16 +55,16 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import prepare as prepare_screen
 
-#: At its first start an agent answers posts of so long ago (that they are too old), and looks for claims it lost.
+#: How far back a first start looks: it replies to posts that they are too old, and closes claims that it does not know.
 LOOK_BACK = timedelta(minutes=10)
-#: How long a running command may take to tell its end when the agent is ended.
+#: How long a running command may take to post its end when the agent is ended.
 LAST_WORDS_S = 2.5
 DRIVER_WAIT_S = 5.0
-#: Clocks that turned out to agree are not compared again for so long; and how long that may take.
+#: How long until clocks that agreed are compared again, and how long a comparison may take.
 COMPARE_S, COMPARING_S = 1.0, 5.0
-#: That the forum's clock was set is told for so long, in replies that it touches.
+#: How long replies mention that the forum's clock was set.
 SAID_S = 60.0
-#: A task that only shows things begins anew so long after it failed.
+#: When a display task (presence, camera) is restarted after an error.
 RESTART_S = 1.0
 _log = structlog.get_logger()
 
@@ -145,12 +145,12 @@ class RobotAgent:
 
     # ------------------------------------------------------------------ life
     async def prepare(self) -> None:
-        """Import all that would make stops wait while it serves; asks nobody anything. Once is enough."""
+        """Import everything whose import would delay stops later. Makes no requests."""
         plot.warm_up()
         await extract.prepare(self.mind)
 
     async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
-        """Serve the forum until cancelled; then the robot is stopped and what ran is told as interrupted."""
+        """Serve the forum until cancelled; then stop the robot and report a running command as interrupted."""
         try:
             await self._start()
             async with asyncio.TaskGroup() as group:
@@ -163,7 +163,7 @@ class RobotAgent:
             await self._wind_down()
 
     async def once(self) -> None:
-        """Handle what is new since the last time, then return. Stops are heard all the while."""
+        """Handle everything new since the last run, then return. Stops are received meanwhile."""
         try:
             await self._start()
             self._accepting = False
@@ -182,7 +182,7 @@ class RobotAgent:
             await self._wind_down()
 
     async def close(self) -> None:
-        """Let go of journal, mind, forum and driver. Calling again does nothing."""
+        """Close journal, mind, forum and driver. Calling again does nothing."""
         if self._journal is not None:
             await self._journal.close()
             self._journal = None
@@ -216,12 +216,12 @@ class RobotAgent:
             self._spawn(self._warm(self.mind))
 
     async def _warm(self, mind: ModelMind) -> None:
-        """A local server reads the prompt while nobody waits for it."""
+        """Let a local model server read the prompt before the first post."""
         with contextlib.suppress(RobotError):
             await mind.warm(await self.driver.capabilities())
 
     async def _resume(self) -> None:
-        """Hear what was missed, above all stops, and only then take up the commands that were left open."""
+        """Receive the events that were missed, above all stops, and then continue the open commands."""
         claims = await self.journal.open_claims()
         self._claimed_topics = frozenset(claim.command.topic_id for claim in claims)
         self.inbox.left_open = frozenset(claim.command.post_id for claim in claims)
@@ -244,22 +244,22 @@ class RobotAgent:
         self.inbox.none_left_open()
 
     async def _catch_up(self) -> None:
-        """Hear what was missed; `ForumNotFound` as `EventStream.events`."""
+        """Receive the events that were missed; `ForumNotFound` as `EventStream.events`."""
         while events := await insist(self._missed):
             for event in events:
                 self.event_stream.cursor = event.id
                 self._hear_safely(event)
 
     async def _missed(self) -> Sequence[Event]:
-        """What was posted meanwhile. An answer that makes no sense is none: without it no command is taken up."""
+        """The events that were missed. A malformed answer counts as unreachable: no command continues without them."""
         try:
             return await self.forum.changes(self.event_stream.cursor)
         except ForumMalformed as e:
             raise ForumUnreachable(str(e)) from None
 
     async def _look_back(self, since: datetime, until: datetime) -> None:
-        """Answer posts of a time whose events do not come to us any more, and end what a journal that was lost had
-        claimed since then."""
+        """Reply to posts of a time whose events the forum no longer sends, and close claims of a journal that was
+        lost."""
         assert self._me is not None
         statuses = []
         with contextlib.suppress(ForumError):
@@ -274,7 +274,7 @@ class RobotAgent:
         self._spawn(close_unknown(self.forum, self.journal, statuses, self.pipeline.moves))
 
     async def _wind_down(self) -> None:
-        """Stop the robot, give a running command a moment for its last words, leave the rest to the next start."""
+        """Stop the robot, give a running command a moment to post its end, and leave the rest to the next start."""
         self._ending = True
         self.queue.close()
         if (job := self.queue.moving) is not None:
@@ -332,7 +332,7 @@ class RobotAgent:
         return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]
 
     async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
-        """Run what only shows things, for ever: its failures are logged, and never end the agent that hears stops."""
+        """Run a display task until cancelled. Its errors are logged and never end the agent, which must hear stops."""
         while True:
             try:
                 await run()
@@ -364,8 +364,8 @@ class RobotAgent:
                 await asyncio.sleep(1.0)
 
     async def _begin_anew(self) -> bool:
-        """The forum does not know our last event: go on after it (True) where it merely keeps that no more; or it was
-        replaced by another: end all, let nothing older move."""
+        """The forum does not know our last event. If it only deleted it, continue after it (True). If the forum was
+        replaced, end all commands and let nothing older move (False)."""
         newest = await insist(self.event_stream.set_clock)
         with contextlib.suppress(ForumNotFound):
             await insist(partial(self.forum.changes, self.event_stream.cursor))
@@ -393,14 +393,14 @@ class RobotAgent:
         return False
 
     def _hear_safely(self, event: Event) -> None:
-        """Whatever one event does to us, the next ones are heard."""
+        """Handle an event; an error never keeps the next events from being handled."""
         try:
             self._hear(event)
         except Exception:
             _log.error("event not heard", robot=self.name, event_id=event.id, trace=traceback.format_exc())
 
     def _hear(self, event: Event) -> None:
-        """Never waits: a stop is on its way to the driver before anything else is done with any event."""
+        """Handle an event without waiting: a stop is sent to the driver before anything else is done."""
         self._notice(event.at)
         triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
@@ -426,13 +426,14 @@ class RobotAgent:
     # ------------------------------------------------------------------ the forum's clock
     @property
     def _watermark_at(self) -> datetime:
-        """Nothing that was posted before then is a command. Not later than when we began, by the forum's clock as it
-        goes now: it may have been set back since."""
+        """Nothing that was posted before then is a command. Not later than our start, by the forum's clock as it is set
+        now: it may have been set back since."""
         begun_at, begun_s = self._begun
         return min(begun_at, self.event_stream.at(begun_s))
 
     def _notice(self, at: datetime) -> None:
-        """The forum said that it is this time: when that is not so, what it said comes late, or its clock was set."""
+        """Note the forum's time. If it is not the expected one, the event is late or the clock was set: compare
+        clocks."""
         idle = self._comparing is None or self._comparing.done()
         if idle and self.event_stream.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
             self._comparing = self._spawn(self._compare_clocks())
@@ -446,17 +447,17 @@ class RobotAgent:
             self._compared_s = elapsed_s()
 
     async def _compared(self) -> None:
-        """Wait until the clocks are compared, where they are at it."""
+        """Wait for a comparison of clocks that is running."""
         if self._comparing is not None and not self._comparing.done():
             await asyncio.wait({self._comparing}, timeout=COMPARING_S)
 
     def _clock_set(self) -> timedelta | None:
-        """By how much the forum's clock was set, if that was just noticed."""
+        """By how much the forum's clock was set, if that was noticed recently."""
         step = self.event_stream.step
         return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
 
     async def _settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
-        """What a post is, once the clocks are compared: only then it is known whether it is fresh."""
+        """Triage a post again once the clocks are compared: only then it is known whether it is fresh."""
         await self._compared()
         if self._clock_set() is None:
             return triaged
@@ -464,7 +465,7 @@ class RobotAgent:
         return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else triaged
 
     def triage(self, post: Post, edited: bool = False) -> TriagedPost:
-        """What a post is for us now. Whatever one does to the reading of it, the next posts are heard."""
+        """Triage a post. An error while reading one never keeps the next posts from being handled."""
         try:
             return triage(post, self._addressing(), edited)
         except Exception:
@@ -489,7 +490,8 @@ class RobotAgent:
             )
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
-        """Stop for somebody who may, past the forum: ends what was posted until now, and how many that were."""
+        """Stop without the forum, for an account that may. Returns how many commands it ended, and the stopping
+        task."""
         return self.stop_handler.pulled(by, posted_at)
 
     def _stop_reply(self, reply: StopReply) -> str:

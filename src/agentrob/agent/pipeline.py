@@ -70,10 +70,9 @@ from agentrob.model import (
 )
 from agentrob.robots.driver.client import DriverClient
 
-#: So many commands wait at most until our account may write again; what is more is left to the next start.
+#: The most commands that wait until our account may write again; further ones are left to the next start.
 MOST_DENIED = 1000
-#: A mind that answers within this time is waited for before the status is posted: a program's post that wants nothing
-#: gets none.
+#: How long the status post waits for the mind: a program's post that asks for nothing gets no status post.
 GLANCE_S = 1.0
 T = TypeVar("T")
 _EXECUTION = TypeAdapter(Execution)
@@ -82,8 +81,9 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True)
 class Pipeline:
-    """How one robot's agent handles any command; `run` is the whole of it. `on_motion` hears that a motion begins;
-    when `ending` says that the agent is being ended, no step begins. `on_end` hears each final report that was told."""
+    """Carries out the commands of one robot; `run` carries out one. `on_motion` is called when a motion begins,
+    `on_end` with each final report that was posted. While `ending` returns true no step begins: the agent is being
+    ended."""
 
     name: str
     settings: RobotConfig
@@ -103,7 +103,7 @@ class Pipeline:
     on_motion: Callable[[], None]
     ending: Callable[[], bool]
     on_end: Callable[[Report], None] = lambda _: None
-    #: What carries the commands that wait until the forum lets our account write again.
+    #: The tasks of commands that wait until our account may write again.
     denied: set[asyncio.Task[Any]] = field(default_factory=set)
     owner: OwnerActions | None = None
     #: By how much the forum's clock was set, if that was just noticed.
@@ -118,7 +118,7 @@ class Pipeline:
         )  # fmt: skip
 
     async def run(self, job: QueuedCommand) -> None:
-        """From the claim to the final reply; whatever goes wrong in between is told too."""
+        """Carry out a command, from its claim to its final reply. An error in between becomes the reply."""
         job.status = StatusPost(self.forum, job.command)
         try:
             report = await self._decide(job)
@@ -133,7 +133,7 @@ class Pipeline:
                 self.recorder.forget(job.command.post_id)
 
     async def _faulted(self, job: QueuedCommand, error: Exception) -> Report:
-        """The report of a command that a fault ended: with all that was measured until then (law 18)."""
+        """The report of a command that an error ended, with everything measured until then (law 18)."""
         if isinstance(error, RobotError):
             message = say("agent.because.driver", job.command.language, message=error)
         elif isinstance(error, JournalError):
@@ -158,14 +158,14 @@ class Pipeline:
 
     @contextlib.contextmanager
     def _beside(self, job: QueuedCommand, problem: str) -> Iterator[None]:
-        """For what stands beside a motion and its report: whatever goes wrong there costs only itself."""
+        """Log an error in work that accompanies a motion or its report, and go on without its result."""
         try:
             yield
         except Exception:
             _log.error(problem, post=job.command.post_id, trace=traceback.format_exc())
 
     async def decline(self, command: Command) -> None:
-        """Tell a command that the journal could not take: its status is its end."""
+        """Reply to a command that the journal could not record: its first status is its end."""
         job = QueuedCommand(command)
         report = self._report(job, CommandState.FAILED, message=self._because(job, "journal"))
         card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
@@ -174,7 +174,7 @@ class Pipeline:
         self.on_end(report)
 
     async def _decide(self, job: QueuedCommand) -> Report | None:
-        """What the final reply says; None when there is none (the post wants nothing, or was answered before)."""
+        """The final report; None if there is no reply (the post asks for nothing, or was answered before)."""
         thinking = asyncio.ensure_future(self.assessor.think(job, self.terms))
         try:
             return await self._claimed(job, thinking)
@@ -182,7 +182,7 @@ class Pipeline:
             thinking.cancel()  # where the claim failed or is not ours, nobody pays for a thought that nobody reads
 
     async def _claimed(self, job: QueuedCommand, thinking: asyncio.Future[Assessment]) -> Report | None:
-        """What the final reply says of a post that is thought about while it is claimed."""
+        """The final report of a post that is read while it is claimed."""
         post_id = job.command.post_id
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         # A person who speaks to a robot always gets an answer; programs would answer each other without end.
@@ -214,7 +214,7 @@ class Pipeline:
         return await self._answer(job, assessment)
 
     async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
-        """Post the first status. Whether the claim is ours, and whether somebody told its end before (law 6)."""
+        """Post the first status. Return whether the claim is ours, and whether its end was posted before (law 6)."""
         command = job.command
         card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
         shown = Shown(words.seen(command.language, command.trace_id), card)
@@ -238,8 +238,8 @@ class Pipeline:
     async def _allowed(
         self, write: Callable[[], Awaitable[T]], wait: Callable[[float], Awaitable[object]] = asyncio.sleep
     ) -> T:
-        """Write what must be told as soon as our account may; a suspension ends. What is too much to wait for here is
-        left to the next start: `ForumDenied`."""
+        """Write as soon as our account may: a suspension can end. Raises `ForumDenied` if too many commands wait for
+        that; the next start continues them."""
         task = asyncio.current_task()
         assert task is not None
 
@@ -253,8 +253,8 @@ class Pipeline:
             self.denied.discard(task)
 
     async def _denied(self, job: QueuedCommand, seconds: float) -> None:
-        """The forum denies us the claim: others go before it meanwhile, and once it is too old it only waits to be
-        told so."""
+        """The forum denies us the claim: let others pass meanwhile. A command that has become too old only waits for
+        its reply."""
         await self.queue.aside(job, seconds)
         if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
             job.end(EndReason.EXPIRED)
@@ -262,13 +262,13 @@ class Pipeline:
             await self.journal.end([job.command.post_id], EndReason.EXPIRED)
 
     async def moves(self, trace_id: str) -> bool:
-        """Whether the driver works for the command of this trace id now, whichever agent gave it."""
+        """Whether the driver now carries out the command of this trace id, from whichever agent."""
         with contextlib.suppress(RobotError):
             return await self.driver.holder() == holder_of(trace_id)
         return False
 
     async def _answer(self, job: QueuedCommand, assessment: Assessment) -> Report:
-        """Everything that moves nothing."""
+        """The report of a post that moves nothing."""
         language, understood = job.command.language, assessment.understanding
         if job.ended is not None:
             await self.journal.cancel(job.command.post_id)
@@ -304,7 +304,7 @@ class Pipeline:
         return self._report(job, CommandState.ANSWERED, message=say("agent.nothing", language))
 
     async def _take_back(self, job: QueuedCommand) -> int:
-        """End what its author posted before and has not begun to move; how many commands that were."""
+        """End the earlier commands of its author that do not move; return how many."""
         before = self.queue.end_waiting(job, EndReason.TAKEN_BACK)
         await self.journal.end([other.command.post_id for other in before], EndReason.TAKEN_BACK)
         return len(before)
@@ -318,7 +318,7 @@ class Pipeline:
             return words.state_text(None, len(self.queue) - 1, language, str(e))
 
     async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
-        """A command that was ended from outside, before it moved or while it did."""
+        """The report of a command that was ended from outside, before its motion or during it."""
         why, language = job.ended or EndReason.BEFORE, job.command.language
         if why.state_before_motion is CommandState.EXPIRED and execution is None:
             wait = duration(
@@ -342,7 +342,7 @@ class Pipeline:
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
     async def _obey(self, job: QueuedCommand, assessment: Assessment) -> Report:
-        """A command: judged, then in line, then moved."""
+        """Carry out a command: check the verdict, wait for approval and for its turn, then move."""
         plan, verdict, command = assessment.understanding.plan, assessment.verdict, job.command
         assert verdict is not None
         if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
@@ -376,13 +376,13 @@ class Pipeline:
         return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
 
     def _read(self, text: str) -> Execution:
-        """What the journal kept of a motion, and its pictures as far as they are there."""
+        """The result of a motion from the journal, with its pictures as far as the files exist."""
         execution = _EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
         return replace(execution, results=results)
 
     async def _carried(self, job: QueuedCommand, plan: Plan, execution: Execution, kept: bool) -> Report:
-        """A command that was begun. `kept`: the journal knows what came of it."""
+        """The report of a command whose motion began. `kept`: the journal has its result."""
         language = job.command.language
         job.stopped_by = job.stopped_by or execution.stopped_by
         job.looked = execution.looked
@@ -397,7 +397,7 @@ class Pipeline:
         return self._report(job, execution.status, plan, execution, message=join_sentences(sentences, language))
 
     async def _pace(self, job: QueuedCommand) -> Verdict | None:
-        """Wait while this account may not command again; a refusal when that is long."""
+        """Wait until the account is within its rate limit; return a refusal if that takes long."""
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
         if most and len(self.queue.of_same_author(job)) >= most:
@@ -415,7 +415,7 @@ class Pipeline:
         return None
 
     async def _move(self, job: QueuedCommand, plan: Plan) -> str:
-        """The motion itself; called at most once ever for a post. One that the agent's end overtook does not begin."""
+        """Do the motion; called at most once ever for a post. Raises `NotBegun` if the agent is being ended."""
         if self.ending():
             raise NotBegun
         job.moving = True
@@ -444,7 +444,7 @@ class Pipeline:
     async def _permitted(
         self, job: QueuedCommand, terms: CommandTerms, plan: Plan
     ) -> tuple[Verdict, Capabilities | None]:
-        """May it move now: not either when another agent of this account told its end meanwhile."""
+        """Whether it may move now. Refused too if another agent of this account has posted its end meanwhile."""
         asked = permission(self.forum, self.driver, job.command, terms, plan)
         (verdict, capabilities), has_ended = await asyncio.gather(asked, job.status.has_ended())
         if has_ended:
@@ -452,7 +452,8 @@ class Pipeline:
         return verdict, capabilities
 
     def _kept(self, job: QueuedCommand, execution: Execution) -> str:
-        """A motion as the journal keeps it. Whatever fails here, what was measured is in `QueuedCommand.run`."""
+        """The result of a motion as the journal keeps it. If this fails, the measurements are in
+        `QueuedCommand.run`."""
         with self._beside(job, "surroundings not brought up to date"):
             self.surroundings.after(execution.results, execution.looked)
         with self._beside(job, "times not noted"):
@@ -468,7 +469,7 @@ class Pipeline:
         return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
     async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
-        """The plan's steps, or those that a model finds on the way to the goal."""
+        """Execute the plan, or let a model work towards the goal."""
         assessment, seeing = job.assessment, self.assessor.eyes
         if assessment is None or assessment.goal is None:
             return await execute(self.driver, job.command, plan, hooks)
@@ -483,7 +484,7 @@ class Pipeline:
 
     # ------------------------------------------------------------------ tell
     def show_place(self, job: QueuedCommand) -> None:
-        """Tell a command that waits how many are before it."""
+        """Show a command that waits its place in the queue."""
         if (
             job.ended is None
             and not job.held
@@ -524,7 +525,7 @@ class Pipeline:
         return Report(job.command, status, plan=plan, timings_ms=timings, goal=_goal(job), approved_by=by, **more)
 
     async def _tell(self, job: QueuedCommand, report: Report) -> None:
-        """Put the report into the thread, exactly once, and close the claim."""
+        """Post the final report exactly once, and close the claim."""
         command, text, pictures, facts = job.command, *await self._composed(job, report)
         short = ""
         with self._beside(job, "end not shortened"):
@@ -533,7 +534,7 @@ class Pipeline:
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
         images = [picture.data for picture in pictures if picture.attached]
         measured = any(result.moved for result in report.results)
-        # Before it is told: whoever reads that may say "again" at once. What was looked for is no plan to repeat.
+        # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
         with self._beside(job, "plan not kept"):
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.did(command.post_id, report.plan)
@@ -560,7 +561,7 @@ class Pipeline:
     async def _composed(
         self, job: QueuedCommand, report: Report
     ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
-        """The report's text with some pictures, its pictures, and its record, which is kept."""
+        """The report as a function of its pictures, the pictures, and the record, which is also written to disk."""
         command, looked, language = job.command, job.looked, job.command.language
         summary, by_model, calls, page = None, "", b"", ""
         pictures: tuple[Picture, ...] = ()
@@ -596,6 +597,6 @@ class Pipeline:
 
 
 def _goal(job: QueuedCommand) -> str:
-    """What is to be looked for, in our words; empty for a plan."""
+    """The goal in our words; empty for a plan."""
     goal = job.assessment.goal if job.assessment else None
     return in_words(goal, job.command.language) if goal else ""

@@ -1,1 +1,1 @@
-"""The parts put together from one configuration: the only room that knows all others."""
+"""Build the parts from one configuration: the only room that knows all others."""

@@ -1,4 +1,4 @@
-"""Wiring: the only room that knows every other; it makes forums, minds, robots and agents of a configuration."""
+"""Build forums, minds, robots and agents from a configuration."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def make_forum(config: Config, token: str) -> Forum:
 
 
 def make_mind(name: str, config: Config | None = None) -> Mind:
-    """A mind of the configuration, or one that is found by its entry point."""
+    """A mind of the configuration, or one found by its entry point."""
     minds = config.minds if config else {}
     if config and name in minds:
         from agentrob.minds.extraction.mind import ModelMind
@@ -52,7 +52,7 @@ def make_mind(name: str, config: Config | None = None) -> Mind:
 
 
 def minds_ledger(config: Config) -> Path:
-    """Where it is kept what the minds used up today."""
+    """The file that keeps what the minds used today."""
     return config.data_dir / "minds.sqlite"
 
 
@@ -75,7 +75,7 @@ def secret(config: Config) -> str:
 
 
 def only_robot(config: Config, name: str | None) -> str:
-    """The robot that is meant: the one named, or the only one there is."""
+    """The robot of this name, or the only one of the configuration."""
     if name is not None:
         config.robot(name)
         return name
@@ -168,7 +168,7 @@ def board_token(config: Config, name: str, label: str = "", scopes: tuple[str, .
 
 
 def revoke_board_tokens(config: Config, name: str, label: str | None = None) -> int:
-    """Make tokens of an account void, all or those of one label; returns how many."""
+    """Revoke the tokens of an account, all or those of one label; return how many."""
     from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
@@ -176,7 +176,7 @@ def revoke_board_tokens(config: Config, name: str, label: str | None = None) -> 
 
 
 def board_link(config: Config, name: str) -> str:
-    """An address that signs this account in, once."""
+    """A one-time sign-in address of this account."""
     from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
@@ -276,14 +276,14 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
 
 
 def try_mind(config: Config, name: str, text: str, model: str) -> list[str]:
-    """What a mind makes of a text and what that took, as lines for people. Nothing moves."""
+    """How a mind understands a text, and its usage, as lines for people. Nothing moves."""
     from agentrob.minds.extraction.trial import try_mind
 
     return asyncio.run(try_mind(make_mind(name, config), name, text, model, capabilities_of(model)))
 
 
 def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
-    """What the agent kept of a command (law 19); empty when there is nothing."""
+    """The agent's record of a command (law 19); empty if there is none."""
     path = data / "agents" / robot / "records" / f"{post_id}.json"
     try:
         record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
@@ -328,7 +328,7 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
 
 # ---------------------------------------------------------------------- understanding
 async def understand(text: str, name: str, capabilities: Any, mind: str = "rules", config: Config | None = None) -> Any:
-    """What a mind, perhaps of the configuration, makes of a text that is meant for this robot."""
+    """How a mind, perhaps a configured one, understands a text for this robot."""
     from agentrob.language.visible_text import mentions, visible_text
     from agentrob.minds.protocol import Addressee, ManagedMind
 
@@ -345,7 +345,7 @@ async def understand(text: str, name: str, capabilities: Any, mind: str = "rules
 
 
 def plan_text(text: str, model: str) -> dict[str, Any]:
-    """What a robot of this kind would make of a text, as data: intent, steps, notes, question, verdict."""
+    """How a robot of this kind would understand a text, as data: intent, steps, notes, question, verdict."""
     from agentrob.language.visible_text import mentions, visible_text
     from agentrob.model import Intent
     from agentrob.screening.screen import screen

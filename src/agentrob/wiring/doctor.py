@@ -1,4 +1,4 @@
-"""`agentrob doctor`: what keeps a robot from being driven, and what to do about it. It moves nothing unless told to.
+"""`agentrob doctor`: find what keeps a robot from being driven, and what to do about it. Moves nothing unless asked.
 
 A robot that a driver holds is not touched: its driver is asked instead. Any other is looked at over its network, by
 reading only. `--move` lets it walk 10 cm forward through a driver with the guard, when nothing bad was found.
@@ -61,7 +61,8 @@ def run(
 
 
 def chosen(robot: str | None, config: Config, interface: str | None, domain: int | None) -> tuple[str, RobotConfig]:
-    """The robot that is meant: one of the configuration, or a kind; with the network that was said. `ConfigError`."""
+    """The name and settings of a robot of the configuration or of a kind, with the network given. Raises
+    `ConfigError`."""
     if robot is None or robot in config.robots:
         name = app.only_robot(config, robot)
         settings = config.robots[name]
@@ -70,8 +71,8 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
         find("robots", robot)
         simulated = interface in (None, "lo")
         settings = app.simulated_robot(robot, 0) if simulated else RobotConfig(model=robot)
-    told = {"interface": interface, "domain": domain}
-    changed = {key: value for key, value in told.items() if value is not None}
+    given = {"interface": interface, "domain": domain}
+    changed = {key: value for key, value in given.items() if value is not None}
     try:
         return name, RobotConfig.model_validate({**settings.model_dump(), **changed})
     except ValueError:
@@ -79,17 +80,17 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
 
 
 def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
-    """Everything that can be found out without moving the robot."""
+    """All findings that need no motion."""
     why = Halt(config.data_dir / "drivers" / f"{name}.halt").why
     halted = [] if why is None else [_halted(name, why)]
     if lock_name(name, settings) in host_lock.held("driver/"):
         return [*asyncio.run(_asked(name, settings)), *halted]
     if settings.model == "fake":
-        said = "a fake robot needs no network; no driver holds it"
-        return [Finding("driver", Status.OK, said, f"Start one: agentrob driver {name}"), *halted]
+        text = "a fake robot needs no network; no driver holds it"
+        return [Finding("driver", Status.OK, text, f"Start one: agentrob driver {name}"), *halted]
     if settings.model not in ("go2", "g1"):
-        said = f"what a {settings.model} needs is not known here, and no driver holds it"
-        return [Finding("driver", Status.UNKNOWN, said, f"Start its driver and ask again: agentrob driver {name}")]
+        text = f"what a {settings.model} needs is not known here, and no driver holds it"
+        return [Finding("driver", Status.UNKNOWN, text, f"Start its driver and ask again: agentrob driver {name}")]
     from agentrob.robots.diagnostics import examine as checkup
 
     free = Finding("driver", Status.OK, "no driver on this machine holds it")
@@ -105,7 +106,7 @@ def _halted(name: str, why: str) -> Finding:
 
 # ------------------------------------------------------------------ a robot that is held
 async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
-    """What the driver that holds it says."""
+    """The findings of the driver that holds the robot."""
     lock = lock_name(name, settings)
     async with DriverClient(name) as driver:
         try:
@@ -115,24 +116,24 @@ async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
             advice = "It runs under another name or user, or hangs. `agentrob stop --all` reaches it all the same."
             return [Finding("driver", Status.BAD, found, advice)]
     used = f", and {holder} uses it now" if holder else ""
-    said = [Finding("driver", Status.OK, f"its driver holds it ({lock}){used}; this is what it says")]
+    results = [Finding("driver", Status.OK, f"its driver holds it ({lock}){used}; this is what it says")]
     if settings.model != "fake":
-        said.insert(0, network.interface_finding(settings))
+        results.insert(0, network.interface_finding(settings))
     if state.age_s >= STATE_AGE_S:
         age = "no state ever came" if math.isinf(state.age_s) else f"its last state is {state.age_s:.0f} s old"
         advice = "Is the robot on, and the cable in? End the driver and run this again to look at its network."
-        return [*said, Finding("state", Status.BAD, age, advice)]
-    said.append(Finding("state", Status.OK, f"{1000 * state.age_s:.0f} ms old"))
-    said += findings.of_state(state)
+        return [*results, Finding("state", Status.BAD, age, advice)]
+    results.append(Finding("state", Status.OK, f"{1000 * state.age_s:.0f} ms old"))
+    results += findings.of_state(state)
     if not state.homed:
         advice = f"Until then nothing moves it. Where it stands becomes its home by: agentrob home {name}"
-        said.append(Finding("home", Status.WARNING, "not set yet", advice))
-    return [*said, findings.of_battery(state.battery_percent, settings), *findings.of_settings(settings)]
+        results.append(Finding("home", Status.WARNING, "not set yet", advice))
+    return [*results, findings.of_battery(state.battery_percent, settings), *findings.of_settings(settings)]
 
 
 # ------------------------------------------------------------------ ten centimetres
 def _walk(name: str, settings: RobotConfig, config: Config) -> Finding:
-    """Walk 10 cm through a driver; where the robot has no home yet, it stands on it."""
+    """Walk 10 cm through a driver; a robot without a home takes the place where it stands as its home."""
     step = Primitive(Op.MOVE, Direction.FORWARD, distance_m=STEP_M, speed_mps=BLIND_MPS)
     own = config.model_copy(update={"robots": {**config.robots, name: settings}})
     try:
@@ -160,7 +161,7 @@ async def _one_step(robot: DriverClient, step: Primitive) -> ActionResult:
 # ------------------------------------------------------------------ what is shown
 @contextlib.contextmanager
 def _no_chatter() -> Iterator[None]:
-    """The SDK prints what goes wrong; all of that is in the findings."""
+    """Silence the SDK, which prints what the findings say already."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield
 

@@ -118,7 +118,7 @@ def _drive(
 async def _judged(
     text: str, name: str, capabilities: Capabilities, settings: RobotConfig, config: Config
 ) -> tuple[Understanding, Verdict | None]:
-    """What the robot's mind makes of a text, and the verdict under all that its owner has set; None: no command."""
+    """How the robot's mind understands a text, and the verdict by its owner's settings; None if it is not a command."""
     from agentrob.minds.extraction.trial import reviewed_verdict
     from agentrob.minds.protocol import ManagedMind, read
     from agentrob.screening.audience import text_for_robot
@@ -153,7 +153,7 @@ async def _judged(
 
 
 def _heard(text: str, name: str, capabilities: Capabilities, settings: RobotConfig) -> tuple[str, Addressee]:
-    """The visible text, which calls the robot by one of its names, and for whom it is read."""
+    """The visible text, addressed to the robot by one of its names, and the addressee for the mind."""
     from agentrob.language.visible_text import mentions, visible_text
     from agentrob.minds.protocol import Addressee
 
@@ -180,7 +180,7 @@ def drive_g1_robot(command: str, network_interface: str | None = None) -> Driven
 
 # ---------------------------------------------------------------------- what needs eyes
 def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilities: Capabilities) -> Goal | None:
-    """What a model shall look for, when the text says so and the robot's mind has eyes."""
+    """The visual goal of a text, if it has one and the robot's mind reads images."""
     if not settings.look.allowed or settings.mind not in config.minds or not config.minds[settings.mind].images:
         return None
     from agentrob.agent.understanding.visual_goal import goal_for
@@ -194,7 +194,7 @@ def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilit
 def _look(
     goal: Goal, text: str, name: str, settings: RobotConfig, config: Config, on_step: Callable[[ActionResult], None]
 ) -> Driven:
-    """Let the mind look and steer."""
+    """Let the mind steer the robot by its camera."""
     from agentrob.agent.execution.visual_local import judge, run_visual_task_locally
     from agentrob.agent.reporting import visual_text
     from agentrob.agent.understanding.visual_goal import judged_plan
@@ -226,7 +226,7 @@ def _look(
 
 # ---------------------------------------------------------------------- how
 def _outside_loop(work: Callable[[], T]) -> T:
-    """Do blocking work that runs an event loop of its own; beside one that runs in this thread, in another thread."""
+    """Do blocking work that runs its own event loop; in another thread if one runs in this thread."""
     try:
         asyncio.get_running_loop()
     except RuntimeError:
@@ -237,7 +237,8 @@ def _outside_loop(work: Callable[[], T]) -> T:
 
 @contextlib.contextmanager
 def _robot(robot: str, config: Config, interface: str | None) -> Iterator[tuple[str, RobotConfig]]:
-    """Its name and settings; a simulated one that no configuration names has a DDS domain of its own meanwhile."""
+    """The robot's name and settings; a simulated robot that is not configured gets a DDS domain of its own
+    meanwhile."""
     if (found := _configured(robot, config, interface)) is not None:
         yield found
         return
@@ -246,7 +247,7 @@ def _robot(robot: str, config: Config, interface: str | None) -> Iterator[tuple[
 
 
 def _configured(robot: str, config: Config, interface: str | None) -> tuple[str, RobotConfig] | None:
-    """A robot of the configuration, by its name or kind, or a real one on an interface; None: one of that kind."""
+    """A robot of the configuration by its name or kind, or a real one on an interface; None if there is none."""
     named = [robot] if robot in config.robots else [n for n, r in config.robots.items() if r.model == robot]
     if len(named) == 1:
         settings = config.robots[named[0]]
@@ -264,7 +265,7 @@ def _configured(robot: str, config: Config, interface: str | None) -> tuple[str,
 
 @contextlib.contextmanager
 def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path | None]:
-    """The socket of a driver of this robot; None for the usual one, where one runs already."""
+    """The socket of a driver of this robot; None if its usual driver runs already."""
     if name in config.robots and _outside_loop(lambda: asyncio.run(_reachable(name))):
         yield None
         return
@@ -337,7 +338,7 @@ def run(
 
 
 def _ways_out(driven: Driven, robot: str) -> list[str]:
-    """The commands that help a robot which is locked or has no home."""
+    """Hints on the commands that release a robot or set its home."""
     reasons = {result.reason for result in driven.results}
     hints = [f"To release it: agentrob release {robot}"] if "halted" in reasons else []
     return hints + ([f"To set its home where it stands: agentrob home {robot}"] if "not_homed" in reasons else [])

@@ -1,4 +1,4 @@
-"""Where the demo keeps its data, and the demo that runs there now."""
+"""Find the demo's data folder and the demo that runs there."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from agentrob.config import load as configuration
 
 
 def demo_folder(once: bool) -> Path:
-    """Where the demo keeps everything unless told otherwise; a demo of one post has a folder of its own."""
+    """The demo's default data folder; a demo of one post has its own."""
     return configuration.default_data_dir() / ("demo-post" if once else "demo")
 
 
 def running_demo(data: Path) -> dict[str, Any] | None:
-    """What `demo.json` says of the demo that runs with this data folder."""
+    """The content of `demo.json` of the demo that runs with this data folder."""
     with contextlib.suppress(OSError, ValueError), (data / "demo.lock").open() as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -1,4 +1,4 @@
-"""Wires the services beside the agents: an agent over HTTP, the forum and the robots as tools for MCP clients."""
+"""Serve an agent over HTTP, and the forum and the robots as tools for MCP clients."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`agentrob release` and `agentrob home`: what a robot's owner does on the robot's machine, through its running driver.
+"""`agentrob release` and `agentrob home`: release a robot or set its home on its machine, through its running driver.
 
 Needs neither forum nor agent: whoever may write to the driver's socket, which only its own user can, owns the robot
 there (law 2). A demo's robots are found by the folder that the demo keeps its sockets in.
@@ -66,7 +66,7 @@ def _who(lock: Lock | None) -> str:
 
 # ---------------------------------------------------------------------- where its driver listens
 def _socket(robot: str, config: Config, data: Path | None) -> Path:
-    """The socket of its driver."""
+    """The socket of the robot's driver."""
     usual = _sockets(runtime_dir()) if data is None else {}
     if robot in usual:
         return usual[robot]

@@ -35,19 +35,19 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.mandate import mandate_of, mandate_violation
 
 LOOK_S = 0.05
-#: How long a busy robot is asked again: the lease of one who died lapses within a second.
+#: How long the lease of a busy robot is requested again: the lease of a dead process lapses within a second.
 BUSY_S = 1.5
-#: Why a step ended that we ended because the forum, and with it the next stop, could not be heard.
+#: Why we ended a step: the forum was silent, so a stop could not have been received.
 SILENT = "stop_channel"
-#: Why a step's end is not known: the driver did not answer any more.
+#: Why the end of a step is not known: the driver stopped answering.
 UNREACHABLE = "unreachable"
-#: Why a step or a command ended whose own agent failed while it ran.
+#: Why a step or a command ended: an error in the agent.
 INTERNAL = "internal"
-#: A verdict by this rule says that the forum could not be asked, not that the command changed.
+#: The rule of a verdict when the forum could not be asked, so it is not known whether the command changed.
 UNVERIFIED = "command.unverified"
-#: How long the driver may take to say how far a step went that we ended because of a fault of our own.
+#: How long to wait for the driver's result of a step that an error of ours ended.
 TELL_S = 5.0
-#: Why a step ended that a person ended.
+#: Why a step ended: a person stopped it.
 BY_PEOPLE = frozenset({EndReason.STOP, "halt"})
 LAPSED = "lease_lapsed"
 _BY_US = frozenset({EndReason.SHUTDOWN, SILENT, LAPSED})
@@ -78,11 +78,11 @@ class ExecutionHooks:
 
 @dataclass(frozen=True, slots=True)
 class Execution:
-    """What came of a plan: one result per step. `first_motion_s` is monotonic; `message` is an English sentence of the
-    driver's, `fault` the stable word of a fault of our own that ended it.
+    """The result of a plan, with one result per step. `first_motion_s` is monotonic. `message` is an English sentence
+    of the driver, `fault` the stable word of an error of ours that ended it.
 
-    `stopped_by` is who stopped the robot past us, as they called themselves. `pictures` are the files of the steps'
-    pictures ("" for none), once they are on disk; `looked` is the loop of a model that steered.
+    `stopped_by` is the name given by somebody who stopped the robot without us. `pictures` are the files of the steps'
+    pictures ("" for none), once they are on disk. `looked` records the loop of a model that steered.
     """
 
     status: CommandState
@@ -97,7 +97,7 @@ class Execution:
 
 
 class Run:
-    """One execution under way, of a plan or (`agentrob.agent.execution.visual`) of a goal."""
+    """One execution in progress, of a plan or (`agentrob.agent.execution.visual`) of a goal."""
 
     def __init__(self, driver: DriverClient, command: Command, plan: Plan, hooks: ExecutionHooks) -> None:
         self.driver = driver
@@ -150,7 +150,7 @@ class Run:
         )
 
     async def _step(self, step: Primitive) -> ActionResult:
-        """Do a step; its result is kept before anything else is done with it."""
+        """Do a step and keep its result at once."""
         sent_s = time.monotonic()
         deadline_s = min(self.hooks.step_s, max(0.1, self.left_s()))
         stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
@@ -190,7 +190,7 @@ class Run:
         return self.mandate.seconds - (time.monotonic() - self.started_s)
 
     async def _ask_who(self) -> None:
-        """Whose stop it was: the driver knows, also when the forum does not."""
+        """Ask the driver who stopped the robot: the forum may not know."""
         with contextlib.suppress(RobotError):
             if (lost := await self.driver.lost(self.lease)) is not None:
                 self.stopped_by = lost.by
@@ -209,7 +209,7 @@ class Run:
             _log.error("stop failed", trace=traceback.format_exc())
 
     def _status_of_verdict(self, verdict: Verdict) -> CommandState:
-        """Of a command that may not begin its next step. What a forum that was away cut off was not cancelled."""
+        """The final state of a command that may not begin its next step. A forum that was away interrupts a command."""
         if verdict.rule == UNVERIFIED and any(result.moved for result in self.results):
             return CommandState.INTERRUPTED
         return CommandState.CANCELLED if verdict.rule.startswith("command.") else CommandState.REFUSED
@@ -248,7 +248,7 @@ class Run:
         return self.execution()
 
     def execution(self) -> Execution:
-        """What came of it so far; what has no result yet has not begun."""
+        """The result so far; steps without a result have not begun."""
         rest = self.plan.steps[len(self.results) :]
         skipped = (ActionResult(step, Outcome.SKIPPED) for step in rest)
         return Execution(
@@ -265,7 +265,7 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, hooks: Exe
 
 
 def holder_of(trace_id: str) -> str:
-    """What an agent calls itself to the driver while it moves the robot for a command."""
+    """The name of the lease's holder while the agent moves the robot for a command."""
     return f"agent {trace_id}"
 
 
@@ -284,7 +284,7 @@ async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
 
 
 def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
-    """A step's result, also when the driver gave none."""
+    """The result of a step; made here if the driver gave none."""
     try:
         return stepping.result()
     except LeaseLost as e:
@@ -299,7 +299,7 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
 
 
 def decisive(execution: Execution, verdict: Verdict) -> Verdict:
-    """The verdict that the report names: the guard's, where it refused what the screen had let pass."""
+    """The verdict that the report names: the guard's if it refused a step that the screen allowed."""
     last = execution.verdict or verdict
     refused = next((r for r in execution.results if r.outcome is Outcome.REFUSED), None)
     if execution.status is CommandState.REFUSED and last.decision is Decision.ALLOW and refused is not None:

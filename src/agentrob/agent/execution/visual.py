@@ -37,11 +37,11 @@ from agentrob.model import (
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.mandate import mandate_violation
 
-#: While a model thinks, the driver is asked so often whether the lease is still good: a stop at the machine ends it.
+#: How often the lease is checked while a model thinks: a stop at the machine ends it.
 ASK_LEASE_S = 0.5
-#: After these a model may try another way; whatever else ends a step ends the command.
+#: Reasons after which the model may try another step; any other reason ends the command.
 _GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid", "unsupported", "ranges_unknown"})
-#: A verdict by these rules is about the step and not about the command: the model is told.
+#: Rules that refuse a step and not the command: the model gets the reason.
 _OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
 
 
@@ -59,7 +59,7 @@ class CommandEnded(Exception):
 
 @dataclass(frozen=True, slots=True)
 class VisualTask:
-    """A goal, the model that sees, and its limits. `told` is the goal in our words."""
+    """A goal, the model that sees, and its limits. `goal_text` is the goal in our words."""
 
     goal: Goal
     goal_text: str
@@ -105,7 +105,7 @@ class VisualRun(Run):
             return None
 
     async def act(self, step: Primitive) -> StepAttempt:
-        """Execute a step if permitted; raises `Cut` if the whole command must end."""
+        """Execute a step if permitted; raises `CommandEnded` if the whole command must end."""
         self.stepping = True
         try:
             if (problem := await self._problem(step)) is not None:
@@ -123,7 +123,7 @@ class VisualRun(Run):
         return StepAttempt(result)
 
     async def _problem(self, step: Primitive) -> str | None:
-        """None when the step may begin now, else why not; `CommandEnded` when nothing more may."""
+        """None if the step may begin now, else the reason. Raises `CommandEnded` if no step may begin."""
         assert self.mandate is not None
         if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             return beyond
@@ -138,7 +138,7 @@ class VisualRun(Run):
         return None
 
     async def _denied(self, step: Primitive) -> str | None:
-        """Why this step may not be done, judged on today's state; `CommandEnded` when that ends the command."""
+        """Why the step is refused, by the state of now. Raises `CommandEnded` if the refusal ends the command."""
         verdict, capabilities = await self.hooks.permit(Plan((step,)))
         if verdict.decision is Decision.ALLOW and capabilities is not None:
             return None
@@ -164,7 +164,7 @@ class VisualRun(Run):
         return CommandState.DONE if self.end.claim == "done" else CommandState.FAILED
 
     async def follow(self) -> LoopEnd:
-        """The loop to its end; raises `CommandEnded` or `LeaseLost` as soon as something outside ends it."""
+        """Run the loop to its end. Raises `CommandEnded` or `LeaseLost` as soon as something outside ends it."""
         looping = asyncio.create_task(self.loop.run())
         asked_s = time.monotonic()
         try:
@@ -198,7 +198,7 @@ class VisualRun(Run):
         execution = super().execution()
         try:
             looked: LoopRecord | None = self.looked(self.end)
-        except Exception:  # what was measured is told all the same; a claim that nobody could check is none
+        except Exception:  # the measurements are reported anyway; a claim that cannot be checked does not count
             _log.error("loop not described", trace=traceback.format_exc())
             looked = None
         if (looked is None or looked.contradicted) and execution.status is CommandState.DONE:

@@ -43,7 +43,7 @@ async def run_visual_task_locally(
 def judge(
     plan: Plan, text: str, author: Account, capabilities: Capabilities, language: Language, settings: RobotConfig
 ) -> Verdict:
-    """The screen, for a step or for what can be judged of a goal, whose text says nothing besides."""
+    """Screen a step, or the part of a goal that can be judged before it is pursued."""
     return screen(
         plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=settings.allow_flip,
         scene=settings.scene, part="",

@@ -1,4 +1,4 @@
-"""The page that a forum has for a command, where it has one: its address, and the record that it shows."""
+"""The forum's page of a command, if it has one: find its address and publish its record."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _log = structlog.get_logger()
 
 
 def public(facts: Mapping[str, Any], pictures: Sequence[Picture]) -> dict[str, Any]:
-    """A record as it is sent: without people's words and paths of this machine, with what its pictures are."""
+    """The record as it is published: without people's words and local paths, with the kinds of its pictures."""
     record = {k: v for k, v in facts.items() if k not in _NOT_SENT}
     record["pictures"] = [{"kind": p.kind, "step": p.step} for p in pictures if p.attached]
     links = [(p, p.link) for p in pictures if p.link]
@@ -62,7 +62,7 @@ async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
 async def publish(
     forum: object, post_id: str, reply_id: str | None, facts: Mapping[str, Any] | None, pictures: Sequence[Picture]
 ) -> None:
-    """Send it where the forum keeps records. Never raises a `ForumError`."""
+    """Publish the record if the forum keeps records. Never raises a `ForumError`."""
     if facts is None or not isinstance(forum, CommandPages):
         return
     try:

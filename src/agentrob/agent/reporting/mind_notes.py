@@ -1,4 +1,4 @@
-"""What the thread is told of the minds (pure): who answered instead, and one line of what they took.
+"""Write the notes on minds in a reply: which one answered in place of another, and the tokens and time used (pure).
 
 Names of models come from their servers: they are shown as code only.
 """
@@ -16,7 +16,7 @@ from agentrob.model import Language
 
 
 def notes(assessment: Assessment | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
-    """Paragraphs for a report; `asked` is the mind of the configuration, `more` what models took after the thought.
+    """Paragraphs for a report; `asked` is the mind of the configuration, `more` the usage after the assessment.
 
     None where no model had a part in it.
     """
@@ -35,14 +35,14 @@ def notes(assessment: Assessment | None, asked: str, language: Language, more: S
 
 
 def worded(summary: Summary | None, language: Language) -> str:
-    """A model's words for what was done, as such; empty without any."""
+    """A model's summary, marked as the model's words; empty without one."""
     if summary is None or not summary.text:
         return ""
     return say("agent.mind.polished", language, text=disarmed(summary.text), mind=quote(summary.mind))
 
 
 def usage_line(usage: Sequence[Usage], language: Language) -> str:
-    """Who was asked, as whom, how many tokens went in and out, what that cost where prices are known, how long it took.
+    """Which models were asked, their tokens, cost where prices are known, and time.
 
     Questions to the same model are added up; empty when no model was asked.
     """
@@ -53,7 +53,7 @@ def usage_line(usage: Sequence[Usage], language: Language) -> str:
 
 
 def _taken(ones: Sequence[Usage], language: Language) -> str:
-    """What one model took for all questions to it."""
+    """The usage of one model, over all its questions."""
     first = ones[0]
     name = f"{quote(first.mind)} ({quote(first.model)})" if first.model else quote(first.mind)
     parts = []

@@ -1,4 +1,4 @@
-"""What a robot's page shows of it: kept fresh while the agent lives; and putting a simulated room back."""
+"""Publish the state of a robot for its page, and reset a simulated room."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from agentrob.robots.driver.client import DriverClient
 LOOK_S = 1.0
 #: Several changes within this time are shown as one.
 DEBOUNCE_S = 0.1
-#: So many of those that wait are told.
+#: The most waiting commands that are listed.
 LINE = 20
 REFRESH_S = 5.0
 #: After a reset the odometry jumps; the guard needs a moment until it lets itself be homed again.
@@ -50,11 +50,11 @@ class Presence:
         self._changed = asyncio.Event()
 
     def changed(self) -> None:
-        """Look now rather than in a second."""
+        """Publish soon, without waiting for the next second."""
         self._changed.set()
 
     async def run(self) -> None:
-        """For ever. A forum that does not answer is tried again with the next look."""
+        """Publish until cancelled. A forum that does not answer is tried again a second later."""
         shown: dict[str, Any] | None = None
         shown_s = -float("inf")
         while True:

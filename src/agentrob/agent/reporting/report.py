@@ -1,4 +1,4 @@
-"""What the thread is told (pure): facts in, Markdown out, in the language of the post.
+"""Write replies: facts in, Markdown out, in the language of the post (pure).
 
 People's own words are in it only as escaped code (`agentrob.language.messages.catalog.quote`); sentences that
 others made of them, a mind, the screen or a driver, are disarmed here once more.
@@ -31,7 +31,7 @@ from agentrob.model import (
 
 SENTENCE_CHARS = 600
 _UNSEEN = re.compile("[\u00ad\u034f\u061c\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
-#: What forums act on, each as it is shown instead.
+#: Markup that forums act on, and what is shown instead.
 _DISARMING = (
     (re.compile(r"[@＠](?=\S)"), "@ "),
     (re.compile(r"<"), "‹"),
@@ -48,13 +48,13 @@ _DISARMING = (
 #: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 _COLUMNS = ("step", "asked", "measured", "outcome")
-#: Why we ended a step ourselves: the driver's own sentence knows nothing of it.
+#: Reasons for which we ended a step ourselves, so the driver's message does not mention them.
 _NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
 
 
 # -------------------------------------------------------------------- words that are not ours
 def disarmed(text: str) -> str:
-    """A sentence made elsewhere, perhaps of somebody's words: on one line and not endless, without mention, picture,
+    """Disarm a sentence made elsewhere, perhaps of somebody's words: on one line, shortened, without mention, picture,
     link, address that a forum would link, HTML, entity, heading, quote, list, table, code fence or `[tag]`, and without
     characters that nobody sees or that turn the order of what is read around."""
     plain = " ".join(_UNSEEN.sub("", text).split())
@@ -78,7 +78,7 @@ def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
 
 
 def planned(plan: Plan, language: Language, goal: str = "") -> str:
-    """A whole plan in words, or the goal that it is to be found for."""
+    """A plan in words, or the goal in its place."""
     return goal or say("agent.list.joint", language).join(doing(step, language) for step in plan.steps)
 
 
@@ -90,7 +90,7 @@ def doing(step: Primitive, language: Language) -> str:
 def waits(
     understood: str, needed: str, rights: RobotRights | None, called: str, wait_s: float, language: Language
 ) -> str:
-    """A command waits for an approval: what it would do, why it waits, for whom and how long after its post."""
+    """Say that a command waits for approval: what it would do, why it waits, for whom and for how long."""
     rights = rights or RobotRights()
     role = f"agent.who.{rights.approve}"
     who = say(role if can_say(role) else "agent.who.moderator", language)
@@ -114,7 +114,7 @@ def final(
     calls: str = "",
     page: str = "",
 ) -> str:
-    """The whole reply to a command. The message of a stopped one is the handle of who stopped it.
+    """The final reply to a command. The message of a stopped one is the handle of who stopped it.
 
     `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head, `calls` a table
     that has all steps beside the calls of a model which they came of; `page` is the forum's own page of the command, if
@@ -134,7 +134,7 @@ def final(
 
 
 def plain(report: Report) -> str:
-    """The end as data, for a report that a fault of ours keeps from being put into words."""
+    """The report as plain data, used if writing the reply fails."""
     steps = [
         f"{n}. `{r.primitive.op} {r.primitive.asked()}`: {r.outcome}, measured `{dict(r.measured)}`"
         for n, r in enumerate(report.results, 1)
@@ -143,7 +143,7 @@ def plain(report: Report) -> str:
 
 
 def short(report: Report) -> str:
-    """What the status post says where the report is a reply of its own."""
+    """The text of the status post when the report is a reply of its own."""
     return say("agent.see_reply", report.command.language, state=_head(report))
 
 
@@ -197,7 +197,7 @@ def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
 
 
 def _reason(result: ActionResult, language: Language) -> str:
-    """Our sentence where we have one; the driver's own English one besides where it says more."""
+    """Our sentence for the reason, if there is one, and the driver's English message where it says more."""
     reason = result.reason
     own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""
     if not own and not result.message and reason:
@@ -226,7 +226,7 @@ def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def asked(result: ActionResult, language: Language) -> str:
-    """What a step was, in words."""
+    """A step in words."""
     return doing(result.primitive, language)
 
 
@@ -237,7 +237,7 @@ def outcome(result: ActionResult, language: Language) -> str:
 
 
 def measured(result: ActionResult, language: Language) -> str:
-    """What was measured of a step; a dash where there was nothing to measure."""
+    """What was measured of a step; a dash if nothing is measured."""
     if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
         return "–"
     key, form = _MEASURES[result.primitive.op]
@@ -248,14 +248,14 @@ def measured(result: ActionResult, language: Language) -> str:
 
 
 def _slower(report: Report) -> str:
-    """A step that was commanded slower than it was asked for says so, also when it was done."""
+    """Say which steps were slower than asked, even if they were done."""
     language = report.command.language
     sentences = (say("agent.slower", language, **clip._asdict()) for clip in clips(report.results))
     return join_sentences(sentences, language)
 
 
 def _pictures(pictures: Sequence[Picture], language: Language) -> str:
-    """Which pictures there are: below the text, or behind links that expire."""
+    """List the pictures: below the text, or behind links that expire."""
     names = [(p, say(f"agent.picture.{p.kind}", language, step=p.step)) for p in pictures]
     linked = [name if p.link is None else f"[{name}]({p.link.url})" for p, name in names]
     joint = "、" if language == "zh" else ", "
@@ -285,7 +285,7 @@ def _small(text: str) -> str:
 
 # -------------------------------------------------------------------- stop and status
 def stop_figures(stop: StopResult, language: Language) -> str:
-    """What a stop did, in figures that were measured."""
+    """What a stop did, in measured figures."""
     if not stop.confirmed:
         return say("agent.stop.unconfirmed", language)
     text = say("agent.stop.moving" if stop.was_moving else "agent.stop.still", language, latency_ms=stop.latency_ms)
@@ -320,7 +320,7 @@ def stop_reply(
 
 
 def clock_set(by: timedelta, language: Language) -> str:
-    """That the forum's clock was set, and by about how much."""
+    """Say that the forum's clock was set, and by about how much."""
     about = duration(abs(by.total_seconds()), language)
     return say("agent.clock.back" if by < timedelta(0) else "agent.clock.ahead", language, by=about)
 

@@ -1,4 +1,4 @@
-"""One status post per command, edited in place: progress never waits for the forum, the end is told for certain.
+"""One status post per command, edited in place: progress never waits for the forum, and the end is always written.
 
 Two agents of one account may come to the same post, by mistake or after a crash. The first post under the claim's key
 is the claim, and only whoever holds it shows progress and tells the end. One whose claim it is not tells an end only
@@ -23,7 +23,7 @@ from agentrob.forums.protocol import Forum, Written
 from agentrob.model import Command, CommandState, Post, StatusCard
 
 T = TypeVar("T")
-#: Where a forum limits edits, at most so many are used, the last of them for the end.
+#: The most edits of a post on a forum that limits them; the last one is for the end.
 MAX_EDITS = 3
 _BACKOFF_S = (0.2, 30.0)
 #: A denial (403, 401) may be of the account, for a while: what must be told is tried again, at first and at most after
@@ -39,7 +39,7 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What a status post shows: Markdown and the card beside it."""
+    """The content of a status post: Markdown and the card beside it."""
 
     text: str
     card: StatusCard
@@ -63,12 +63,12 @@ class StatusPost:
 
     @property
     def post_id(self) -> str | None:
-        """The status post, once it is there."""
+        """The id of the status post, once it is written."""
         return self._post_id
 
     @property
     def posts(self) -> frozenset[str]:
-        """Every post of ours by which somebody may answer this command."""
+        """Our posts to which a reply is about this command."""
         return frozenset(post_id for post_id in (self._post_id, self._asks_id) if post_id is not None)
 
     @property
@@ -78,8 +78,8 @@ class StatusPost:
         return newest.card if newest else None
 
     async def claim(self, shown: Shown) -> Written:
-        """Put the first status there, trying until the forum answers. `created` False: somebody claimed it before;
-        then nothing is shown on it unless it is ours after all (`adopt`)."""
+        """Write the first status, trying until the forum answers. `created` False: the command was claimed before, and
+        nothing is shown unless the claim is ours after all (`adopt`)."""
         key = f"claim:{self._command.post_id}"
         written = await insist(
             lambda: self._forum.reply(
@@ -92,12 +92,12 @@ class StatusPost:
         return written
 
     def adopt(self, claimed: Post) -> None:
-        """The claim is ours, of before. One that tells its end shows nothing else any more."""
+        """Continue an earlier claim of ours. One that has ended shows nothing more."""
         self._shows = not is_final(claimed.card)
 
     def show(self, shown: Shown) -> None:
-        """Show this as soon as the forum allows; whatever was not shown yet is passed over, and so is all of a claim
-        that is not ours."""
+        """Show this as soon as the forum allows, in place of anything not shown yet. Ignored if the claim is not
+        ours."""
         if shown == self._last or not self._shows:
             return
         self._next = shown
@@ -118,7 +118,7 @@ class StatusPost:
                 _log.info("status not shown", post=self._command.post_id, error=str(e))
 
     async def ask(self, shown: Shown) -> None:
-        """Put something there that people answer, trying until it is there.
+        """Write something that people reply to, trying until it is there.
 
         Where edits are limited it is a reply of its own.
         """
@@ -139,7 +139,7 @@ class StatusPost:
         self._last = shown
 
     async def has_ended(self) -> bool:
-        """Whether the status post tells an end by now. Never raises a `ForumError`."""
+        """Whether the status post shows a final state by now. Never raises a `ForumError`."""
         if self._post_id is None:
             return False
         try:
@@ -150,8 +150,8 @@ class StatusPost:
     async def close(
         self, final: Shown, images: Sequence[bytes] = (), short: str = "", *, measured: bool = False
     ) -> bool:
-        """Tell the end, trying until the forum answers, once. Whether the end that is there now is ours: one that
-        somebody else told is left alone, unless it was a guess and this one was `measured`.
+        """Write the end once, trying until the forum answers. Return whether the end that is there is ours: an end that
+        another agent wrote is left alone, unless it was a guess and this one was `measured`.
 
         Raises `ForumDenied` when neither the post may be edited nor a reply written: perhaps for a while (see
         `until_allowed`). Where edits are limited the report is a reply of its own, and the status post says only
@@ -168,7 +168,7 @@ class StatusPost:
         return await self._tell_in_reply(final, images, short, measured)
 
     async def add(self, final: Shown, images: Sequence[bytes]) -> None:
-        """Put something that came too late for the end beside it, once, where the forum does not count edits."""
+        """Edit the final post once to add a late picture, if the forum does not limit edits."""
         if self._post_id is None or self._limited:
             return
         try:
@@ -212,18 +212,18 @@ class StatusPost:
 
 
 def is_final(card: StatusCard | None) -> bool:
-    """Whether a status post with this card tells an end."""
+    """Whether a status post with this card shows a final state."""
     return card is not None and card.is_final
 
 
 def _guessed(card: StatusCard) -> bool:
-    """Whether an end was told by somebody who did not know what became of the command."""
+    """Whether an end was written by an agent that did not know the result."""
     return card.state == CommandState.INTERRUPTED and card.steps == 0
 
 
 async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[bool]]) -> bool:
-    """Wait until an open status post tells an end (False), or was left by whoever wrote it (True): it showed nothing
-    new for `LEFT_S` while its command, by its trace id, did not move."""
+    """Wait until an open status post shows a final state (False) or was abandoned (True): nothing new for `LEFT_S`
+    while its command, by its trace id, did not move."""
     since_s = time.monotonic()
     while time.monotonic() - since_s < LEFT_S:
         try:
@@ -240,8 +240,8 @@ async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[b
 
 
 async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images: Sequence[bytes]) -> T:
-    """Write with pictures; the words matter more, so where the forum does not take the pictures, without them: first
-    without those that move, which not every forum knows."""
+    """Write with pictures. If the forum does not accept them, write without the moving ones, then without any: the text
+    matters more."""
     still = tuple(image for image in images if not image.startswith(b"RIFF"))
     for pictures in dict.fromkeys((tuple(images), still)) if images else ():
         try:
@@ -255,7 +255,7 @@ async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images:
 
 
 async def insist(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:
-    """Repeat a write that is safe to repeat until the forum answers, or `tries` times. Other errors come through."""
+    """Repeat a write that is safe to repeat until the forum answers, or `tries` times. Other errors are raised."""
     wait_s, longest_s = _BACKOFF_S
     while True:
         tries -= 1
@@ -276,8 +276,8 @@ async def until_allowed(
     limit_s: float = TOLD_WITHIN_S,
     wait: Callable[[float], Awaitable[object]] = asyncio.sleep,
 ) -> T:
-    """Repeat a write for as long as the forum denies it: its account may be suspended for a while. After `limit_s` the
-    denial comes through, as other errors do at once."""
+    """Repeat a write while the forum denies it: our account may be suspended for a while. After `limit_s` the denial is
+    raised; other errors are raised at once."""
     wait_s, longest_s = _DENIED_S
     until_s = time.monotonic() + limit_s
     while True:

@@ -1,4 +1,4 @@
-"""Every call of a model on the way to a goal, with what came of it: a table for the thread, lines of JSON for programs.
+"""List every call of a model on the way to a goal with its result: a table for the reply, JSON lines for programs.
 
 In the table it stands in place of the steps, each beside the call that it came of: what was asked, what was measured,
 and which picture was seen then. What a model wrote is escaped code of at most 100 characters; the whole is in the lines
@@ -17,7 +17,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op
 
-#: So many rows are told in the thread.
+#: The most rows in a reply.
 MOST_ROWS = 30
 _NONE = "–"
 
@@ -35,7 +35,7 @@ def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequenc
 
 
 def lines(looked: LoopRecord) -> bytes:
-    """The same for programs: the goal and how it ended, then a line for each call."""
+    """The calls as JSON lines: the goal and how it ended, then a line for each call."""
     head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
     rows = [head, *(asdict(turn) for turn in looked.turns)]
     return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in rows).encode()
@@ -109,5 +109,5 @@ def _plain(value: object) -> str:
 
 
 def _code(words: str) -> str:
-    """As code that no table takes for a border."""
+    """Inline code that is safe inside a table."""
     return quote(words.replace("|", "¦"))

@@ -1,4 +1,4 @@
-"""What the thread is told of a loop (pure): what was measured, what the model claims, and why it ended.
+"""Write what a visual loop did: what was measured, what the model claims, and why it ended (pure).
 
 The model's words come from what a camera read: they stand as escaped code of at most 100 characters each, as the
 model's, beside what the robot measured, and never as what is so.
@@ -14,7 +14,7 @@ from agentrob.minds.visual_loop.claims import turned_deg, walked_m
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op, Outcome
 
-#: So many calls that were not done are told.
+#: The most refused calls that are listed.
 MOST_REFUSED = 3
 
 

@@ -180,9 +180,7 @@ class OwnerActions:
 
     def locked(self, lock: Lock | None, language: Language) -> str:
         """Say who locked the robot, why and since when, and how to release it."""
-        return join_sentences(
-            filter(None, (lock and lock_text(lock, language), self.how_to_release(language))), language
-        )
+        return join_sentences(([lock_text(lock, language)] if lock else []) + [self.how_to_release(language)], language)
 
     async def _state(self) -> RobotState | None:
         try:

@@ -1,4 +1,4 @@
-"""From the visible text of a post to what is wanted: asks the mind, and the rules when the mind fails."""
+"""Read the visible text of a post: by the configured mind, or by the rules if the mind fails."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Plan, Understanding, Verdict
 
-#: A mind that takes longer is as good as none; models of the configuration have their own limits.
+#: How long a mind may take; configured models have their own limits.
 LIMIT_S = 60.0
 #: Why a mind did not answer, besides the words of `minds.llm.errors.ErrorKind`: it failed and did not say how; the post
 #: may not move anything any more (stopped, edited, …); its account is over its limits, so it is refused anyway.
@@ -29,7 +29,7 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Assessment:
-    """What was made of a post before anything moves: understood by which mind, and judged how (law 19).
+    """How a post was understood, and by which mind, and how it was judged, before anything moves (law 19).
 
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
     `ErrorKind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
@@ -47,7 +47,7 @@ class Assessment:
 
 
 async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Assessment:
-    """Never raises for a mind that fails: then the rules read the post, which can only understand less."""
+    """Read a post. If the mind fails, the rules read it, which can only understand less."""
     try:
         async with asyncio.timeout(mind.limit_s + 1.0 if isinstance(mind, ModelMind) else LIMIT_S):
             return _assessment(await read(mind, text, addressee, history))
@@ -62,14 +62,14 @@ async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence
 async def by_rules(
     text: str, addressee: Addressee, history: Sequence[Plan], fallback: str = "", usage: Sequence[Usage] = ()
 ) -> Assessment:
-    """What the rules make of a post; `fallback` says why it was not the mind of the configuration that read it."""
+    """Read a post by the rules; `fallback` says why the configured mind did not."""
     rules = RulesMind()
     understood = await rules.understand(text, addressee, history)
     return _assessment(Reading(understood, rules.name, tuple(usage), fallback))
 
 
 async def prepare(mind: Mind) -> None:
-    """Load what the first post would wait for: a mind's library, and what a large numeral imports."""
+    """Load the mind's library and the imports of large numerals, so that the first post does not wait for them."""
     await asyncio.to_thread(parse, "一千零五米", (), (), frozenset())
     if isinstance(mind, ManagedMind):
         await mind.prepare()
@@ -81,7 +81,7 @@ def _assessment(reading: Reading) -> Assessment:
 
 
 def _checked(understood: Understanding) -> Understanding:
-    """A command without steps is nothing to do, and steps without a command are not wanted."""
+    """Ask back for a command without steps, and drop the steps of anything else."""
     if understood.intent is Intent.COMMAND and not understood.plan.steps:
         return Understanding(Intent.ASK_BACK, understood.language, question=understood.question)
     return understood

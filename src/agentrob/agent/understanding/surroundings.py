@@ -1,6 +1,6 @@
-"""What is known to be around one robot: what its owner wrote, and what its camera showed a model last (law 7).
+"""What is known to be around one robot: its owner's description, and what a model saw last (law 7).
 
-It can only make the screen refuse more, so whoever is wrong here, or lies, costs a motion and never starts one.
+It can only make the screen refuse more: a wrong description prevents a motion and never starts one.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ class Surroundings:
 
     @property
     def scene(self) -> str:
-        """All that is known now; empty when nothing is."""
+        """Everything known now; empty if nothing is."""
         seen = self._seen if time.monotonic() - self._seen_s < SEEN_S else ()
         return "\n".join(line for line in (self._written, *seen) if line)
 
     def after(self, results: tuple[ActionResult, ...], looked: LoopRecord | None) -> None:
-        """What a command that has ended leaves: what a model saw at its end, and nothing of before once it moved."""
+        """Update after a command: keep what a model saw at its end, and forget what was seen before a motion."""
         if looked is not None and looked.end.saw:
             self._seen, self._seen_s = looked.end.saw, time.monotonic()
         elif any(r.primitive.op in (Op.MOVE, Op.TURN) and (r.measured or r.unmeasured) for r in results):

@@ -55,8 +55,8 @@ class Assessor:
         return eyes(self.model, self.settings)
 
     async def think(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
-        """Understand and judge, once; a restart gets the same thought again. Nobody waits for a mind once the command
-        is ended."""
+        """Understand and judge a command once; a restart gets the same assessment. A command that is ended does not
+        wait for the mind."""
         work = partial(self._think, job, terms)
         if not job.known:
             # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
@@ -68,7 +68,7 @@ class Assessor:
         return assessment
 
     async def summary(self, job: QueuedCommand, report: Report) -> Summary | None:
-        """What a model makes of the measured results in words, where the owner wants that."""
+        """A model's summary of the measured results, if the owner wants one."""
         if not self.settings.summary or self.model is None or report.status is not CommandState.DONE:
             return None
         spent = (*(job.assessment.usage if job.assessment else ()), *(job.looked.usage if job.looked else ()))
@@ -78,7 +78,7 @@ class Assessor:
         return _ASSESSMENT.dump_json(await self.consider(job, terms)).decode()
 
     async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
-        """Understand and judge now, and keep nothing of it."""
+        """Understand and judge a command now, without storing the assessment."""
         command, capabilities = job.command, await self.driver.capabilities()
         others = tuple(name for name in mentions(command.text) if name not in self.names)
         addressee = Addressee(tuple(self.names), others, capabilities, self.settings.step_length_m)
@@ -108,7 +108,7 @@ class Assessor:
         return assessment
 
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
-        """The thought when the post is a goal for eyes that this robot has."""
+        """The assessment of a post that is a visual goal, if a model may steer this robot; else None."""
         if self.eyes is None:
             return None
         assessment = await by_rules(command.text, addressee, history)
@@ -128,7 +128,7 @@ class Assessor:
         history: Sequence[Plan],
         scene: str,
     ) -> Assessment:
-        """The thought with what a model has against a command that the rules allow, or would with an approval."""
+        """Add a model's objection to a command that the rules allow, or would allow with an approval."""
         verdict, settings = assessment.verdict, self.settings
         passed = verdict is not None and verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL)
         if verdict is None or not passed or settings.screen == "rules":
@@ -154,5 +154,5 @@ class Assessor:
 
 
 async def _return(text: str) -> str:
-    """An answer that is there already."""
+    """Return a result that exists already."""
     return text
