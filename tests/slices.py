@@ -101,6 +101,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         chosen = set(files_of(text))
         config.hook.pytest_deselected(items=[item for item in items if slow.get(item) not in chosen])
         items[:] = [item for item in items if slow.get(item) in chosen]
+    # The longest tests first, else one process would be busy with the last of them while the others have ended.
+    items.sort(key=lambda item: item.get_closest_marker("browser") is None)
 
 
 def main() -> None:
