@@ -17,8 +17,9 @@
     │   └── LeaseLost            the lease lapsed or was never granted
     ├── ImageStoreError      a picture could not be stored
     ├── SimError             the simulated world cannot be built or run
-    ├── BoardError           the embedded forum rejects the request; carries an HTTP status
-    ├── ServiceError         the agent's HTTP service rejects the request; carries an HTTP status
+    ├── HttpError            an HTTP server rejects the request; carries the status
+    │   ├── BoardError           the embedded forum rejects it
+    │   └── ServiceError         the agent's HTTP service rejects it
     └── JournalError         the journal cannot be opened or trusted
         └── IllegalTransition    a command would enter a state that cannot follow its own
 
@@ -109,8 +110,8 @@ class SimError(AgentRobError):
     """The simulated world cannot be built or run."""
 
 
-class BoardError(AgentRobError):
-    """The embedded forum rejects the request.
+class HttpError(AgentRobError):
+    """An HTTP server rejects the request.
 
     `status` is the HTTP status, `code` a stable word for programs; `hint` says what is valid.
     """
@@ -125,17 +126,12 @@ class BoardError(AgentRobError):
         self.retry_after_s = retry_after_s
 
 
-class ServiceError(AgentRobError):
-    """The agent's HTTP service rejects the request; the fields are those of `BoardError`."""
+class BoardError(HttpError):
+    """The embedded forum rejects the request."""
 
-    def __init__(
-        self, status: int, code: str, message: str, hint: str = "", retry_after_s: float | None = None
-    ) -> None:
-        super().__init__(message)
-        self.status = status
-        self.code = code
-        self.hint = hint
-        self.retry_after_s = retry_after_s
+
+class ServiceError(HttpError):
+    """The agent's HTTP service rejects the request."""
 
 
 class JournalError(AgentRobError):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -11,10 +10,11 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from agentrob.board.api.problem import problem
 from agentrob.board.content import images
 from agentrob.board.settings import BoardSettings
-from agentrob.errors import BoardError
+from agentrob.errors import BoardError, HttpError
+from agentrob.process.http_server import LOOPBACK_HOSTS, check_length, host_name, trace_id
+from agentrob.process.problem import problem_response
 
 #: JSON writes CJK text with up to six bytes a character, so a post of 64 KiB may come in a larger body.
 MAX_BODY: Final = 512 * 1024
@@ -22,8 +22,6 @@ _MULTIPART_ROOM: Final = 64 * 1024
 #: The API's uploads, and forms of pages for writing.
 _WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit")
 _SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
-_LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
-_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _HEADERS: Final = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "font-src 'self'; connect-src 'self'; manifest-src 'self'; form-action 'self'; base-uri 'none'; "
@@ -47,7 +45,7 @@ class SecurityMiddleware:
         self.app = app
         parts = urlsplit(settings.base_url)
         self.origin, self.secure = settings.base_url, settings.secure
-        self.hosts = {parts.hostname or "", settings.host} | _LOOPBACK
+        self.hosts = {parts.hostname or "", settings.host} | LOOPBACK_HOSTS
         self.any_host = bool(self.hosts & {"0.0.0.0", "::"})
         self.headers = dict(_HEADERS)
         if settings.secure:
@@ -58,13 +56,13 @@ class SecurityMiddleware:
             await self.app(scope, receive, send)
             return
 
-        trace_id = Headers(scope=scope).get("x-trace-id", "")
+        traced = trace_id(Headers(scope=scope))
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                if _TRACE_ID.fullmatch(trace_id):  # lets a client find its request in this log
+                if traced:  # lets a client find its request in this log
                     asked = {"method": scope["method"], "path": scope["path"], "status": message["status"]}
-                    log.info("board.traced", **asked, trace_id=trace_id)
+                    log.info("board.traced", **asked, trace_id=traced)
                 headers = MutableHeaders(scope=message)
                 for name, value in self.headers.items():
                     headers.setdefault(name, value)
@@ -72,8 +70,8 @@ class SecurityMiddleware:
 
         try:
             self._check(scope)
-        except BoardError as e:
-            await problem(e)(scope, receive, send_with_headers)
+        except HttpError as e:
+            await problem_response(e)(scope, receive, send_with_headers)
             return
         await self.app(scope, _limited(receive, max_body(scope["path"])), send_with_headers)
 
@@ -82,15 +80,13 @@ class SecurityMiddleware:
         if scope["path"] == "/healthz":
             return  # probes ask by address, and the answer tells nothing
         host = headers.get("host", "")
-        name = urlsplit(f"//{host}").hostname if _is_host(host) else None
+        name = host_name(headers)
         if name not in self.hosts and not (self.any_host and name):
             # A page of another site whose name was made to point here could otherwise talk to a forum on loopback.
             raise BoardError(421, "unknown_host", f"this is not {host[:64]!r}", f"open {self.origin}")
         if scope["method"] not in _SAFE and "authorization" not in headers:
             self._check_origin(headers, host)
-        length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > max_body(scope["path"]):
-            raise BoardError(413, "too_large", "the body is too large", f"at most {max_body(scope['path'])} bytes")
+        check_length(headers, max_body(scope["path"]))
 
     def _check_origin(self, headers: Headers, host: str) -> None:
         ours = {None, self.origin} if self.secure else {None, self.origin, f"http://{host}"}
@@ -117,10 +113,3 @@ def _limited(receive: Receive, limit: int) -> Receive:
         return message
 
     return limited
-
-
-def _is_host(host: str) -> bool:
-    try:
-        return bool(host) and urlsplit(f"//{host}").port != 0
-    except ValueError:
-        return False

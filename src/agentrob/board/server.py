@@ -11,9 +11,7 @@ from typing import Any
 
 import structlog
 from fastapi import FastAPI
-from fastapi.exceptions import RequestValidationError
 from fastapi.openapi.utils import get_openapi
-from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -21,8 +19,6 @@ from agentrob import __version__
 from agentrob.board.admin import retention
 from agentrob.board.admin.local_admin import bootstrap
 from agentrob.board.api import admin, commands, forum, health, moderation, robots
-from agentrob.board.api.models import Problem
-from agentrob.board.api.problem import of_http, of_validation, problem
 from agentrob.board.content import unread, uploads
 from agentrob.board.content.store import Store
 from agentrob.board.db.serving_lock import serve_database
@@ -37,6 +33,7 @@ from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
+from agentrob.process.problem import Problem, add_error_handlers, http_error, problem_response
 from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
 
@@ -148,37 +145,19 @@ def _add_pages(app: FastAPI) -> None:
 
 
 def _add_errors(app: FastAPI) -> None:
-    async def answer(request: Request, error: BoardError) -> Response:
-        if error.status >= 500:
-            log.error("board.request_failed", path=_logged(request), code=error.code, error=str(error))
+    async def respond(request: Request, error: Exception) -> Response:
+        found = http_error(error)
+        if found is not error and found.status == 500:
+            log.exception("board.unexpected", path=_logged(request), exc_info=error)
+        elif found.status >= 500:
+            log.error("board.request_failed", path=_logged(request), code=found.code, error=str(found))
         if request.url.path.startswith("/api/"):
-            return problem(error)
+            return problem_response(found)
         from agentrob.board.web.topics import error_page
 
-        return await error_page(request, error)
+        return await error_page(request, found)
 
-    async def board_error(request: Request, error: Exception) -> Response:
-        assert isinstance(error, BoardError)
-        return await answer(request, error)
-
-    async def not_valid(request: Request, error: Exception) -> Response:
-        assert isinstance(error, RequestValidationError)
-        return await answer(request, of_validation(error))
-
-    async def http_error(request: Request, error: Exception) -> Response:
-        assert isinstance(error, HTTPException)
-        response = await answer(request, of_http(error))
-        response.headers.update(error.headers or {})
-        return response
-
-    async def unexpected(request: Request, error: Exception) -> Response:
-        log.exception("board.unexpected", path=_logged(request), exc_info=error)
-        return await answer(request, BoardError(500, "internal", "something went wrong; it is in the server's log"))
-
-    app.add_exception_handler(BoardError, board_error)
-    app.add_exception_handler(RequestValidationError, not_valid)
-    app.add_exception_handler(HTTPException, http_error)
-    app.add_exception_handler(Exception, unexpected)
+    add_error_handlers(app, BoardError, respond)
 
 
 def _logged(request: Request) -> str:

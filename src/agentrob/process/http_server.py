@@ -1,20 +1,28 @@
-"""The uvicorn server that every HTTP server of AgentRob runs: the board, an agent's service and the MCP servers."""
+"""The uvicorn server of the board, of an agent's service and of the MCP servers, and the checks of their requests."""
 
 from __future__ import annotations
 
 import contextlib
+import re
 import signal
 import socket
 from collections.abc import Awaitable, Callable, Iterator
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
 
 import uvicorn
 
+from agentrob.errors import HttpError
+
 if TYPE_CHECKING:
+    from starlette.datastructures import Headers
     from starlette.types import ASGIApp
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+#: Host names that reach a server on loopback.
+LOOPBACK_HOSTS: Final = frozenset({"127.0.0.1", "::1", "localhost"})
+_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 
 
 class HttpServer(uvicorn.Server):
@@ -68,3 +76,25 @@ class HttpServer(uvicorn.Server):
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         self.force_exit = self.should_exit
         self.should_exit = True
+
+
+def host_name(headers: Headers) -> str | None:
+    """The host that a request names; None if the header is missing or malformed."""
+    try:
+        parts = urlsplit(f"//{headers.get('host', '')}")
+        return parts.hostname if parts.port != 0 else None
+    except ValueError:
+        return None
+
+
+def check_length(headers: Headers, limit: int) -> None:
+    """Raise 413 if the request announces a body of more than `limit` bytes."""
+    length = headers.get("content-length", "0")
+    if not length.isascii() or not length.isdigit() or int(length[:12]) > limit:
+        raise HttpError(413, "too_large", "the body is too large", f"at most {limit} bytes")
+
+
+def trace_id(headers: Headers) -> str:
+    """The id under which a client traces its request; empty without a valid one."""
+    found = headers.get("x-trace-id", "")
+    return found if _TRACE_ID.fullmatch(found) else ""

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-import re
 import time
 from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from typing import Final
-from urllib.parse import urlsplit
 
 import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from agentrob.errors import ServiceError
+from agentrob.errors import HttpError, ServiceError
 from agentrob.forums.protocol import TRACE_ID
+from agentrob.process.http_server import LOOPBACK_HOSTS, check_length, host_name, trace_id
+from agentrob.process.problem import problem_response
 from agentrob.service.metrics import ServiceMetrics
-from agentrob.service.problem import problem
 
 MAX_BODY: Final = 64 * 1024
 MAX_WEBHOOK_BODY: Final = 1024 * 1024
@@ -25,8 +24,6 @@ MAX_WEBHOOK_BODY: Final = 1024 * 1024
 #: renew its lease and receive stops under any load. A stop never waits.
 MAX_READS: Final = 4
 MAX_COMMANDS: Final = 16
-_LOOPBACK: Final = frozenset({"127.0.0.1", "::1", "localhost"})
-_TRACE_ID: Final = re.compile(r"[A-Za-z0-9_-]{8,64}")
 _METHODS: Final = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _HEADERS: Final = {
     "Cache-Control": "no-store",
@@ -45,7 +42,7 @@ class Admission:
 
     def __init__(self, app: ASGIApp, hosts: Collection[str], metrics: ServiceMetrics) -> None:
         self.app = app
-        self.hosts = {host.lower() for host in hosts} | _LOOPBACK
+        self.hosts = {host.lower() for host in hosts} | LOOPBACK_HOSTS
         self.metrics = metrics
         self._reads, self._commands = asyncio.Semaphore(MAX_READS), asyncio.Semaphore(MAX_COMMANDS)
 
@@ -60,8 +57,8 @@ class Admission:
         try:
             self._check(Headers(scope=scope), most)
             whole = await _whole(receive, most)
-        except ServiceError as e:
-            await problem(e)(scope, receive, counted)
+        except HttpError as e:
+            await problem_response(e)(scope, receive, counted)
             return
         try:
             await slot.acquire()
@@ -72,9 +69,8 @@ class Admission:
     def _counted(self, scope: Scope, send: Send, slot: Slot) -> Send:
         """Return a `send` that counts the response, adds headers, and releases the slot when the response starts."""
         method = scope["method"] if scope["method"] in _METHODS else "other"
-        trace_id = Headers(scope=scope).get("x-trace-id", "")
-        traced = _TRACE_ID.fullmatch(trace_id) is not None
-        TRACE_ID.set(trace_id if traced else "")
+        traced = trace_id(Headers(scope=scope))
+        TRACE_ID.set(traced)
 
         async def counted(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -83,7 +79,7 @@ class Admission:
                 self.metrics.count(self.metrics.requests, method, str(status))
                 if traced and status != 401:  # whoever traces a request finds it in this log too, and in the forum's
                     asked = {"method": method, "path": scope["path"], "status": status}
-                    _log.info("service.traced", **asked, trace_id=trace_id)
+                    _log.info("service.traced", **asked, trace_id=traced)
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
@@ -97,17 +93,11 @@ class Admission:
         return Slot(self._reads if scope["method"] in ("GET", "HEAD") else self._commands)
 
     def _check(self, headers: Headers, most: int) -> None:
-        try:
-            name = urlsplit(f"//{headers.get('host', '')}").hostname
-        except ValueError:
-            name = None
-        if name not in self.hosts:
+        if host_name(headers) not in self.hosts:
             raise ServiceError(
                 421, "unknown_host", "the Host header does not name this service", "add the name to service.hosts"
             )
-        length = headers.get("content-length", "0")
-        if not length.isascii() or not length.isdigit() or int(length[:12]) > most:
-            raise ServiceError(413, "too_large", "the body is too large", f"at most {most} bytes")
+        check_length(headers, most)
 
 
 class Slot:

@@ -13,17 +13,6 @@ Text = Annotated[str, StringConstraints(min_length=1, max_length=8_000, pattern=
 Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_.:-]{1,80}$")]
 
 
-class Problem(BaseModel):
-    """Problem details (RFC 9457): `code` is a stable word, `hint` says what is valid."""
-
-    type: str = "about:blank"
-    title: str
-    status: int
-    detail: str
-    code: str
-    hint: str = ""
-
-
 class _Asked(BaseModel):
     model_config = ConfigDict(extra="forbid")
 

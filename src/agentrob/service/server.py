@@ -20,13 +20,13 @@ from agentrob.forums.protocol import Forum
 from agentrob.model import Report
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
+from agentrob.process.problem import Problem
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
 from agentrob.service import api, auth
 from agentrob.service.admission import Admission
 from agentrob.service.commands import CommandService
 from agentrob.service.dependencies import Parts
 from agentrob.service.metrics import ServiceMetrics
-from agentrob.service.models import Problem
 from agentrob.service.problem import add_errors
 
 if TYPE_CHECKING:

@@ -31,9 +31,8 @@ from agentrob.board.api.admin_models import (
     robot_settings_out,
     token_out,
 )
-from agentrob.board.api.dependencies import Cursor, Limit, json_response
+from agentrob.board.api.dependencies import Cursor, Limit, documented, json_response
 from agentrob.board.api.models import AccountOut, Items, Paged, account_out
-from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import Administrator, Member, administrator, check_robot_owner
 from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot

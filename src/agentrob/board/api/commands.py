@@ -5,10 +5,9 @@ from __future__ import annotations
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from agentrob.board.api.dependencies import IdempotencyKey, json_response
+from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response
 from agentrob.board.api.forum import post_written
 from agentrob.board.api.models import CommandIn, CommandOut, CommandsOut, DecisionIn, PostWritten, time_out
-from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import Member, ReadingViewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots.commands import RECORD_BYTES, RECORD_DEPTH

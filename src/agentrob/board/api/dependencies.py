@@ -1,9 +1,9 @@
-"""What the endpoints of the JSON API share: parameters, responses and the check that keeps a stream open."""
+"""What the endpoints of the JSON API share: parameters, responses, and the check that keeps a stream open."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 from fastapi import Header, Query
 from pydantic import BaseModel
@@ -18,6 +18,7 @@ from agentrob.board.db.reader import MAX_LIMIT
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account
+from agentrob.process.problem import problem_responses
 
 KEY: Final = r"^[!-~]{1,200}$"
 EVENT_ID: Final = r"^[0-9]{1,18}(-[0-9a-f]{1,16})?$"
@@ -27,6 +28,11 @@ Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT, description="items on a page")]
 AfterEvent = Annotated[str | None, Query(pattern=EVENT_ID, description="an event id")]
 BoardFilter = Annotated[str | None, Query(pattern=rf"^{BOARD_ID.pattern}$", description="only on this board")]
 TagFilter = Annotated[str | None, Query(max_length=tags.LENGTH, description="only of topics with this tag")]
+
+
+def documented(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The `responses` of an endpoint: these statuses, and those that every endpoint can return."""
+    return problem_responses((400, 401, 403, 413, 421, 422, 503, *statuses))
 
 
 def json_response(model: BaseModel, status: int = 200) -> Response:

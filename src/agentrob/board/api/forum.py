@@ -18,6 +18,7 @@ from agentrob.board.api.dependencies import (
     IdempotencyKey,
     Limit,
     TagFilter,
+    documented,
     json_response,
     serializer,
     still_allowed,
@@ -49,7 +50,6 @@ from agentrob.board.api.models import (
     board_out,
     time_out,
 )
-from agentrob.board.api.problem import documented
 from agentrob.board.auth import accounts, visibility
 from agentrob.board.auth.access import AnyViewer, Member, ReadingViewer, Stopper, account_of, moderator
 from agentrob.board.content import notifications, tags

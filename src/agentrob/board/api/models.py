@@ -129,17 +129,6 @@ class CommandIn(_In):
 
 
 # -------------------------------------------------------------------- out
-class Problem(_Out):
-    """RFC 9457 problem details; `code` is a stable word, `hint` says what would be valid."""
-
-    type: str = "about:blank"
-    title: str
-    status: int
-    detail: str
-    code: str
-    hint: str
-
-
 class AccountOut(_Out):
     id: str
     name: str

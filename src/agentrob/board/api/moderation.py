@@ -7,9 +7,8 @@ from starlette.responses import Response
 
 from agentrob.board.admin import moderation
 from agentrob.board.api.admin_models import HiddenOut, LockIn, MoveIn, ReasonIn
-from agentrob.board.api.dependencies import json_response, serializer
+from agentrob.board.api.dependencies import documented, json_response, serializer
 from agentrob.board.api.models import PostOut, TopicOut
-from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import Moderator
 from agentrob.board.services import AppServices
 

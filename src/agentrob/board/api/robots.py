@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, UploadFile
 from starlette.responses import FileResponse, Response
 
-from agentrob.board.api.dependencies import IdempotencyKey, json_response, serializer, still_allowed
+from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response, serializer, still_allowed
 from agentrob.board.api.models import (
     EventOut,
     ImageOut,
@@ -21,7 +21,6 @@ from agentrob.board.api.models import (
     rights_out,
     robot_out,
 )
-from agentrob.board.api.problem import documented
 from agentrob.board.auth.access import Member, ReadingViewer, Stopper, Viewer
 from agentrob.board.content import images, uploads
 from agentrob.board.db.reader import not_found

@@ -26,7 +26,7 @@ from agentrob.board.content.markdown import unmarked
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
 from agentrob.board.services import get_services
-from agentrob.errors import BoardError
+from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
 from agentrob.model.lifecycle import ACTIVE_STATES, CARD_STATES
 
@@ -238,7 +238,7 @@ HINTS = {
 _DETAILS = {"not_found": "there is nothing at this address", "method_not_allowed": "this address is for something else"}
 
 
-async def error_page(request: Request, error: BoardError, draft: str = "") -> Response:
+async def error_page(request: Request, error: HttpError, draft: str = "") -> Response:
     """What a browser sees when something cannot be done: what it was, and what to do. Signed out: to the sign-in page.
 
     `draft` is a text that was being posted, shown so that it is not lost.
@@ -259,7 +259,7 @@ async def error_page(request: Request, error: BoardError, draft: str = "") -> Re
     return response
 
 
-def hint_of(error: BoardError) -> str:
+def hint_of(error: HttpError) -> str:
     """What to do about an error, for people: hints that are for programs are replaced."""
     if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
         return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"

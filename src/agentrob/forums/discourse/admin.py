@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
 from agentrob.forums.discourse.http import DiscourseClient
-from agentrob.forums.discourse.mapping import safe_name
+from agentrob.forums.discourse.mapping import path_segment
 from agentrob.forums.discourse.settings import DiscourseOptions
 from agentrob.forums.http import translate_errors
 from agentrob.forums.protocol import Notification, Registered
@@ -150,7 +150,7 @@ class AccountAdmin:
         """Return the first group of an option that can be joined."""
         for name in getattr(self._forum.options, setting):
             try:
-                found = (await self._client.get(f"/groups/{safe_name(name)}.json"))["group"]
+                found = (await self._client.get(f"/groups/{path_segment(name)}.json"))["group"]
             except ForumNotFound:
                 continue
             if not found.get("automatic"):
@@ -161,7 +161,7 @@ class AccountAdmin:
         await self._client.ask(method, f"/groups/{group}/members.json", json={"usernames": name})
 
     async def _user(self, name: str) -> _JSON:
-        found: _JSON = (await self._client.get(f"/u/{safe_name(name)}.json"))["user"]
+        found: _JSON = (await self._client.get(f"/u/{path_segment(name)}.json"))["user"]
         return found
 
     async def _there(self, name: str) -> Account:

@@ -20,7 +20,7 @@ from agentrob.forums.discourse import settings as settings_of
 from agentrob.forums.discourse.admin import AccountAdmin, create_account, notifications_of
 from agentrob.forums.discourse.events import ChangeTracker, removed
 from agentrob.forums.discourse.http import DiscourseClient
-from agentrob.forums.discourse.mapping import VersionTracker, boards_of, number_of, safe_name, stranger_of, time_of
+from agentrob.forums.discourse.mapping import VersionTracker, boards_of, number_of, path_segment, stranger_of, time_of
 from agentrob.forums.discourse.markers import mentions_and_images, unmark
 from agentrob.forums.discourse.message_bus import listen
 from agentrob.forums.discourse.settings import Credentials, DiscourseOptions
@@ -188,7 +188,7 @@ class DiscourseForum:
 
     async def account(self, name: str) -> Account | None:
         try:
-            found = await self._client.get(f"/u/{safe_name(name)}.json")
+            found = await self._client.get(f"/u/{path_segment(name)}.json")
         except ForumNotFound:
             return None
         with translate_errors():

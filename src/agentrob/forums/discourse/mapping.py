@@ -1,4 +1,4 @@
-"""Convert Discourse's JSON to boards, times, post versions and safe names."""
+"""Convert Discourse's JSON to boards, times, post versions and path segments."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def number_of(text: str, what: str) -> int:
     return int(text)
 
 
-def safe_name(name: str) -> str:
+def path_segment(name: str) -> str:
     """Return a name that is safe in an address."""
     if not name or any(c in name for c in "/?#%\\") or name.startswith("."):
         raise ForumNotFound(f"there is no account {name!r}")
