@@ -30,6 +30,8 @@ from agentrob.board.response_cache import ResponseCache
 from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
+from agentrob.board.web import routes
+from agentrob.board.web.templating import error_page
 from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
@@ -94,7 +96,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
     for module in (forum, robots, commands, moderation, admin, health):
         app.include_router(module.router)
     app.include_router(robots.files)
-    _add_pages(app)
+    app.include_router(routes.router)
     _add_errors(app)
     _describe(app, settings)
     return app
@@ -135,15 +137,6 @@ def end_streams(app: FastAPI) -> None:
     services.presence.close()
 
 
-def _add_pages(app: FastAPI) -> None:
-    from agentrob.board.web import topics
-    from agentrob.board.web.admin import admin as pages_admin
-    from agentrob.board.web.admin import entry, moderation
-
-    for module in (topics, pages_admin, moderation, entry):
-        app.include_router(module.router)
-
-
 def _add_errors(app: FastAPI) -> None:
     async def respond(request: Request, error: Exception) -> Response:
         found = http_error(error)
@@ -153,8 +146,6 @@ def _add_errors(app: FastAPI) -> None:
             log.error("board.request_failed", path=_logged(request), code=found.code, error=str(found))
         if request.url.path.startswith("/api/"):
             return problem_response(found)
-        from agentrob.board.web.topics import error_page
-
         return await error_page(request, found)
 
     add_error_handlers(app, BoardError, respond)

@@ -10,7 +10,7 @@ import httpx2
 import pytest
 from PIL import Image
 
-from agentrob.board.web.find import NAMES
+from agentrob.board.web.posts import NAMES
 from tests.board.web.page_world import Surfer, World, running_world
 
 

@@ -81,6 +81,10 @@ class Store:
     def boards(self) -> tuple[Board, ...]:
         return self.reader.boards()
 
+    def board_names(self) -> dict[str, str]:
+        """The names of the boards that are seen, by id."""
+        return {board.id: board.name for board in self.boards()}
+
     def board(self, board_id: str) -> Board:
         return self.reader.board(board_id)
 

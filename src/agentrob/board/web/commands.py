@@ -1,17 +1,19 @@
-"""The page of a command: what was asked, what was judged, what was measured, and who decided, under one trace id."""
+"""The page of a command: the request, the verdict, the measurements and the approval, under one trace id."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.command_view import command_view
 from agentrob.board.services import AppServices
 from agentrob.board.web import forms
+from agentrob.board.web.forms import KeyedForm, Line
 from agentrob.board.web.templating import go, own_path, show, with_receipt
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -21,7 +23,7 @@ router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 async def command(
     request: Request, services: AppServices, viewer: ReadingViewer, post_id: str, part: str = ""
 ) -> Response:
-    """`post_id` is the post that asked. JSON of the same: `/api/v1/commands/{post_id}`."""
+    """`post_id` is the post with the command. The same as JSON: `/api/v1/commands/{post_id}`."""
     if (asked := commands.answered(services.store.reader, post_id)) is not None:
         return go(f"/c/{asked}")
     post, told = commands.records_of(services.store.reader, post_id)
@@ -36,12 +38,20 @@ async def command(
     return show(request, viewer, template, data, here="home")
 
 
+class DecisionForm(KeyedForm):
+    """Approves the command of a robot if `do` is `approve`, else denies it."""
+
+    robot: Line = ""
+    do: Line = ""
+    back: str = ""
+
+
 @router.post("/c/{post_id}/approve")
-async def approve(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
-    """Approve or deny a command that waits."""
-    form = await forms.read_checked(request, viewer)
-    robot, yes = forms.field(form, "robot"), forms.field(form, "do") == "approve"
-    key = forms.key(form, post_id, robot, str(yes))
-    await approvals.say(services, access.account_of(viewer), post_id, robot, yes, key)
-    back = own_path(form.get("back"), f"/c/{post_id}")
-    return go(with_receipt(back, viewer, "approve" if yes else "deny", robot))
+async def approve(
+    services: AppServices, viewer: AnyViewer, post_id: str, form: Annotated[DecisionForm, Form()]
+) -> Response:
+    """Approve or deny a waiting command."""
+    by, yes = form.sender(viewer), form.do == "approve"
+    key = form.idempotency_key(post_id, form.robot, str(yes))
+    await approvals.say(services, by, post_id, form.robot, yes, key)
+    return go(with_receipt(own_path(form.back, f"/c/{post_id}"), viewer, "approve" if yes else "deny", form.robot))

@@ -1,4 +1,8 @@
-"""Reads and checks the forms of pages, and shows the pages of administration again with what went wrong."""
+"""The forms of pages: their fields as models, checks of what was typed, and the pages of administration around them.
+
+Every field of a form is optional text, so that a mistake never reaches FastAPI's own errors: it is reported on the
+page of the form, which keeps what was typed.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,10 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from starlette.datastructures import FormData, UploadFile
+from fastapi import UploadFile
+from pydantic import AfterValidator, BaseModel, BeforeValidator
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -22,7 +27,7 @@ from agentrob.board.content.images import MAX_BYTES
 from agentrob.board.db.records import Image
 from agentrob.board.robots import rights
 from agentrob.board.services import Services, get_services
-from agentrob.board.web.templating import hint_of, sentence, show
+from agentrob.board.web.templating import error_text, show
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
 
@@ -33,6 +38,13 @@ TAGS_LENGTH = 500
 MAX_FILES = 8
 
 E = TypeVar("E", bound=StrEnum)
+#: Several lines; browsers send `\r\n` at their ends.
+Text = Annotated[str, AfterValidator(lambda text: text.replace("\r\n", "\n"))]
+#: Without white space around it.
+Line = Annotated[str, AfterValidator(str.strip)]
+#: Browsers send a box that is not checked not at all.
+Checkbox = Annotated[bool, BeforeValidator(lambda _: True)]
+
 _CLASSES = {"photo": "Photos", "gesture": "Gestures", "move": "Walking and turning", "risky": "Flips"}
 _CHOICES: dict[str, Any] = {
     "all_roles": tuple(Role),
@@ -42,12 +54,69 @@ _CHOICES: dict[str, Any] = {
 }
 
 
+# -------------------------------------------------------------------- fields
+class PageForm(BaseModel):
+    """The field that every form has. `FormBody` of its class declares a form as a parameter of an endpoint."""
+
+    csrf: str = ""
+
+    def sender(self, viewer: Viewer, role: Role = Role.GUEST) -> Account:
+        """The account that sent the form. 401 or 403 unless its CSRF token is right and the account has the role."""
+        access.check_form(viewer, self.csrf)
+        account = access.account_of(viewer)
+        return account if role is Role.GUEST else access.has_role(account, role)
+
+
+class ButtonForm(PageForm):
+    """A button that leads back to the page it was on."""
+
+    back: str = ""
+
+
+class KeyedForm(PageForm):
+    """A form that writes a post. `key` is new each time the form is shown."""
+
+    key: Line = ""
+
+    def idempotency_key(self, *content: str) -> str:
+        """The same form sent twice with the same content is one post; changed content (after going back) is another."""
+        digest = hashlib.sha256("\0".join(content).encode("utf-8", "replace")).hexdigest()[:24]
+        return f"form:{re.sub(r'[^A-Za-z0-9_-]', '', self.key)[:32]}:{digest}"
+
+
+class PostForm(KeyedForm):
+    """A text with pictures: `images` are ids of those uploaded before, `pictures` come with the form."""
+
+    title: Text = ""
+    body: Text = ""
+    tags: Text = ""
+    reply_to: Line = ""
+    do: Line = ""
+    images: list[str] = []
+    pictures: list[UploadFile] = []
+
+    @property
+    def composed(self) -> Composed:
+        return Composed(self.body, self.title, self.tags, self.reply_to)
+
+    async def all_pictures(self, services: Services, by: Account) -> tuple[Image, ...]:
+        """The pictures that the form names and those that it brings, which are stored. 403, 404, 413, 415, 422, 429."""
+        if len(self.pictures) > MAX_FILES:
+            raise BoardError(422, "too_many_files", "too many pictures at once", f"at most {MAX_FILES}")
+        named = [image_id for image_id in self.images if image_id.isascii() and image_id.isdigit()]
+        found = [services.store.image(image_id) for image_id in dict.fromkeys(named[:MAX_FILES])]
+        for file in self.pictures:
+            image, _ = await uploads.take(services, by, await file.read(MAX_BYTES + 1))
+            found.append(image)
+        return tuple(found)
+
+
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """What is in a form for writing, as it is shown again: the text, what it answers, its pictures.
+    """What a form for writing shows again: the text, the post it replies to, its pictures.
 
-    `preview` is safe HTML, None when nobody asked for it, and `hint` says why no robot would answer.
-    `problem` says what is wrong.
+    `preview` is safe HTML, None unless a preview was asked for; `hint` says why no robot would answer; `problem` says
+    what is wrong.
     """
 
     draft: str = ""
@@ -60,45 +129,10 @@ class Composed:
     problem: str = ""
 
 
-async def read(request: Request) -> FormData:
-    """The form of a request. `SecurityMiddleware` limits its size."""
-    return await request.form(max_files=MAX_FILES)
-
-
-async def read_checked(request: Request, viewer: Viewer) -> FormData:
-    """The form of a request. 403 unless its CSRF token is the viewer's."""
-    form = await read(request)
-    access.check_form(viewer, form.get("csrf"))
-    return form
-
-
-async def sent_by(request: Request, viewer: Viewer, role: Role) -> tuple[FormData, Account]:
-    """The form and the account that sent it. 401 or 403 unless the token is right and the account has the role."""
-    form = await read_checked(request, viewer)
-    account = access.account_of(viewer)
-    return form, account if role is Role.GUEST else access.has_role(account, role)
-
-
-# -------------------------------------------------------------------- fields
-def field(form: FormData, name: str) -> str:
-    """A field as text, with `\\n` at the ends of lines (browsers send `\\r\\n`)."""
-    return password(form, name).replace("\r\n", "\n")
-
-
-def stripped(form: FormData, name: str) -> str:
-    """A field as text without white space around it."""
-    return field(form, name).strip()
-
-
-def password(form: FormData, name: str) -> str:
-    """A field exactly as it was typed; empty when it is missing or a file."""
-    value = form.get(name)
-    return value if isinstance(value, str) else ""
-
-
-def number(form: FormData, name: str) -> int:
+# -------------------------------------------------------------------- checks
+def number(text: str) -> int:
     """A field as a number that is not negative. 422 for anything else."""
-    text = stripped(form, name)
+    text = text.strip()
     if not text.isascii() or not text.isdigit() or len(text) > 6:
         raise BoardError(422, "bad_number", f"{text[:20]!r} is not a number", "digits only")
     return int(text)
@@ -112,32 +146,21 @@ def one_of(kind: type[E], text: str) -> E:
     return kind(text)
 
 
-async def pictures(services: Services, form: FormData, by: Account) -> tuple[Image, ...]:
-    """The pictures that a form names, and those that it brings, which are kept. 403, 404, 413, 415, 429."""
-    named = [v for v in form.getlist("images") if isinstance(v, str) and v.isascii() and v.isdigit()]
-    found = [services.store.image(image_id) for image_id in dict.fromkeys(named[:MAX_FILES])]
-    for value in form.getlist("pictures"):
-        if isinstance(value, UploadFile) and value.filename:
-            image, _ = await uploads.take(services, by, await value.read(MAX_BYTES + 1))
-            found.append(image)
-    return tuple(found)
-
-
 def title(text: str) -> str:
-    """A title on one line. 422 when there is none."""
+    """A title on one line. 422 if it is empty or too long."""
     line = " ".join("".join(c for c in text if c.isprintable() or c.isspace()).split())
     if not line or len(line) > TITLE_LENGTH:
         raise BoardError(422, "bad_title", "a topic needs a title", f"at most {TITLE_LENGTH} characters")
     return line
 
 
-def tags_of(form: FormData) -> tuple[str, ...]:
-    """The tags that a form gives, between commas. 422 for too many or too long ones."""
-    return tags.checked(re.split(r"[,，、\n]", field(form, "tags")[:TAGS_LENGTH]))
+def tags_of(text: str) -> tuple[str, ...]:
+    """Tags separated by commas. 422 for too many or too long ones."""
+    return tags.checked(re.split(r"[,，、\n]", text[:TAGS_LENGTH]))
 
 
 def body(text: str) -> str:
-    """The text of a post. 422 when there is none, 413 when it is too long."""
+    """The text of a post. 422 if it is empty, 413 if it is too long."""
     text = text.replace("\0", "")
     if not text.strip():
         raise BoardError(422, "empty", "a post needs a text")
@@ -146,32 +169,30 @@ def body(text: str) -> str:
     return text
 
 
-# -------------------------------------------------------------------- answers
-def problem(error: BoardError | None) -> str:
-    """What went wrong and what would be right, in a line."""
-    return f"{sentence(str(error))} {sentence(hint_of(error))}".strip() if error else ""
+def post_number(text: str) -> int | None:
+    """The id of a post as a number; None for anything else."""
+    return int(text) if text.isascii() and text.isdigit() and len(text) < 19 else None
 
 
 def nonce() -> str:
+    """A new value for the field `key`."""
     return secrets.token_urlsafe(9)
 
 
-def key(form: FormData, *content: str) -> str:
-    """The same form sent twice with the same content is one post; changed content (after going back) is another."""
-    digest = hashlib.sha256("\0".join(content).encode("utf-8", "replace")).hexdigest()[:24]
-    sent = re.sub(r"[^A-Za-z0-9_-]", "", field(form, "key"))[:32]
-    return f"form:{sent}:{digest}"
-
-
 def quoted(raw: str) -> str:
-    """A post as a quotation to write below; what is quoted is said by nobody (law 3)."""
+    """A post as a quotation to write below. What is quoted commands nobody (law 3)."""
     lines = raw.strip().splitlines()[:40]
     return "".join(f"> {line}".rstrip() + "\n" for line in lines) + "\n" if lines else ""
 
 
+def address(request: Request) -> str:
+    """The address that the request came from; empty if unknown."""
+    return request.client.host if request.client else ""
+
+
 # -------------------------------------------------------------------- pages of administration
 def admin_of(viewer: Viewer) -> Account:
-    """The viewer's account when it is an admin. Else 401, 403."""
+    """The viewer's account if it is an admin. Else 401, 403."""
     return access.has_role(access.account_of(viewer), Role.ADMIN)
 
 
@@ -183,20 +204,15 @@ def admin_page(
     data: Mapping[str, Any],
     error: BoardError | None = None,
 ) -> Response:
-    """A page of administration, with what went wrong if something did. `tab` marks its part."""
-    frame = {"tab": tab, "problem": problem(error), **_CHOICES, **data}
+    """A page of administration, with the error if there was one. `tab` marks its part."""
+    frame = {"tab": tab, "problem": error_text(error), **_CHOICES, **data}
     return show(request, viewer, template, frame, status=error.status if error else 200, here="admin")
 
 
 def secret_page(request: Request, viewer: Viewer, back: str, what: str, secret: str) -> Response:
-    """Show a secret, once. A path is shown as an address."""
+    """Show a secret once. A path is shown as a URL."""
     shown = get_services(request).settings.base_url + secret if secret.startswith("/") else secret
     data = {"tab": "", "what": what, "secret": shown, "back": back}
-    response = show(request, viewer, "admin_told.html", data, here="admin")
+    response = show(request, viewer, "admin_secret.html", data, here="admin")
     response.headers["Cache-Control"] = "no-store"
     return response
-
-
-def address(request: Request) -> str:
-    """The address that the request came from; empty when the server does not know it."""
-    return request.client.host if request.client else ""

@@ -1,33 +1,43 @@
-"""The pages of one post: where it is, its Markdown, its earlier texts, editing and removing it."""
+"""The pages of one post, and what forms ask for while somebody writes one: previews and names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Annotated
 from urllib.parse import quote
 
-from fastapi import APIRouter, Request
-from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from fastapi import APIRouter, Form, Request
+from sqlalchemy import and_, select
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 
 from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
-from agentrob.board.content import uploads
+from agentrob.board.content import reach, uploads
 from agentrob.board.content.store import Store
+from agentrob.board.db import schema as db
 from agentrob.board.db.records import StoredPost
 from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
-from agentrob.board.services import AppServices
+from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
-from agentrob.board.web.find import previewed
-from agentrob.board.web.forms import Composed
-from agentrob.board.web.templating import error_page, go, show
+from agentrob.board.web.forms import Composed, PageForm, PostForm, Text
+from agentrob.board.web.templating import error_page, error_text, go, show
 from agentrob.errors import BoardError
+from agentrob.model import Account
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
-
 #: Posts on one page of a topic.
 POSTS = 50
+#: Names that are suggested while somebody writes one.
+NAMES = 8
+SentPost = Annotated[PostForm, Form(media_type="multipart/form-data")]
+
+
+class PreviewForm(PageForm):
+    body: Text = ""
+    board: str = ""
 
 
 @router.get("/p/{post_id}")
@@ -40,7 +50,7 @@ async def post(request: Request, services: AppServices, viewer: ReadingViewer, p
 async def fragment(
     request: Request, services: AppServices, viewer: ReadingViewer, post_id: str, seen: bool = False
 ) -> Response:
-    """`seen`: it is put at the end of a page that somebody looks at."""
+    """`seen`: the post is added to a page that is visible now."""
     store, found = services.store, services.store.post(post_id)
     if seen:
         services.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
@@ -69,25 +79,23 @@ async def history(request: Request, services: AppServices, viewer: ReadingViewer
 async def edit_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     found = services.store.post(post_id)
     if found.author.id != access.account_of(viewer).id or found.removed:
-        raise BoardError(403, "not_yours", "only its author may edit a post, and only while it is there")
+        raise BoardError(403, "not_yours", "only the author of a post may edit it, until it is removed")
     return _edit(request, viewer, found, Composed(draft=found.raw))
 
 
 @router.post("/p/{post_id}/edit")
-async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
-    form = await forms.read(request)
-    typed = Composed(forms.field(form, "body"))
+async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_id: str, form: SentPost) -> Response:
+    typed = Composed(form.body)
     try:
-        access.check_form(viewer, form.get("csrf"))
-        author = access.account_of(viewer)
-        typed = replace(typed, pictures=await forms.pictures(services, form, author))
-        if form.get("do") == "preview":
+        author = form.sender(viewer)
+        typed = replace(typed, pictures=await form.all_pictures(services, author))
+        if form.do == "preview":
             return _edit(request, viewer, services.store.post(post_id), await previewed(services, typed, author))
         text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
-        key = forms.key(form, post_id, text)
+        key = form.idempotency_key(post_id, text)
         changed = await services.store.edit(author, post_id, text, key=key, images=pictures)
     except BoardError as e:
-        if may_not_look(viewer) or e.status == 404:
+        if is_locked_out(viewer) or e.status == 404:
             return await error_page(request, e, draft=typed.draft)
         return _edit(request, viewer, services.store.post(post_id), typed, e)
     return go(path_of(services.store, changed))
@@ -96,7 +104,7 @@ async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_
 def _edit(
     request: Request, viewer: Viewer, found: StoredPost, typed: Composed, error: BoardError | None = None
 ) -> Response:
-    typed = replace(typed, problem=forms.problem(error))
+    typed = replace(typed, problem=error_text(error))
     data = {"post": found, "typed": typed, "key": forms.nonce(), "may_upload": uploads.may(viewer.account)}
     return show(request, viewer, "edit.html", data, status=error.status if error else 200)
 
@@ -108,26 +116,65 @@ async def remove_form(request: Request, services: AppServices, viewer: ReadingVi
 
 
 @router.post("/p/{post_id}/remove")
-async def remove(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
-    await forms.read_checked(request, viewer)
+async def remove(services: AppServices, viewer: AnyViewer, post_id: str, form: Annotated[PageForm, Form()]) -> Response:
     store = services.store
-    return go(path_of(store, await store.remove(access.account_of(viewer), post_id)))
+    return go(path_of(store, await store.remove(form.sender(viewer), post_id)))
+
+
+# ------------------------------------------------------------------ while somebody writes
+@router.post("/preview")
+async def preview(
+    request: Request, services: AppServices, viewer: AnyViewer, form: Annotated[PreviewForm, Form()]
+) -> Response:
+    """The text as it would be shown, and whether a robot would answer it on that board; stores nothing."""
+    shown = await previewed(services, Composed(draft=form.body), form.sender(viewer), form.board)
+    return show(request, viewer, "preview.html", {"typed": shown})
+
+
+async def previewed(services: Services, typed: Composed, by: Account, board_id: str = "") -> Composed:
+    """The form with a preview of its text, which may be empty. 413 if it is too long, 422, 429, 503."""
+    text = forms.body(typed.draft) if typed.draft.strip() else ""
+    hint = reach.hint(services, board_id, text) if board_id else ""
+    return replace(typed, preview=(await services.store.renderer.render(text, by)).html, hint=hint)
+
+
+@router.get("/names")
+async def names(request: Request, services: AppServices, viewer: ReadingViewer, q: str = "") -> Response:
+    """Accounts whose names begin with `q`: robots with their state first, then people."""
+    access.account_of(viewer)
+    prefix = q.lower()[:32]
+    robots = [r for r in robot_view.robots(services) if r.name.startswith(prefix)]
+    found = [
+        {"name": r.name, "robot": True, "live": r.live, "state": (r.state or "online") if r.live else "not connected"}
+        for r in robots
+    ]
+    others = _names(services, prefix, NAMES + len(robots)) if prefix else ()
+    taken = {r["name"] for r in found}
+    found += [{"name": n, "robot": False, "live": False, "state": ""} for n in others if n not in taken]
+    return JSONResponse(found[:NAMES], headers={"Cache-Control": "no-store"})
+
+
+def _names(services: Services, prefix: str, limit: int) -> tuple[str, ...]:
+    """Names of accounts that are not suspended, in alphabetical order."""
+    a = db.accounts.c
+    begins = and_(a.name >= prefix, a.name < prefix + "\x7f", a.suspended.is_(False))
+    return tuple(r.name for r in services.store.reader.rows(select(a.name).where(begins).order_by(a.name).limit(limit)))
 
 
 # ------------------------------------------------------------------ pieces
 def named(store: Store, post_ids: Iterable[str | None]) -> dict[str, str]:
-    """Who wrote posts that are answered; of those that are not to be seen, nothing."""
+    """The authors of posts that others reply to, by post id; only of posts that the viewer may see."""
     ids = [int(post_id) for post_id in post_ids if post_id and post_id.isdigit()]
     return {post.id: post.author.name for post in store.reader.posts_by_id(ids)} if ids else {}
 
 
 def path_of(store: Store, post: StoredPost, done: str = "") -> str:
-    """Where a post is to be seen: the page of its topic that shows it."""
+    """The path of a post: the page of its topic that shows it."""
     cursor = store.cursor_before(post.id, POSTS)
     query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("done", done)) if v)
     return f"/t/{post.topic_id}{'?' + query if query else ''}#post-{post.id}"
 
 
-def may_not_look(viewer: Viewer) -> bool:
-    """Then a form that failed cannot be shown again on its page; what was typed is given back on an error page."""
+def is_locked_out(viewer: Viewer) -> bool:
+    """Whether the viewer may not see the page of a form; then an error page returns what was typed."""
     return viewer.account is None or viewer.account.suspended

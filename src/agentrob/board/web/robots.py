@@ -1,12 +1,12 @@
-"""The pages of robots and people: what each is and did, and a robot's buttons."""
+"""The pages of robots and people, and the buttons of robots."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.auth import access
@@ -18,6 +18,7 @@ from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
+from agentrob.board.web.forms import ButtonForm, PageForm
 from agentrob.board.web.templating import go, own_path, show, with_receipt
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
@@ -25,8 +26,9 @@ from agentrob.model import Account, AccountKind
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 _LATEST = 10
-#: An owner's button waits so often for so long until the robot's agent has told what came of it.
+#: How often, and how many seconds each time, an owner's button waits for the agent to publish the result.
 HEARD_TRIES, HEARD_S = 15, 0.1
+SentForm = Annotated[PageForm, Form()]
 Press = Callable[[Services, str, Account], Awaitable[object]]
 #: Answers among which the last picture is looked for.
 _LOOK_BACK = 50
@@ -65,23 +67,27 @@ async def robot_fragment(
 
 
 @router.post("/robots/{name}/stop")
-async def stop(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
-    """Anybody signed in, at any rate, whatever the robot's agent last said."""
-    form = await forms.read_checked(request, viewer)
-    await actions.stop(services, name, access.account_of(viewer))
-    if request.headers.get("x-live"):
-        return Response(status_code=204)
-    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "stop", name))
+async def stop(
+    request: Request, services: AppServices, viewer: AnyViewer, name: str, form: Annotated[ButtonForm, Form()]
+) -> Response:
+    """Every signed-in account may, without any limit, whatever the robot's agent last published."""
+    await actions.stop(services, name, form.sender(viewer))
+    return _stop_sent(request, viewer, name, "stop", form)
 
 
 @router.post("/robots/{name}/estop")
-async def emergency_stop(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
-    """As stop; besides, it locks the robot."""
-    form = await forms.read_checked(request, viewer)
-    await actions.emergency_stop(services, name, access.account_of(viewer))
+async def emergency_stop(
+    request: Request, services: AppServices, viewer: AnyViewer, name: str, form: Annotated[ButtonForm, Form()]
+) -> Response:
+    """As `stop`; also locks the robot."""
+    await actions.emergency_stop(services, name, form.sender(viewer))
+    return _stop_sent(request, viewer, name, "estop", form)
+
+
+def _stop_sent(request: Request, viewer: Viewer, name: str, action: str, form: ButtonForm) -> Response:
     if request.headers.get("x-live"):
         return Response(status_code=204)
-    return go(with_receipt(own_path(form.get("back"), f"/robots/{name}"), viewer, "estop", name))
+    return go(with_receipt(own_path(form.back, f"/robots/{name}"), viewer, action, name))
 
 
 @router.get("/robots/{name}/release")
@@ -90,8 +96,8 @@ async def release_form(request: Request, viewer: ReadingViewer, name: str) -> Re
 
 
 @router.post("/robots/{name}/release")
-async def release(request: Request, viewer: AnyViewer, name: str) -> Response:
-    return await _owners(request, viewer, name, "release", actions.release)
+async def release(services: AppServices, viewer: AnyViewer, name: str, form: SentForm) -> Response:
+    return await _press(services, viewer, name, form, "release", actions.release)
 
 
 @router.get("/robots/{name}/home")
@@ -100,35 +106,32 @@ async def home_form(request: Request, viewer: ReadingViewer, name: str) -> Respo
 
 
 @router.post("/robots/{name}/home")
-async def home(request: Request, viewer: AnyViewer, name: str) -> Response:
-    return await _owners(request, viewer, name, "home", actions.home)
+async def home(services: AppServices, viewer: AnyViewer, name: str, form: SentForm) -> Response:
+    return await _press(services, viewer, name, form, "home", actions.home)
 
 
-def _confirm(request: Request, viewer: Viewer, name: str, deed: str, heading: str) -> Response:
-    """Asks whether the owner means it: nothing that lets a robot move is one slip of the finger away."""
+def _confirm(request: Request, viewer: Viewer, name: str, action: str, heading: str) -> Response:
+    """Ask for confirmation, so that a slip of the finger cannot let a robot move."""
     services = get_services(request)
     actions.check_owner(services, name, access.account_of(viewer))
-    data = {"robot": robot_view.robot(services, name)[1], "deed": deed, "heading": heading}
+    data = {"robot": robot_view.robot(services, name)[1], "action": action, "heading": heading}
     return show(request, viewer, "robot_owner.html", data, here="robots")
 
 
-async def _owners(request: Request, viewer: Viewer, name: str, deed: str, press: Press) -> Response:
-    """Press an owner's button and wait a moment for what came of it, so that the page that follows shows that."""
-    services = get_services(request)
-    await forms.read_checked(request, viewer)
+async def _press(services: Services, viewer: Viewer, name: str, form: PageForm, action: str, press: Press) -> Response:
+    """Press an owner's button and wait a moment for the result, so that the following page shows it."""
     presence, before = services.presence, services.presence.robot(name).card.get("told")
-    await press(services, name, access.account_of(viewer))
+    await press(services, name, form.sender(viewer))
     for _ in range(HEARD_TRIES):
         if presence.robot(name).card.get("told") != before:
             return go(f"/robots/{name}")
         await asyncio.sleep(HEARD_S)
-    return go(with_receipt(f"/robots/{name}", viewer, deed, name))
+    return go(with_receipt(f"/robots/{name}", viewer, action, name))
 
 
 @router.post("/robots/{name}/reset")
-async def reset(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
-    await forms.read_checked(request, viewer)
-    await actions.reset(services, name, access.account_of(viewer))
+async def reset(services: AppServices, viewer: AnyViewer, name: str, form: SentForm) -> Response:
+    await actions.reset(services, name, form.sender(viewer))
     return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 

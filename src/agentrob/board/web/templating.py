@@ -268,6 +268,11 @@ def hint_of(error: HttpError) -> str:
     return error.hint if error.hint and "/api/" not in error.hint else HINTS.get(error.status, "")
 
 
+def error_text(error: HttpError | None) -> str:
+    """What went wrong and what would be right, in one line; empty without an error."""
+    return f"{sentence(str(error))} {sentence(hint_of(error))}".strip() if error else ""
+
+
 def sentence(text: str) -> str:
     """With a capital letter and a full stop."""
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")

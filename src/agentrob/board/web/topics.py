@@ -1,42 +1,53 @@
-"""The pages of the embedded forum: plain HTML and forms that work without scripts, and become live with them."""
+"""The pages of boards, topics and tags."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
-from starlette.datastructures import FormData
+from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access
+from agentrob.board.auth import access, visibility
 from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.content import reach, tags, uploads
+from agentrob.board.content.unread import UnreadCount
+from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import StoredPost, Topic
+from agentrob.board.robots import approvals
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices, Services, get_services
-from agentrob.board.web import api_docs, feeds, find, forms
-from agentrob.board.web import commands as pages_command
-from agentrob.board.web import posts as pages_posts
-from agentrob.board.web import robots as pages_robots
-from agentrob.board.web import tags as pages_tags
-from agentrob.board.web.find import previewed
-from agentrob.board.web.forms import Composed
-from agentrob.board.web.posts import POSTS, may_not_look, path_of
-from agentrob.board.web.templating import error_page, go, own_path, show, static_file
-from agentrob.board.web.topic_posts import Shown, posts_of_topic
+from agentrob.board.web import forms
+from agentrob.board.web.forms import Composed, PageForm, Text
+from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
+from agentrob.board.web.templating import error_page, error_text, go, piece, show
 from agentrob.errors import BoardError
-from agentrob.model import Account
-
-__all__ = ["error_page", "router"]
+from agentrob.model import Page
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 Data = dict[str, Any]
 
+#: Topics on one page of a tag.
+TOPICS = 20
 #: How long the author of the newest post is told that no robot answers it.
 JUST_NOW = timedelta(minutes=10)
+
+
+class TagsForm(PageForm):
+    tags: Text = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShownPosts:
+    """The posts, safe to put into a page, the cursor of the next page, the ids of the first and the last of them."""
+
+    html: str
+    next: str | None
+    first: str = ""
+    last: str = ""
 
 
 # ------------------------------------------------------------------ boards and topics
@@ -45,7 +56,7 @@ async def home(request: Request, services: AppServices, viewer: ReadingViewer, a
     boards = services.store.boards()
     data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(services)}
     topics = services.store.latest(after)
-    data |= {"topics": topics, "news": pages_tags.news(services, viewer, topics.items), "feed": "/feed.atom"}
+    data |= {"topics": topics, "news": _news(services, viewer, topics.items), "feed": "/feed.atom"}
     return show(request, viewer, "home.html", data, here="home")
 
 
@@ -59,7 +70,7 @@ async def board(
     data |= {
         "after": newest,
         "feed": f"/b/{board_id}/feed.atom",
-        "news": pages_tags.news(services, viewer, topics.items),
+        "news": _news(services, viewer, topics.items),
     }
     return show(request, viewer, "board.html", data, here="home")
 
@@ -74,20 +85,20 @@ async def new_topic(
 
 
 @router.post("/b/{board_id}/new")
-async def create_topic(request: Request, services: AppServices, viewer: AnyViewer, board_id: str) -> Response:
-    form = await forms.read(request)
-    typed = Composed(forms.field(form, "body"), forms.field(form, "title"), forms.field(form, "tags"))
+async def create_topic(
+    request: Request, services: AppServices, viewer: AnyViewer, board_id: str, form: SentPost
+) -> Response:
+    typed = form.composed
     try:
-        access.check_form(viewer, form.get("csrf"))
-        author = access.account_of(viewer)
-        typed = replace(typed, pictures=await forms.pictures(services, form, author))
-        if form.get("do") == "preview":
+        author = form.sender(viewer)
+        typed = replace(typed, pictures=await form.all_pictures(services, author))
+        if form.do == "preview":
             return _new_topic(request, viewer, board_id, await previewed(services, typed, author, board_id))
-        checked, found = (forms.title(typed.title), forms.body(typed.draft)), forms.tags_of(form)
-        key, pictures = forms.key(form, *checked), [image.id for image in typed.pictures]
+        checked, found = (forms.title(form.title), forms.body(form.body)), forms.tags_of(form.tags)
+        key, pictures = form.idempotency_key(*checked), [image.id for image in typed.pictures]
         written = await services.store.create_topic(author, board_id, *checked, key=key, images=pictures, tags=found)
     except BoardError as e:
-        if may_not_look(viewer) or e.code == "no_such_board":
+        if is_locked_out(viewer) or e.code == "no_such_board":
             return await error_page(request, e, draft=typed.draft)
         return _new_topic(request, viewer, board_id, typed, e)
     return go(written.topic.path)
@@ -113,112 +124,87 @@ async def topic(
 
 
 @router.post("/t/{topic_id}/reply")
-async def reply(request: Request, services: AppServices, viewer: AnyViewer, topic_id: str) -> Response:
-    form = await forms.read(request)
-    typed = Composed(forms.field(form, "body"), reply_to=forms.field(form, "reply_to"))
+async def reply(request: Request, services: AppServices, viewer: AnyViewer, topic_id: str, form: SentPost) -> Response:
+    typed, store = form.composed, services.store
     try:
-        access.check_form(viewer, form.get("csrf"))
-        author = access.account_of(viewer)
-        typed = replace(typed, pictures=await forms.pictures(services, form, author))
-        if form.get("do") == "preview":
-            board_id = services.store.topic(topic_id).board_id
+        author = form.sender(viewer)
+        typed = replace(typed, pictures=await form.all_pictures(services, author))
+        if form.do == "preview":
+            board_id = store.topic(topic_id).board_id
             return _topic(request, viewer, topic_id, None, await previewed(services, typed, author, board_id))
-        written = await _replied(request, author, topic_id, typed, form)
+        text, pictures = forms.body(form.body), [image.id for image in typed.pictures]
+        key = form.idempotency_key(topic_id, text)
+        written = await store.reply(author, topic_id, text, key=key, reply_to=form.reply_to or None, images=pictures)
     except BoardError as e:
-        if may_not_look(viewer) or e.code == "no_such_topic":
+        if is_locked_out(viewer) or e.code == "no_such_topic":
             return await error_page(request, e, draft=typed.draft)
         return _topic(request, viewer, topic_id, None, typed, e)
-    return go(path_of(services.store, written))
+    return go(path_of(store, written.post))
 
 
-async def _replied(request: Request, author: Account, topic_id: str, typed: Composed, form: FormData) -> StoredPost:
-    text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
-    key = forms.key(form, topic_id, text)
-    answered = typed.reply_to or None
-    store = get_services(request).store
-    return (await store.reply(author, topic_id, text, key=key, reply_to=answered, images=pictures)).post
+# ------------------------------------------------------------------ tags
+@router.get("/tags")
+async def tag_list(request: Request, services: AppServices, viewer: ReadingViewer) -> Response:
+    found = await services.store.beside(tags.listed)
+    return show(request, viewer, "tags.html", {"found": found}, here="latest")
 
 
-# ------------------------------------------------------------------ coming and going
-@router.get("/sign-in")
-async def sign_in_form(request: Request, viewer: AnyViewer, next: str = "/") -> Response:
-    if viewer.account:
-        return go(own_path(next))
-    return show(request, viewer, "sign_in.html", {"up": False, "next": own_path(next), "draft": ""}, here="sign-in")
+@router.get("/tags/{tag}")
+async def tag_page(
+    request: Request, services: AppServices, viewer: ReadingViewer, tag: str, after: str | None = None
+) -> Response:
+    named = tags.plain(tag)
+    if not named:
+        raise not_found("tag", tag)
+    if named != tag:
+        return go(f"/tags/{named}")
+    page = await services.store.beside(Reader.topics, None, after, TOPICS, named)
+    data: dict[str, Any] = {
+        "tag": named,
+        "topics": page,
+        "names": services.store.board_names(),
+        "feed": f"/tags/{named}/feed.atom",
+    }
+    return show(request, viewer, "tag.html", data | {"news": _news(services, viewer, page.items)}, here="latest")
 
 
-@router.get("/sign-up")
-async def sign_up_form(request: Request, services: AppServices, viewer: AnyViewer, next: str = "/") -> Response:
-    if not services.settings.sign_up:
-        raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself")
-    return show(request, viewer, "sign_in.html", {"up": True, "next": own_path(next), "draft": ""}, here="sign-in")
+@router.get("/t/{topic_id}/tags")
+async def tags_form(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
+    topic = services.store.topic(topic_id)
+    return _choose(request, viewer, topic, ", ".join(topic.tags))
 
 
-@router.post("/sign-in")
-async def sign_in(request: Request, viewer: AnyViewer) -> Response:
-    return await _open_session(request, viewer, up=False)
+@router.post("/t/{topic_id}/tags")
+async def choose_tags(
+    request: Request, services: AppServices, viewer: AnyViewer, topic_id: str, form: Annotated[TagsForm, Form()]
+) -> Response:
+    by, store, most = form.sender(viewer), services.store, services.settings.limits.posts
+    topic = store.topic(topic_id)
+    try:
+        found = forms.tags_of(form.tags)
+        await store.do(lambda t: tags.change(t, by, topic_id, found, most))
+    except BoardError as e:
+        if e.status not in (422, 429):
+            raise
+        return _choose(request, viewer, topic, form.tags, e)
+    return go(topic.path)
 
 
-@router.post("/sign-up")
-async def sign_up(request: Request, viewer: AnyViewer) -> Response:
-    return await _open_session(request, viewer, up=True)
-
-
-@router.post("/sign-out")
-async def sign_out(request: Request, services: AppServices, viewer: AnyViewer) -> Response:
-    await forms.read_checked(request, viewer)
-    response = go("/sign-in")
-    await access.sign_out(services, viewer, response)
-    return response
-
-
-@router.get("/enter/{secret}")
-async def enter_form(request: Request, viewer: AnyViewer, secret: str) -> Response:
-    """Shows a button only: a prefetch of the link spends nothing."""
-    return show(request, viewer, "enter.html", {"secret": secret}, here="sign-in")
-
-
-@router.post("/enter/{secret}")
-async def enter(request: Request, services: AppServices, viewer: AnyViewer, secret: str) -> Response:
-    await forms.read_checked(request, viewer)
-    response = go("/")
-    access.set_session(response, services, await access.enter(services, secret))
-    return response
-
-
-@router.get("/static/{version}/{name}")
-async def static(version: str, name: str) -> Response:
-    return static_file(version, name)
-
-
-@router.get("/favicon.ico")
-async def favicon() -> Response:
-    return static_file("", "logo.svg")
+def _choose(request: Request, viewer: Viewer, topic: Topic, typed: str, error: BoardError | None = None) -> Response:
+    if not tags.may_change(access.account_of(viewer), topic):
+        raise BoardError(403, "not_yours", "only the author of a topic and moderators choose its tags")
+    data = {"topic": topic, "typed": typed, "problem": error_text(error)}
+    return show(request, viewer, "topic_tags.html", data, status=error.status if error else 200)
 
 
 # ------------------------------------------------------------------ pieces
-async def _open_session(request: Request, viewer: Viewer, *, up: bool) -> Response:
-    form = await forms.read(request)
-    name, password, path = forms.field(form, "name").strip(), forms.field(form, "password"), own_path(form.get("next"))
-    services = get_services(request)
-    try:
-        access.check_form(viewer, form.get("csrf"))
-        session = await (access.sign_up if up else access.sign_in)(services, name, password, forms.address(request))
-    except BoardError as e:
-        data = {"up": up, "next": path, "draft": name, "problem": forms.problem(e)}
-        return show(request, viewer, "sign_in.html", data, status=e.status, here="sign-in")
-    response = go(path)
-    access.set_session(response, services, session)
-    return response
-
-
 def _new_topic(
     request: Request, viewer: Viewer, board_id: str, typed: Composed, error: BoardError | None = None
 ) -> Response:
     services = get_services(request)
     data: Data = {"board": services.store.board(board_id), "robots": robot_view.robots(services), "key": forms.nonce()}
     data["acting"] = reach.acting_on(board_id, services)
-    data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
+    data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
     return show(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
 
 
@@ -233,7 +219,7 @@ def _topic(
     services = get_services(request)
     newest = services.store.newest_event_id()  # before the posts are read, so that nothing falls between
     found = services.store.topic(topic_id)
-    shown = posts_of_topic(services, viewer, topic_id, after, POSTS)
+    shown = _shown_posts(services, viewer, topic_id, after, POSTS)
     data: Data = {
         "topic": found,
         "shown": shown,
@@ -241,8 +227,8 @@ def _topic(
         "board": services.store.board(found.board_id),
     }
     data |= {"after": newest, "robots": robot_view.robots(services), "key": forms.nonce()}
-    data |= {"typed": replace(typed, problem=forms.problem(error)), "may_upload": uploads.may(viewer.account)}
-    answered = pages_posts.named(services.store, [typed.reply_to])
+    data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
+    answered = named(services.store, [typed.reply_to])
     data |= {"feed": f"/t/{found.id}/feed.atom", "authors": answered}
     data |= {
         "acting": reach.acting_on(found.board_id, services),
@@ -254,7 +240,7 @@ def _topic(
     return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
 
 
-def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: Shown) -> str:
+def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: ShownPosts) -> str:
     """Why no robot answers what this viewer has just posted at the end of the topic; empty otherwise."""
     if viewer.account is None or shown.next or not shown.last:
         return ""
@@ -265,6 +251,29 @@ def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: Shown) -
     return reach.hint(services, topic.board_id, newest.raw)
 
 
-# last: a request tries one address after the other, and most ask for a topic
-for part in (pages_posts, pages_robots, pages_command, find, pages_tags, feeds, api_docs):
-    router.include_router(part.router)
+def _news(services: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, UnreadCount]:
+    """What the viewer has not read in these topics, by topic."""
+    return services.marks.news(services.store.reader, viewer.account, topics)
+
+
+def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str | None, limit: int) -> ShownPosts:
+    """The posts of one page as HTML, cached until one of them changes: most of the time of a page is spent on them.
+
+    404, and 422 for a bad cursor.
+    """
+
+    def make() -> tuple[ShownPosts, int]:
+        page: Page[StoredPost] = services.store.posts(topic_id, after, limit)
+        hidden = robot_view.hidden_cameras(services, viewer.account, page.items)
+        authors = {post.id: post.author.name for post in page.items}
+        data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
+        data["owners"] = robot_view.owners(services, page.items)
+        data |= {"asking": approvals.in_thread(services, page.items, viewer.account), "key": forms.nonce()}
+        html = piece("topic_posts.html", data)
+        ids = [post.id for post in page.items]
+        return ShownPosts(html, page.next, *(ids[:1] + ids[-1:])), len(html)
+
+    form = viewer.csrf if viewer.account else ""  # in the buttons
+    return services.topic_cache.of(
+        services.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards()), make
+    )

@@ -1,12 +1,10 @@
-"""Pages for admins and robots' owners: forms that work without scripts and do what the API does."""
+"""The pages of administrators and of robots' owners."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
-from starlette.datastructures import FormData
+from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.admin import audit, management
@@ -18,6 +16,7 @@ from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
+from agentrob.board.web.forms import Checkbox, Line, PageForm, Text
 from agentrob.board.web.templating import go
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
@@ -25,8 +24,82 @@ from agentrob.model import Account, AccountKind, ActionClass, Role
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 _PAGE = 50
-_BOARD_ROLES = ("read_role", "post_role", "command_role")
-_EMPTY = {"name": "", "display_name": "", "role": "member", "kind": "human"}
+
+
+class NewAccountForm(PageForm):
+    name: Line = ""
+    kind: Line = "human"
+    role: Line = "member"
+    display_name: Line = ""
+
+
+class AccountForm(PageForm):
+    """The forms of an account's page; each sends some of these fields."""
+
+    role: Line = ""
+    display_name: Line = ""
+    suspended: Checkbox = False
+    label: Line = ""
+    write: Checkbox = False
+    admin: Checkbox = False
+    token: Line = ""
+    sure: Line = ""
+
+
+class BoardForm(PageForm):
+    id: Line = ""
+    name: Line = ""
+    description: Line = ""
+    read_role: Line = ""
+    post_role: Line = ""
+    command_role: Line = ""
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The columns of the board. 422 for a role that does not exist."""
+        roles = {name: forms.one_of(Role, getattr(self, name)) for name in ("read_role", "post_role", "command_role")}
+        return {"name": self.name, "description": self.description} | roles
+
+
+class RobotForm(PageForm):
+    owner: Line = ""
+    command_photo: Line = ""
+    command_gesture: Line = ""
+    command_move: Line = ""
+    command_risky: Line = ""
+    approval_photo: Checkbox = False
+    approval_gesture: Checkbox = False
+    approval_move: Checkbox = False
+    approval_risky: Checkbox = False
+    approve: Line = ""
+    approve_own: Checkbox = False
+    release: Line = ""
+    camera_role: Line = ""
+    camera_days: Line = ""
+    closed: Text = ""
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """Fields of `RobotSettings` except the owner. 422 for a wrong value."""
+        return {
+            "command": {str(c): getattr(self, f"command_{c}") for c in ActionClass},
+            "approval": tuple(str(c) for c in ActionClass if getattr(self, f"approval_{c}")),
+            "approve_own": self.approve_own,
+            "approve": self.approve,
+            "release": self.release,
+            "camera_role": forms.one_of(Role, self.camera_role),
+            "camera_days": forms.number(self.camera_days),
+            "closed": rights.hours_from_words(self.closed),
+        }
+
+
+class InviteForm(PageForm):
+    """`revoke` is the id of an invite to revoke; the others are those of a new one."""
+
+    revoke: Line = ""
+    role: Line = ""
+    uses: Line = ""
+    days: Line = ""
 
 
 # -------------------------------------------------------------------- accounts
@@ -43,23 +116,26 @@ async def accounts(request: Request, viewer: ReadingViewer, after: str = "") -> 
 
 
 @router.post("/admin/accounts")
-async def add_account(request: Request, services: AppServices, viewer: AnyViewer) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.ADMIN)
-    name, kind = forms.stripped(form, "name").lower(), forms.one_of(AccountKind, forms.stripped(form, "kind"))
-    role, shown = forms.one_of(Role, forms.stripped(form, "role")), forms.stripped(form, "display_name")
+async def add_account(
+    request: Request, services: AppServices, viewer: AnyViewer, form: Annotated[NewAccountForm, Form()]
+) -> Response:
+    by = form.sender(viewer, Role.ADMIN)
 
-    def add(t: Any) -> tuple[str, str]:
-        made = management.add_account(t.connection, by.name, name, kind=kind, role=role, display_name=shown)
+    def add(t: Any) -> tuple[Account, str]:
+        kind, role = forms.one_of(AccountKind, form.kind), forms.one_of(Role, form.role)
+        made = management.add_account(
+            t.connection, by.name, form.name.lower(), kind=kind, role=role, display_name=form.display_name
+        )
         if kind is AccountKind.HUMAN:
-            return made.name, management.link(t.connection, by.name, made.name, "password")
-        return made.name, management.add_token(t.connection, by.name, made.name, "", ("read", "write"))
+            return made, management.link(t.connection, by.name, made.name, "password")
+        return made, management.add_token(t.connection, by.name, made.name, "", ("read", "write"))
 
     try:
         made, secret = await services.store.do(add)
     except BoardError as e:
-        return _accounts(request, viewer, "", e, dict(form))
-    what = "A link that sets the password" if kind is AccountKind.HUMAN else "The token"
-    return forms.secret_page(request, viewer, f"/admin/accounts/{made}", f"{what} of @{made}", secret)
+        return _accounts(request, viewer, "", e, form)
+    what = "A link that sets the password" if made.kind is AccountKind.HUMAN else "The token"
+    return forms.secret_page(request, viewer, f"/admin/accounts/{made.name}", f"{what} of @{made.name}", secret)
 
 
 @router.get("/admin/accounts/{name}")
@@ -68,11 +144,18 @@ async def account(request: Request, viewer: ReadingViewer, name: str) -> Respons
     return _account(request, viewer, name)
 
 
-@router.post("/admin/accounts/{name}/{deed}")
-async def change_account(request: Request, services: AppServices, viewer: AnyViewer, name: str, deed: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.ADMIN)
+@router.post("/admin/accounts/{name}/{action}")
+async def change_account(
+    request: Request,
+    services: AppServices,
+    viewer: AnyViewer,
+    name: str,
+    action: str,
+    form: Annotated[AccountForm, Form()],
+) -> Response:
+    by = form.sender(viewer, Role.ADMIN)
     try:
-        return await _change_account(request, services, viewer, by, name, deed, form)
+        return await _change_account(request, services, viewer, by, name, action, form)
     except BoardError as e:
         if e.code in ("no_such_account", "no_such_page"):
             raise
@@ -80,34 +163,32 @@ async def change_account(request: Request, services: AppServices, viewer: AnyVie
 
 
 async def _change_account(
-    request: Request, services: Services, viewer: Viewer, by: Account, name: str, deed: str, form: FormData
+    request: Request, services: Services, viewer: Viewer, by: Account, name: str, action: str, form: AccountForm
 ) -> Response:
-    page = f"/admin/accounts/{name}"
-    match deed:
+    page, do = f"/admin/accounts/{name}", services.store.do
+    match action:
         case "change":
-            role, shown = forms.one_of(Role, forms.stripped(form, "role")), forms.stripped(form, "display_name")
-            changes: dict[str, Any] = {"role": role, "display_name": shown, "suspended": "suspended" in form}
-            await services.store.do(lambda t: management.change_account(t.connection, by.name, name, **changes))
+            role = forms.one_of(Role, form.role)
+            changes: dict[str, Any] = {"role": role, "display_name": form.display_name, "suspended": form.suspended}
+            await do(lambda t: management.change_account(t.connection, by.name, name, **changes))
         case "enter" | "password":
-            path = await services.store.do(lambda t: management.link(t.connection, by.name, name, deed))
-            what = "that signs in" if deed == "enter" else "that sets a new password"
+            path = await do(lambda t: management.link(t.connection, by.name, name, action))
+            what = "that signs in" if action == "enter" else "that sets a new password"
             return forms.secret_page(request, viewer, page, f"A link {what}, once, for @{name}", path)
         case "sign-out":
-            await services.store.do(lambda t: management.sign_out_everywhere(t.connection, by.name, name))
+            await do(lambda t: management.sign_out_everywhere(t.connection, by.name, name))
         case "token":
-            scopes = tuple(s for s in ("read", "write", "admin") if s == "read" or s in form)
-            label = forms.stripped(form, "label")
-            token = await services.store.do(lambda t: management.add_token(t.connection, by.name, name, label, scopes))
+            scopes = ("read", *(["write"] if form.write else []), *(["admin"] if form.admin else []))
+            token = await do(lambda t: management.add_token(t.connection, by.name, name, form.label, scopes))
             return forms.secret_page(request, viewer, page, f"A token of @{name}", token)
         case "revoke":
-            token_id = forms.stripped(form, "token")
-            await services.store.do(lambda t: management.revoke_token(t.connection, by.name, token_id))
+            await do(lambda t: management.revoke_token(t.connection, by.name, form.token))
         case "erase":
-            if forms.stripped(form, "sure") != name:
-                raise BoardError(422, "not_sure", "nothing was deleted", f"type {name} to delete all it wrote")
+            if form.sure != name:
+                raise BoardError(422, "not_sure", "nothing was deleted", f"type {name} to delete all its posts")
             await erase_content(services, by.name, name)
         case _:
-            raise BoardError(404, "no_such_page", "there is nothing at this address")
+            raise BoardError(404, "no_such_page", "this address does not exist")
     return go(page)
 
 
@@ -116,11 +197,11 @@ def _accounts(
     viewer: Viewer,
     after: str,
     error: BoardError | None = None,
-    draft: Mapping[str, Any] | None = None,
+    draft: NewAccountForm | None = None,
 ) -> Response:
     found = management.all_accounts(get_services(request).store.reader, after, _PAGE + 1)
     more = found[_PAGE - 1].name if len(found) > _PAGE else ""
-    data = {"accounts": found[:_PAGE], "more": more, "draft": _EMPTY | dict(draft or {})}
+    data = {"accounts": found[:_PAGE], "more": more, "draft": draft or NewAccountForm()}
     return forms.admin_page(request, viewer, "admin_accounts.html", "accounts", data, error)
 
 
@@ -139,10 +220,12 @@ async def boards(request: Request, viewer: ReadingViewer) -> Response:
 
 
 @router.post("/admin/boards")
-async def add_board(request: Request, services: AppServices, viewer: AnyViewer) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.ADMIN)
+async def add_board(
+    request: Request, services: AppServices, viewer: AnyViewer, form: Annotated[BoardForm, Form()]
+) -> Response:
+    by = form.sender(viewer, Role.ADMIN)
     try:
-        board = Board(forms.stripped(form, "id"), **_board_fields(form))
+        board = Board(form.id, **form.fields)
         await services.store.do(lambda t: management.add_board(t.connection, by.name, board))
     except BoardError as e:
         return _boards(request, viewer, e)
@@ -150,21 +233,16 @@ async def add_board(request: Request, services: AppServices, viewer: AnyViewer) 
 
 
 @router.post("/admin/boards/{board_id}")
-async def change_board(request: Request, services: AppServices, viewer: AnyViewer, board_id: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.ADMIN)
+async def change_board(
+    request: Request, services: AppServices, viewer: AnyViewer, board_id: str, form: Annotated[BoardForm, Form()]
+) -> Response:
+    by = form.sender(viewer, Role.ADMIN)
     try:
-        fields = _board_fields(form)
+        fields = form.fields
         await services.store.do(lambda t: management.change_board(t.connection, by.name, board_id, **fields))
     except BoardError as e:
         return _boards(request, viewer, e)
     return go("/admin/boards")
-
-
-def _board_fields(form: FormData) -> dict[str, Any]:
-    roles = {
-        name: forms.one_of(Role, forms.stripped(form, name)) for name in ("read_role", "post_role", "command_role")
-    }
-    return {"name": forms.stripped(form, "name"), "description": forms.stripped(form, "description")} | roles
 
 
 def _boards(request: Request, viewer: Viewer, error: BoardError | None = None) -> Response:
@@ -183,38 +261,27 @@ async def robots(request: Request, services: AppServices, viewer: ReadingViewer)
 
 @router.get("/admin/robots/{name}")
 async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
-    _robot_of(services, access.account_of(viewer), name)
+    _check_owner(services, access.account_of(viewer), name)
     return _robot(request, viewer, name)
 
 
 @router.post("/admin/robots/{name}")
-async def change_robot(request: Request, services: AppServices, viewer: AnyViewer, name: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.GUEST)
-    _robot_of(services, by, name)
+async def change_robot(
+    request: Request, services: AppServices, viewer: AnyViewer, name: str, form: Annotated[RobotForm, Form()]
+) -> Response:
+    by = form.sender(viewer)
+    _check_owner(services, by, name)
     try:
-        changes = _robot_fields(form)
+        changes = form.fields
         if by.role is Role.ADMIN:
-            changes["owner"] = forms.stripped(form, "owner").removeprefix("@").lower()
+            changes["owner"] = form.owner.removeprefix("@").lower()
         await services.store.do(lambda t: management.change_robot(t.connection, by.name, name, **changes))
     except BoardError as e:
-        return _robot(request, viewer, name, e, forms.stripped(form, "closed"))
+        return _robot(request, viewer, name, e, form.closed)
     return go(f"/admin/robots/{name}")
 
 
-def _robot_fields(form: FormData) -> dict[str, Any]:
-    return {
-        "command": {str(c): forms.stripped(form, f"command_{c}") for c in ActionClass},
-        "approval": tuple(str(c) for c in ActionClass if f"approval_{c}" in form),
-        "approve_own": "approve_own" in form,
-        "approve": forms.stripped(form, "approve"),
-        "release": forms.stripped(form, "release"),
-        "camera_role": forms.one_of(Role, forms.stripped(form, "camera_role")),
-        "camera_days": forms.number(form, "camera_days"),
-        "closed": rights.hours_from_words(forms.stripped(form, "closed")),
-    }
-
-
-def _robot_of(services: Services, by: Account, name: str) -> None:
+def _check_owner(services: Services, by: Account, name: str) -> None:
     access.check_robot_owner(by, rights.settings_of(services.store.reader, known_robot(services, name).name).owner)
 
 
@@ -234,15 +301,16 @@ async def invites(request: Request, viewer: ReadingViewer) -> Response:
 
 
 @router.post("/admin/invites")
-async def invite(request: Request, services: AppServices, viewer: AnyViewer) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.ADMIN)
+async def invite(
+    request: Request, services: AppServices, viewer: AnyViewer, form: Annotated[InviteForm, Form()]
+) -> Response:
+    by, do = form.sender(viewer, Role.ADMIN), services.store.do
     try:
-        if revoked := forms.stripped(form, "revoke"):
-            await services.store.do(lambda t: management.revoke_invite(t.connection, by.name, revoked))
+        if form.revoke:
+            await do(lambda t: management.revoke_invite(t.connection, by.name, form.revoke))
             return go("/admin/invites")
-        uses, days = forms.number(form, "uses"), forms.number(form, "days")
-        role = forms.one_of(Role, forms.stripped(form, "role"))
-        path = await services.store.do(lambda t: management.invite(t.connection, by.name, role, uses, days, by))
+        role, uses, days = forms.one_of(Role, form.role), forms.number(form.uses), forms.number(form.days)
+        path = await do(lambda t: management.invite(t.connection, by.name, role, uses, days, by))
     except BoardError as e:
         return _invites(request, viewer, e)
     return forms.secret_page(request, viewer, "/admin/invites", f"An invite for {uses}, as {role}", path)

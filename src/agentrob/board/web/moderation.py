@@ -1,19 +1,37 @@
-"""Pages for moderators: hide and show posts, lock and move topics; forms that do what the API does."""
+"""The pages of moderators: hide and show posts, lock and move topics."""
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.admin import moderation
 from agentrob.board.auth import access
 from agentrob.board.auth.access import AnyViewer, ReadingViewer
 from agentrob.board.services import AppServices
-from agentrob.board.web import forms
+from agentrob.board.web.forms import Checkbox, Line, PageForm
 from agentrob.board.web.templating import go, show
 from agentrob.model import Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+
+class ModerationForm(PageForm):
+    """The forms of moderators; each sends some of these fields. `locked` and `show` say which of two is wanted."""
+
+    reason: Line = ""
+    locked: Checkbox = False
+    board: Line = ""
+    show: Checkbox = False
+
+    @property
+    def short_reason(self) -> str:
+        return self.reason[:200]
+
+
+SentForm = Annotated[ModerationForm, Form()]
 
 
 @router.get("/t/{topic_id}/moderate")
@@ -24,22 +42,19 @@ async def moderate_topic(request: Request, services: AppServices, viewer: Readin
 
 
 @router.post("/t/{topic_id}/lock")
-async def lock_topic(request: Request, services: AppServices, viewer: AnyViewer, topic_id: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.MODERATOR)
-    store = services.store
+async def lock_topic(services: AppServices, viewer: AnyViewer, topic_id: str, form: SentForm) -> Response:
+    by, store = form.sender(viewer, Role.MODERATOR), services.store
     store.topic(topic_id)
-    locked, reason = "locked" in form, forms.stripped(form, "reason")[:200]
-    await store.do(lambda t: moderation.lock(t, by, topic_id, locked, reason))
+    await store.do(lambda t: moderation.lock(t, by, topic_id, form.locked, form.short_reason))
     return go(f"/t/{topic_id}")
 
 
 @router.post("/t/{topic_id}/move")
-async def move_topic(request: Request, services: AppServices, viewer: AnyViewer, topic_id: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.MODERATOR)
-    store = services.store
+async def move_topic(services: AppServices, viewer: AnyViewer, topic_id: str, form: SentForm) -> Response:
+    by, store = form.sender(viewer, Role.MODERATOR), services.store
     store.topic(topic_id)
-    board_id, reason = store.board(forms.stripped(form, "board")).id, forms.stripped(form, "reason")[:200]
-    await store.do(lambda t: moderation.move(t, by, topic_id, board_id, reason))
+    board_id = store.board(form.board).id
+    await store.do(lambda t: moderation.move(t, by, topic_id, board_id, form.short_reason))
     return go(f"/t/{topic_id}")
 
 
@@ -51,13 +66,11 @@ async def moderate_post(request: Request, services: AppServices, viewer: Reading
 
 
 @router.post("/p/{post_id}/moderate")
-async def change_post(request: Request, services: AppServices, viewer: AnyViewer, post_id: str) -> Response:
-    form, by = await forms.sent_by(request, viewer, Role.MODERATOR)
-    store = services.store
+async def change_post(services: AppServices, viewer: AnyViewer, post_id: str, form: SentForm) -> Response:
+    by, store = form.sender(viewer, Role.MODERATOR), services.store
     store.post(post_id)
-    reason = forms.stripped(form, "reason")[:200]
-    if "show" in form:
-        await store.do(lambda t: moderation.show(t, by, post_id, reason))
+    if form.show:
+        await store.do(lambda t: moderation.show(t, by, post_id, form.short_reason))
     else:
-        await store.remove(by, post_id, reason)
+        await store.remove(by, post_id, form.short_reason)
     return go(f"/p/{post_id}")

@@ -1,1 +1,0 @@
-"""The pages of administrators and moderators, and of signing in."""

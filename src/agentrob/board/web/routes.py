@@ -1,0 +1,36 @@
+"""All pages of the board. Only the templates know what they look like; they work without scripts."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from starlette.responses import HTMLResponse, Response
+
+from agentrob.board.web import (
+    admin,
+    api_docs,
+    commands,
+    feeds,
+    find,
+    moderation,
+    posts,
+    robots,
+    sign_in,
+    topics,
+)
+from agentrob.board.web.templating import static_file
+
+router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
+
+# In this order: a request tries one path after the other, and most requests ask for topics.
+for module in (topics, posts, robots, commands, find, sign_in, feeds, api_docs, admin, moderation):
+    router.include_router(module.router)
+
+
+@router.get("/static/{version}/{name}")
+async def static(version: str, name: str) -> Response:
+    return static_file(version, name)
+
+
+@router.get("/favicon.ico")
+async def favicon() -> Response:
+    return static_file("", "logo.svg")
