@@ -31,9 +31,10 @@ from sqlalchemy import create_engine, insert, text
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import visibility
 from agentrob.board.content.store import Store
+from agentrob.board.db import fulltext
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
-from agentrob.board.search import fulltext, search, semantic
+from agentrob.board.search import search, semantic
 from agentrob.board.search.embeddings import EmbeddingIndex
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig

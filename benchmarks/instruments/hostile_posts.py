@@ -19,7 +19,7 @@ from typing import Any
 
 import httpx2
 
-from agentrob.board.auth.access import csrf_token
+from agentrob.board.access import csrf_token
 
 SIZES = (65_000, 48_000, 32_000)
 UNITS = ("![", "[", "![](", "[a](", "*_", "*a **a ", "- a\n* a\n", "a|b\n-|-\n", "`a``b", "<a ", "> - a\n", "*a*, ")

@@ -40,6 +40,7 @@ def test_the_house_keeps_its_floors(copy: Path) -> None:
     [
         ("model/planted.py", "from agentrob import config"),
         ("board/planted.py", "import agentrob.sim"),
+        ("board/db/planted.py", "import agentrob.board.content.store"),
         ("forums/planted.py", "import agentrob.agent"),
         ("new_room.py", ""),
         ("screening/planted.py", "import httpx2"),

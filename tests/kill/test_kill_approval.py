@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.board.admin import local_admin, management
-from agentrob.board.admin.audit import SHELL
+from agentrob.board.db.audit import SHELL
 from agentrob.wiring import app
 from tests.kill.kill_house import ROBOT, WALK, Asked, House, check
 from tests.kill.kill_process import wait_for

@@ -7,6 +7,7 @@ import secrets
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import structlog
@@ -18,16 +19,17 @@ from starlette.responses import Response
 from agentrob import __version__
 from agentrob.board.admin import retention
 from agentrob.board.admin.local_admin import bootstrap
+from agentrob.board.admin.serving_lock import serve_database
 from agentrob.board.api import admin, commands, forum, health, moderation, robots
+from agentrob.board.api.event_stream import encode
 from agentrob.board.content import unread, uploads
 from agentrob.board.content.store import Store
-from agentrob.board.db.serving_lock import serve_database
 from agentrob.board.events import webhooks
 from agentrob.board.events.cluster import Cluster
 from agentrob.board.events.hub import Hub
+from agentrob.board.events.presence import PresenceTracker
 from agentrob.board.middleware import SecurityMiddleware
 from agentrob.board.response_cache import ResponseCache
-from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.services import Services
 from agentrob.board.settings import BoardSettings
 from agentrob.board.web import routes
@@ -65,7 +67,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(bootstrap, settings)
-        hub, presence, me = Hub(settings.base_url), PresenceTracker(), secrets.token_hex(8)
+        hub, presence, me = Hub(partial(encode, settings.base_url)), PresenceTracker(), secrets.token_hex(8)
         store = Store(settings, hub.published, me)
         try:
             hub.start(store.everything)
@@ -113,7 +115,7 @@ async def _background(parts: Services, me: str, told: Sequence[Receiver]) -> Cor
         peers = Cluster(parts.settings, me, parts.hub, parts.presence, duties)
         parts.store.reader.gone = parts.store.everything.gone = lambda: peers.cut_off
         await peers.begin()
-        uploads.check_folder(parts)
+        uploads.check_folder(parts.store)
         following = peers.run()
     else:
         following = _follow_alone(parts.hub, duties)

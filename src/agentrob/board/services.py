@@ -12,8 +12,8 @@ from starlette.requests import HTTPConnection
 from agentrob.board.content.store import Store
 from agentrob.board.content.unread import ReadPositions
 from agentrob.board.events.hub import Hub
+from agentrob.board.events.presence import PresenceTracker
 from agentrob.board.response_cache import TopicCache
-from agentrob.board.robots.presence import PresenceTracker
 from agentrob.board.settings import BoardSettings
 
 

@@ -88,7 +88,7 @@ def account_erase(
 ) -> None:
     """Permanently delete all posts and pictures of an account."""
     from agentrob.board.admin import moderation
-    from agentrob.board.admin.audit import SHELL
+    from agentrob.board.db.audit import SHELL
 
     settings = writable(config)
     if not yes:

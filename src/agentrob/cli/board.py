@@ -36,8 +36,8 @@ def init(
 ) -> None:
     """Create a forum: configuration file, database, first admin, and a link to set the admin's password."""
     from agentrob.board.admin import management
-    from agentrob.board.admin.audit import SHELL
     from agentrob.board.admin.local_admin import bootstrap, writing
+    from agentrob.board.db.audit import SHELL
     from agentrob.model import AccountKind
 
     if config.exists():
@@ -76,7 +76,7 @@ def backup(file: Annotated[Path, typer.Argument(help="The new file.")], config: 
 def restore(file: Annotated[Path, typer.Argument(help="The backup.")], config: ConfigFile = None) -> None:
     """Restore a backup into an empty database, SQLite or PostgreSQL. The forum must not be running."""
     from agentrob.board.admin.backup import restore as load
-    from agentrob.board.db.serving_lock import exclusive_access
+    from agentrob.board.admin.serving_lock import exclusive_access
 
     settings = board_settings(configuration.load(config))
     with exclusive_access(settings):
@@ -101,8 +101,8 @@ def migrate(
     config: ConfigFile = None,
 ) -> None:
     """Migrate the database to this version, or back to an earlier one. The forum must not be running."""
+    from agentrob.board.admin.serving_lock import exclusive_access
     from agentrob.board.db.database import migrate as run
-    from agentrob.board.db.serving_lock import exclusive_access
 
     settings = board_settings(configuration.load(config))
     with exclusive_access(settings):
@@ -117,7 +117,7 @@ def audit(
     config: ConfigFile = None,
 ) -> None:
     """List the audit log (who changed what), newest first."""
-    from agentrob.board.admin import audit as log
+    from agentrob.board.db import audit as log
 
     with reading(config) as connection:
         rows = connection.execute(log.statement(None, limit, target)).all()

@@ -85,7 +85,7 @@ def robot_change(
     config: ConfigFile = None,
 ) -> None:
     """Change a robot's owner, rights, camera and maintenance hours."""
-    from agentrob.board.robots.rights import hours_from_words
+    from agentrob.board.auth.rights import hours_from_words
 
     given: dict[str, Any] = {"owner": owner, "approve": approve, "release": release}
     given |= {"camera_role": camera, "camera_days": camera_days, "approve_own": approve_own}
@@ -108,7 +108,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def _robot_lines(kept: Any) -> str:
-    from agentrob.board.robots.rights import hours_in_words
+    from agentrob.board.auth.rights import hours_in_words
 
     command = ", ".join(f"{k} {v}" for k, v in kept.command.items())
     days = f"{kept.camera_days} days" if kept.camera_days else "for ever"

@@ -91,7 +91,7 @@ def write(settings: BoardSettings, change: Callable[[Transaction], T]) -> T:
 def administer(config: Path | None, action: str, *args: Any, **options: Any) -> Any:
     """Run one function of `board.admin.management` as the shell, in one transaction."""
     from agentrob.board.admin import local_admin, management
-    from agentrob.board.admin.audit import SHELL
+    from agentrob.board.db.audit import SHELL
 
     with local_admin.writing(writable(config)) as connection:
         return getattr(management, action)(connection, SHELL, *args, **options)

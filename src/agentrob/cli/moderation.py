@@ -21,8 +21,8 @@ Reason = Annotated[str, typer.Option(help="Why, for the audit log.")]
 def _moderate(config: Path | None, action: str, *args: Any) -> None:
     """Run a moderator's action as the shell, an account that exists only in the audit log."""
     from agentrob.board.admin import moderation
-    from agentrob.board.admin.audit import SHELL
     from agentrob.board.content import writes
+    from agentrob.board.db.audit import SHELL
     from agentrob.model import Account
 
     shell = Account("0", SHELL, role=Role.ADMIN)

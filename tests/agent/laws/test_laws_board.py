@@ -12,9 +12,9 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin, management, moderation
-from agentrob.board.admin.audit import SHELL
+from agentrob.board.auth.rights import MaintenanceWindow
+from agentrob.board.db.audit import SHELL
 from agentrob.board.db.writer import Transaction
-from agentrob.board.robots.rights import MaintenanceWindow
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind

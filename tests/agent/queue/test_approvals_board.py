@@ -12,7 +12,7 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin, management
-from agentrob.board.admin.audit import SHELL
+from agentrob.board.db.audit import SHELL
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind

@@ -9,8 +9,9 @@ from typing import Any
 import httpx2
 import pytest
 
+from agentrob.board import access
 from agentrob.board.admin import local_admin
-from agentrob.board.auth import access, accounts, attempts
+from agentrob.board.auth import accounts, attempts
 from agentrob.board.settings import NO_LIMITS, BoardSettings
 from agentrob.config.board import BoardConfig, BoardLimitsConfig
 from agentrob.config.load import parse

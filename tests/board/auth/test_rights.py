@@ -9,8 +9,8 @@ import httpx2
 import pytest
 
 from agentrob.board.admin import local_admin, management, moderation
-from agentrob.board.robots import rights
-from agentrob.board.robots.rights import MaintenanceWindow, RobotSettings, hours_from_words
+from agentrob.board.auth import rights
+from agentrob.board.auth.rights import MaintenanceWindow, RobotSettings, hours_from_words
 from agentrob.errors import BoardError
 from agentrob.model import Role
 from tests.board.running_board import RunningBoard

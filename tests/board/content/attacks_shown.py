@@ -13,12 +13,13 @@ from urllib.parse import quote
 
 import pytest
 
-from agentrob.board.admin import audit, management
 from agentrob.board.admin import local_admin as shell
+from agentrob.board.admin import management
 from agentrob.board.auth.accounts import NAME
 from agentrob.board.content import tags, writes
 from agentrob.board.content.rendered import Rendered, Text
 from agentrob.board.content.writes import Draft
+from agentrob.board.db import audit
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import commands
 from agentrob.board.web.forms import TITLE_LENGTH

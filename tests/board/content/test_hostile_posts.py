@@ -14,7 +14,7 @@ from typing import Any
 import httpx2
 import pytest
 
-from agentrob.board.auth import access
+from agentrob.board import access
 from agentrob.board.content.markdown import TOO_COMPLEX
 from agentrob.board.content.rendered import MAX_HTML, Rendered
 from agentrob.board.content.renderer import MAX_NAMES, Renderer

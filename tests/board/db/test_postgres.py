@@ -28,7 +28,7 @@ from tests.board.running_board import POSTGRES, database_for, running_board
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 BOARD = (
-    "api/test_posts", "auth/test_access", "events/test_streams", "robots/test_robots", "auth/test_rights",
+    "api/test_posts", "test_access", "events/test_streams", "robots/test_robots", "auth/test_rights",
     "auth/test_limits", "admin/test_backup", "test_response_cache", "content/test_tags", "admin/test_retention",
 )  # fmt: skip
 SEARCH = ("search/test_semantic", "web/test_find")

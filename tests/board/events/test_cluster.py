@@ -16,11 +16,10 @@ import httpx2
 import pytest
 from sqlalchemy import create_engine, select, text
 
-from agentrob.board.admin import local_admin
+from agentrob.board.admin import local_admin, serving_lock
 from agentrob.board.auth import attempts
 from agentrob.board.auth.attempts import PER_NAME
 from agentrob.board.db import schema as db
-from agentrob.board.db import serving_lock
 from agentrob.board.db.database import WRITING_LOCK, migrate
 from agentrob.board.events.hub import PROVEN_S
 from agentrob.errors import BoardError

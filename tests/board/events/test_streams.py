@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import httpx2
 import pytest
 
 from agentrob.board.admin import local_admin
+from agentrob.board.api.event_stream import encode
 from agentrob.board.db.database import open_engine
 from agentrob.board.db.reader import Reader, event_number
 from agentrob.board.events import hub as events
@@ -340,7 +342,7 @@ def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
     post_topic(board.client("op"))
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:
-        hub = Hub(board.url)
+        hub = Hub(partial(encode, board.url))
         hub.start(Reader(connection))
         newest, listener = event_number(hub.last_id), hub.listen()
         assert hub.delivers_stops, "the only process hears itself"

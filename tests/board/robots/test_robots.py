@@ -22,10 +22,10 @@ from agentrob.board.admin import local_admin, management
 from agentrob.board.content import images
 from agentrob.board.db.records import StoredEvent
 from agentrob.board.db.writer import Transaction
-from agentrob.board.events import cluster_messages
+from agentrob.board.events import cluster_messages, presence
 from agentrob.board.events.hub import Listener
-from agentrob.board.robots import actions, presence
-from agentrob.board.robots.presence import LIVE_FOR
+from agentrob.board.events.presence import LIVE_FOR
+from agentrob.board.robots import actions
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, EventKind, Role
 from tests.board.running_board import LIMIT_S, RunningBoard

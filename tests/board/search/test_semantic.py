@@ -11,9 +11,10 @@ from sqlalchemy import func, select, update
 
 from agentrob.board.admin import local_admin, moderation
 from agentrob.board.admin.moderation import erase_content
-from agentrob.board.content.writes import add_event, now_us
+from agentrob.board.content.writes import add_event
 from agentrob.board.db import schema as db
 from agentrob.board.db.database import open_engine
+from agentrob.board.db.records import now_us
 from agentrob.board.db.writer import Transaction
 from agentrob.board.search import embeddings
 from agentrob.model import EventKind

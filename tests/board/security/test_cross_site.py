@@ -15,8 +15,9 @@ import httpx2
 import pytest
 from PIL import Image
 
+from agentrob.board import access
 from agentrob.board.admin import local_admin
-from agentrob.board.auth import access, attempts
+from agentrob.board.auth import attempts
 from agentrob.board.auth.attempts import PER_NAME
 from agentrob.errors import BoardError
 from tests.board.auth.test_rights import jpeg
@@ -82,7 +83,7 @@ def test_every_form_needs_its_token_and_comes_from_this_site(world: World) -> No
 
 
 def _audit_rows(world: World) -> int:
-    from agentrob.board.admin import audit
+    from agentrob.board.db import audit
 
     with local_admin.writing(world.settings) as connection:
         return len(connection.execute(audit.statement(None, 10_000)).all())

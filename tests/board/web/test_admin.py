@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from agentrob.board.admin import local_admin
-from agentrob.board.robots import rights
+from agentrob.board.auth import rights
 from tests.board.web.page_world import PASSWORD, World, running_world
 
 SECRET = re.compile(r'<textarea id="secret"[^>]*>([^<]*)</textarea>')

@@ -13,9 +13,9 @@ from sqlalchemy import text
 from agentrob.board.admin.moderation import erase_content
 from agentrob.board.content.store import MAX_SEARCHES
 from agentrob.board.db.database import open_engine
+from agentrob.board.db.fulltext import create_index, drop_index, expression, indexed
 from agentrob.board.db.records import StoredPost
 from agentrob.board.search import search
-from agentrob.board.search.fulltext import create_index, drop_index, expression, indexed
 from agentrob.board.search.search import around, terms
 from agentrob.model import Page, Role
 from tests.board.running_board import LIMIT_S, RunningBoard

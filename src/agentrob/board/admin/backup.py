@@ -25,9 +25,9 @@ from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from agentrob import __version__
 from agentrob.board.content.images import path_of
+from agentrob.board.db import fulltext
 from agentrob.board.db import schema as db
 from agentrob.board.db.database import migrate, open_engine, unavailable
-from agentrob.board.search import fulltext
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 

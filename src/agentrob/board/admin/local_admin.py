@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, insert, select
 from sqlalchemy.exc import DBAPIError
 
-from agentrob.board.admin import audit, management
-from agentrob.board.admin.audit import SHELL
-from agentrob.board.auth import accounts
+from agentrob.board.admin import management
+from agentrob.board.auth import accounts, rights
+from agentrob.board.db import audit
 from agentrob.board.db import schema as db
+from agentrob.board.db.audit import SHELL
 from agentrob.board.db.database import check_version, migrate, open_engine, unavailable
 from agentrob.board.db.reader import Reader, not_found
-from agentrob.board.robots import rights
 from agentrob.board.settings import BoardSettings
 from agentrob.model import Account, AccountKind, Role
 

@@ -15,15 +15,14 @@ from typing import Any, NamedTuple
 
 from sqlalchemy import Connection, and_, func, insert, select, update
 
-from agentrob.board.admin import audit
-from agentrob.board.auth import accounts
+from agentrob.board.auth import accounts, rights
 from agentrob.board.auth.lookalike import check_display_name, check_name
+from agentrob.board.auth.rights import RobotSettings
+from agentrob.board.db import audit
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import ACCOUNT, Reader, not_found
-from agentrob.board.db.records import Board, from_us
+from agentrob.board.db.records import Board, from_us, now_us
 from agentrob.board.db.rows import account_from
-from agentrob.board.robots import rights
-from agentrob.board.robots.rights import RobotSettings
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -181,7 +180,7 @@ def revoke_token(connection: Connection, actor: str, token_id: str) -> None:
     rows = connection.execute(found.where(t.hash.startswith(token_id, autoescape=True), t.revoked_us.is_(None))).all()
     if len(token_id) != 16 or len(rows) != 1:
         raise not_found("token", token_id)
-    connection.execute(update(db.tokens).where(t.hash == rows[0].hash).values(revoked_us=audit.now_us()))
+    connection.execute(update(db.tokens).where(t.hash == rows[0].hash).values(revoked_us=now_us()))
     audit.note(connection, actor, "token.revoke", f"account:{rows[0].name}", token=token_id)
 
 
@@ -191,7 +190,7 @@ def invite(connection: Connection, actor: str, role: Role, uses: int, days: int,
     if role is Role.ADMIN or not 1 <= uses <= MAX_INVITE_USES or not 1 <= days <= MAX_INVITE_DAYS:
         hint = f"any role but admin, 1 to {MAX_INVITE_USES} uses, 1 to {MAX_INVITE_DAYS} days"
         raise BoardError(422, "bad_invite", "that cannot be an invite", hint)
-    secret, now = accounts.new_secret(), audit.now_us()
+    secret, now = accounts.new_secret(), now_us()
     digest = accounts.hash_of(secret)
     row = {"hash": digest, "by_id": int(by.id) if by else None, "role": str(role), "left": uses}
     connection.execute(insert(db.invites).values(**row, created_us=now, expires_us=now + days * _DAY_US))
@@ -202,7 +201,7 @@ def invite(connection: Connection, actor: str, role: Role, uses: int, days: int,
 def invites(reader: Reader) -> Sequence[Invite]:
     """Invites that can still be used."""
     i = db.invites.c
-    rows = reader.rows(select(db.invites).where(i.left > 0, i.expires_us > audit.now_us()).order_by(i.expires_us))
+    rows = reader.rows(select(db.invites).where(i.left > 0, i.expires_us > now_us()).order_by(i.expires_us))
     return [Invite(r.hash[:16], Role(r.role), r.left, from_us(r.expires_us)) for r in rows]
 
 
@@ -217,7 +216,7 @@ def revoke_invite(connection: Connection, actor: str, invite_id: str) -> None:
 def spend_invite(connection: Connection, secret: str) -> Role:
     """Use an invite once and return the role that it gives. 404 when it is unknown, used up or expired."""
     i, digest = db.invites.c, accounts.hash_of(secret)
-    mine = and_(i.hash == digest, i.left > 0, i.expires_us > audit.now_us())
+    mine = and_(i.hash == digest, i.left > 0, i.expires_us > now_us())
     if connection.execute(update(db.invites).where(mine).values(left=i.left - 1)).rowcount != 1:
         raise BoardError(404, "no_such_invite", "this invite was used up or has expired", "ask for a new one")
     return Role(connection.execute(select(i.role).where(i.hash == digest)).scalar_one())

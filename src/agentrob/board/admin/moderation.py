@@ -14,14 +14,14 @@ from typing import Any
 
 from sqlalchemy import and_, delete, or_, select, update
 
-from agentrob.board.admin import audit
+from agentrob.board.auth import rights
 from agentrob.board.content.images import path_of
-from agentrob.board.content.writes import add_event, now_us
+from agentrob.board.content.writes import add_event
+from agentrob.board.db import audit
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import StoredPost, Topic, Version, from_us
+from agentrob.board.db.records import StoredPost, Topic, Version, from_us, now_us
 from agentrob.board.db.writer import Transaction
-from agentrob.board.robots import rights
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, EventKind

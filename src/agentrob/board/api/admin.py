@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
-from agentrob.board.admin import audit, management, moderation
+from agentrob.board.access import Administrator, Member, administrator, check_robot_owner
+from agentrob.board.admin import management, moderation
 from agentrob.board.api.admin_models import (
     AccountChange,
     AccountIn,
@@ -33,10 +34,10 @@ from agentrob.board.api.admin_models import (
 )
 from agentrob.board.api.dependencies import Cursor, Limit, documented, json_response
 from agentrob.board.api.models import AccountOut, Items, Paged, account_out
-from agentrob.board.auth.access import Administrator, Member, administrator, check_robot_owner
-from agentrob.board.robots import rights
+from agentrob.board.auth import rights
+from agentrob.board.auth.rights import RobotSettings
+from agentrob.board.db import audit
 from agentrob.board.robots.actions import known_robot
-from agentrob.board.robots.rights import RobotSettings
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, Role

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StringConstraints
 
-from agentrob.board.admin import audit, management
+from agentrob.board.admin import management
 from agentrob.board.api.models import PostOut, Time, _In, _Out, time_out, whole
-from agentrob.board.db import records
-from agentrob.board.robots.rights import WHO, MaintenanceWindow, RobotSettings, closed_out
+from agentrob.board.auth.rights import WHO, MaintenanceWindow, RobotSettings, closed_out
+from agentrob.board.db import audit, records
 from agentrob.model import AccountKind, ActionClass, Role
 
 #: Strict models take enums from JSON by value only where they are told to.

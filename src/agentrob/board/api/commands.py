@@ -5,10 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter
 from starlette.responses import Response
 
+from agentrob.board.access import Member, ReadingViewer
 from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response
 from agentrob.board.api.forum import post_written
 from agentrob.board.api.models import CommandIn, CommandOut, CommandsOut, DecisionIn, PostWritten, time_out
-from agentrob.board.auth.access import Member, ReadingViewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots.commands import RECORD_BYTES, RECORD_DEPTH
 from agentrob.board.services import AppServices, Services

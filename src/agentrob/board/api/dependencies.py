@@ -9,10 +9,10 @@ from fastapi import Header, Query
 from pydantic import BaseModel
 from starlette.responses import Response
 
+from agentrob.board.access import Viewer
 from agentrob.board.admin.management import BOARD_ID
 from agentrob.board.api.models import Serializer
 from agentrob.board.auth import accounts, visibility
-from agentrob.board.auth.access import Viewer
 from agentrob.board.content import tags
 from agentrob.board.db.reader import MAX_LIMIT
 from agentrob.board.services import Services

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Header, Query, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
+from agentrob.board.access import AnyViewer, Member, ReadingViewer, Stopper, account_of, moderator
 from agentrob.board.api.dependencies import (
     EVENT_ID,
     KEY,
@@ -23,6 +24,7 @@ from agentrob.board.api.dependencies import (
     serializer,
     still_allowed,
 )
+from agentrob.board.api.event_stream import EventStream
 from agentrob.board.api.models import (
     POST_BYTES,
     AccountOut,
@@ -51,12 +53,10 @@ from agentrob.board.api.models import (
     time_out,
 )
 from agentrob.board.auth import accounts, visibility
-from agentrob.board.auth.access import AnyViewer, Member, ReadingViewer, Stopper, account_of, moderator
 from agentrob.board.content import notifications, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db.reader import Reader, event_number, not_found
 from agentrob.board.db.records import Written
-from agentrob.board.events.hub import EventStream
 from agentrob.board.robots import commands
 from agentrob.board.search.search import MAX_QUERY
 from agentrob.board.services import AppServices, Services

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
+from agentrob.board.auth.rights import RobotSettings
 from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db import records
-from agentrob.board.robots.rights import RobotSettings
 from agentrob.model import Account, AccountKind, EventKind, Role
 
 T = TypeVar("T")

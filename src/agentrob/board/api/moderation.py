@@ -5,11 +5,11 @@ from __future__ import annotations
 from fastapi import APIRouter
 from starlette.responses import Response
 
+from agentrob.board.access import Moderator
 from agentrob.board.admin import moderation
 from agentrob.board.api.admin_models import HiddenOut, LockIn, MoveIn, ReasonIn
 from agentrob.board.api.dependencies import documented, json_response, serializer
 from agentrob.board.api.models import PostOut, TopicOut
-from agentrob.board.auth.access import Moderator
 from agentrob.board.services import AppServices
 
 router = APIRouter(prefix="/api/v1", responses=documented(404, 409), tags=["moderation"])

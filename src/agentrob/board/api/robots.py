@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, UploadFile
 from starlette.responses import FileResponse, Response
 
+from agentrob.board.access import Member, ReadingViewer, Stopper, Viewer
 from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response, serializer, still_allowed
 from agentrob.board.api.models import (
     EventOut,
@@ -21,12 +22,12 @@ from agentrob.board.api.models import (
     rights_out,
     robot_out,
 )
-from agentrob.board.auth.access import Member, ReadingViewer, Stopper, Viewer
+from agentrob.board.auth import rights
 from agentrob.board.content import images, uploads
 from agentrob.board.db.reader import not_found
 from agentrob.board.db.records import Image, StoredEvent
-from agentrob.board.robots import actions, commands, rights
-from agentrob.board.robots.presence import CameraStream
+from agentrob.board.events.presence import CameraStream
+from agentrob.board.robots import actions, commands
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
@@ -174,7 +175,7 @@ async def upload_image(services: AppServices, file: UploadFile, by: Member, key:
     """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins may."""
     if not uploads.may(by):  # before reading it
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
-    image, created = await uploads.take(services, by, await file.read(images.MAX_BYTES + 1), key)
+    image, created = await uploads.take(services.store, by, await file.read(images.MAX_BYTES + 1), key)
     return json_response(serializer(services, by).image(image), 201 if created else 200)
 
 
@@ -195,7 +196,7 @@ async def get_thumbnail(services: AppServices, image_id: str, who: ReadingViewer
 
 
 async def _file(services: Services, image: Image, digest: str) -> Response:
-    path, stat = await uploads.file_of(services, image, digest)
+    path, stat = await uploads.file_of(services.store, image, digest)
     options: dict[str, Any] = {"media_type": image.media_type, "headers": _CACHED}
     return FileResponse(path, stat_result=stat, content_disposition_type="inline", **options)
 

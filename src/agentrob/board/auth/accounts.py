@@ -17,9 +17,9 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy import Connection, Select, bindparam, delete, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
-from agentrob.board.content.writes import now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import ACCOUNT, Reader
+from agentrob.board.db.records import now_us
 from agentrob.board.db.rows import account_from
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role

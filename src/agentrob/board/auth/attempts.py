@@ -13,9 +13,9 @@ import math
 
 from sqlalchemy import Connection, delete, insert, select
 
-from agentrob.board.admin.audit import now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
+from agentrob.board.db.records import now_us
 from agentrob.errors import BoardError
 
 WINDOW_S = 300.0

@@ -11,9 +11,9 @@ from typing import Any
 
 from sqlalchemy import Connection, Integer, Select, Table, bindparam, select
 
-from agentrob.board.admin.audit import now_us
 from agentrob.board.auth.attempts import record_use
 from agentrob.board.db import schema as db
+from agentrob.board.db.records import now_us
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 

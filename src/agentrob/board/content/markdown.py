@@ -24,7 +24,6 @@ OWN_IMAGE = re.compile(r"/images/[A-Za-z0-9_-]+(\.(jpg|jpeg|png))?\Z")
 _ADDRESS = re.compile(ADDRESS, re.IGNORECASE)
 #: A scheme that may stay, or no scheme at all (then what comes before the first colon holds one of / ? #).
 _SAFE_LINK = re.compile(r"(https?:|mailto:|[^:/?#]*([/?#]|\Z))", re.IGNORECASE)
-_LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 #: Names in these are quoted or decoration, not addressed to anybody (law 3).
 _NOT_SAID = ("blockquote", "heading", "table")
 #: Above a body that is shown as it was typed.
@@ -147,13 +146,6 @@ def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]
         yield from _link(href, shown, css)
         done = start + len(shown)
     yield _text(text[done:])
-
-
-def unmarked(raw: str) -> str:
-    """Some Markdown on one line, without its marks and the addresses of links; to be shown as text."""
-    bare = _LINK.sub(r"\1", raw)
-    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", lambda m: "" if m[0][0] in "*`~" else " " if "---" in m[0] else m[0], bare)
-    return " ".join(re.sub(r"[|>#]+", " ", bare).split())
 
 
 def _without_tail(url: str) -> str:

@@ -8,13 +8,13 @@ from typing import Any
 
 from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, update
 
+from agentrob.board.auth import rights
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import ACCOUNT, Reader
 from agentrob.board.db.records import StoredPost
 from agentrob.board.db.rows import account_from
 from agentrob.board.db.writer import Transaction
-from agentrob.board.robots import rights
 from agentrob.model import Account, AccountKind, Page, Role
 
 #: More than this many are not counted.

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from agentrob.board.content.markdown import Parsed, as_plain_text
-from agentrob.board.search.fulltext import indexed
+from agentrob.board.db.fulltext import indexed
 from agentrob.language.stop.at_rest import is_only_stop, stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
 from agentrob.language.visible_text import mentions, visible_text

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from agentrob.board.content.markdown import as_plain_text
 from agentrob.board.content.render_process import RenderProcess, TooSlow
 from agentrob.board.content.rendered import Rendered, Text
-from agentrob.board.search.fulltext import indexed
+from agentrob.board.db.fulltext import indexed
 from agentrob.errors import BoardError
 from agentrob.language.complexity import parsing_us
 from agentrob.model import Account, AccountKind

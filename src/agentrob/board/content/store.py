@@ -22,7 +22,7 @@ from agentrob.board.content import writes
 from agentrob.board.content.renderer import Renderer
 from agentrob.board.db.database import open_engine, unavailable
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, Written
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, Written, now_us
 from agentrob.board.db.writer import Job, T, Writer
 from agentrob.board.search import search
 from agentrob.board.settings import BoardSettings
@@ -47,7 +47,7 @@ class Store:
     def __init__(
         self, settings: BoardSettings, published: Callable[[list[int]], None] = lambda _: None, process: str = ""
     ) -> None:
-        self._limits = settings.limits
+        self._limits, self.images_dir = settings.limits, settings.images_dir
         reading = open_engine(settings, writes=False, patience_s=READ_S)
         self._engines = [reading, open_engine(settings, writes=True, process=process)]
         try:
@@ -248,7 +248,7 @@ class Store:
         self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
     ) -> StoredEvent:
         """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
-        happened_us = writes.now_us() if at_us is None else at_us
+        happened_us = now_us() if at_us is None else at_us
         job: Job[StoredEvent] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
         return await self.writer.do(job, first=kind is EventKind.ROBOT_STOP)
 

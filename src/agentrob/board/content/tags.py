@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, func, insert, select
 
-from agentrob.board.admin import audit
 from agentrob.board.auth import limits
 from agentrob.board.content.writes import may_post
+from agentrob.board.db import audit
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import StoredPost, Topic

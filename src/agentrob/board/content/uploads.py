@@ -10,9 +10,9 @@ import structlog
 from sqlalchemy import select
 
 from agentrob.board.content import images
+from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.records import Image
-from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
@@ -22,11 +22,11 @@ TRIES = 5
 log = structlog.get_logger(__name__)
 
 
-def check_folder(services: Services) -> None:
+def check_folder(store: Store) -> None:
     """Say so where the newest picture is not in the folder: processes on several hosts must share it."""
-    i, folder = db.images.c, services.settings.images_dir
+    i, folder = db.images.c, store.images_dir
     newest = select(i.sha256).where(i.gone_us.is_(None)).order_by(i.id.desc()).limit(1)
-    row = services.store.everything.first(newest)
+    row = store.everything.first(newest)
     if row is not None and not images.path_of(folder, row.sha256).exists():
         hint = "all processes that serve a forum need the same folder"
         log.error("board.pictures_missing", folder=str(folder), hint=hint)
@@ -39,21 +39,21 @@ def may(by: Account | None) -> bool:
     return by.kind is AccountKind.ROBOT_AGENT or by.role.rank >= Role.OPERATOR.rank
 
 
-async def take(services: Services, by: Account, data: bytes, key: str | None = None) -> tuple[Image, bool]:
+async def take(store: Store, by: Account, data: bytes, key: str | None = None) -> tuple[Image, bool]:
     """Keep a picture; whether it is new. 403, 413, 415, 429, 503."""
     if not may(by):
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     image, data = await asyncio.to_thread(images.check, data)
     for _ in range(TRIES):
-        path = await asyncio.to_thread(images.keep, services.settings.images_dir, data)
-        if (taken := await services.store.add_image(by, path, image, key)) is not None:
+        path = await asyncio.to_thread(images.keep, store.images_dir, data)
+        if (taken := await store.add_image(by, path, image, key)) is not None:
             return taken
     raise BoardError(503, "storage", "the picture was taken away again and again", "try again in a moment", 1.0)
 
 
-async def file_of(services: Services, image: Image, digest: str) -> tuple[Path, os.stat_result]:
+async def file_of(store: Store, image: Image, digest: str) -> tuple[Path, os.stat_result]:
     """Where the file of a picture is, and what it is. 404 when it is not there any more, 503 when it cannot be read."""
-    path = images.path_of(services.settings.images_dir, digest)
+    path = images.path_of(store.images_dir, digest)
     try:
         return path, await asyncio.to_thread(path.stat)
     except FileNotFoundError:

@@ -14,30 +14,27 @@ from typing import Any, Literal
 
 from sqlalchemy import Connection, bindparam, insert, select, update
 
-from agentrob.board.admin import audit
 from agentrob.board.auth import limits
 from agentrob.board.content import notifications
 from agentrob.board.content.rendered import Rendered
+from agentrob.board.db import audit, fulltext
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Written, from_us
+from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Written, from_us, now_us
 from agentrob.board.db.rows import event_id
 from agentrob.board.db.writer import Transaction
-from agentrob.board.search import fulltext
 from agentrob.board.settings import NO_LIMITS
 from agentrob.config.board import BoardLimitsConfig
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, CommandState, EventKind, Role
-from agentrob.model.lifecycle import ACTIVE_STATES
 
 MAX_IMAGES = 32
 #: Of a topic whose author may not begin one: it is there for the stop in it.
 STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
-now_us = audit.now_us
-#: States of a status post that only report progress: an edit does not keep their text as a version. The text that asks
-#: for an approval and the final one are kept, as every text of a person is.
-PROGRESS = ACTIVE_STATES - {CommandState.WAITING}
+#: States of a command's status post that only say how far it is: when it is edited, the text of before is not kept.
+#: What an approval was asked for (`waiting`) and how a command ended are kept, as every text of a person is.
+PROGRESS = frozenset({"seen", "queued", "running"})
 #: Buttons of robots' owners: who pressed one stands in the audit log.
 _AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c

@@ -25,6 +25,8 @@ LOCKED_S = 5.0
 MIGRATING_S = 60.0
 #: Locks of a PostgreSQL database, any numbers: who writes, who serves, and which of these does what only one may do.
 WRITING_LOCK, SERVING_LOCK, LEADING_LOCK = 4_107_002, 4_107_003, 4_107_004
+#: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
+MAX_SKEW_S = 2.0
 #: On this channel PostgreSQL tells whoever listens that somebody committed, as `<process> commit`.
 CHANNEL = "agentrob_board"
 #: A writer that says nothing for so long in the middle of a transaction has died with its host: it keeps up nobody.
@@ -221,6 +223,20 @@ def _nobody_serves_here(settings: BoardSettings) -> HostLock:
 def _older_version_serves() -> BoardError:
     what = "the tables must change for this version, but another process serves the forum: end all of them first"
     return BoardError(409, "older_version_serves", what)
+
+
+def check_clock(before: float, there: float, after: float) -> None:
+    """503 when the database's clock, asked for between two looks at ours, surely differs by more than `MAX_SKEW_S`."""
+    ahead_s, behind_s = before - there, there - after
+    if (skew_s := max(ahead_s, behind_s)) > MAX_SKEW_S:
+        how = "ahead of" if skew_s == ahead_s else "behind"
+        what = f"this host's clock is {skew_s:.1f} s {how} the database's, more than {MAX_SKEW_S:g} s"
+        raise BoardError(503, "clock_skew", f"{what}: let both follow a time server")
+
+
+def being_changed(settings: BoardSettings) -> BoardError:
+    what = f"{settings.database_shown} is being restored or migrated now"
+    return BoardError(503, "being_changed", what, "try again when that is done", 10.0)
 
 
 def unavailable(error: DBAPIError) -> BoardError:

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import structlog
 
-from agentrob.board.db.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, connection_words
-from agentrob.board.db.serving_lock import being_changed, check_clock
+from agentrob.board.db.database import CHANNEL, LEADING_LOCK, SERVING_LOCK, being_changed, check_clock, connection_words
 from agentrob.board.events.cluster_messages import NOW_US, ClusterMessenger, event_from_json
 from agentrob.board.events.hub import Hub
-from agentrob.board.robots.presence import PresenceTracker
+from agentrob.board.events.presence import PresenceTracker
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 

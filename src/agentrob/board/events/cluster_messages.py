@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from agentrob.board.db.database import CHANNEL
 from agentrob.board.db.records import StoredEvent, from_us
 from agentrob.board.events.hub import Hub
-from agentrob.board.robots.presence import LIVE_FOR, PresenceTracker
+from agentrob.board.events.presence import LIVE_FOR, PresenceTracker
 from agentrob.errors import BoardError
 from agentrob.model import EventKind
 

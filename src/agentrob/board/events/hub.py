@@ -1,4 +1,4 @@
-"""Deliver events to all listeners as server-sent events that can be resumed, with heartbeats.
+"""Deliver events to all listeners of this process.
 
 Each event is read and encoded once for all listeners. A listener that falls behind is disconnected and resumes after
 the last id it received; events are never dropped from the middle of a stream.
@@ -11,19 +11,12 @@ import time
 from collections import deque
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
 import structlog
-from fastapi.sse import format_sse_event
-from starlette.responses import Response
-from starlette.types import Receive, Scope, Send
 
-from agentrob.board.api.models import EventOut, Serializer, time_out
 from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
 from agentrob.board.db.records import StoredEvent
-from agentrob.board.events import streams
 from agentrob.errors import BoardError
-from agentrob.model import Account, EventKind
 
 #: A listener with more than this waiting does not read.
 MAX_PENDING = 1000
@@ -58,17 +51,6 @@ class EncodedEvent:
     @property
     def topic_id(self) -> str | None:
         return self.event.post.topic_id if self.event.post else None
-
-
-def encode(event: StoredEvent, base_url: str, written: bool = True) -> EncodedEvent:
-    author = event.post.author if event.post and event.post.key is not None else None
-    for_all = _frame(Serializer(base_url).event(event))
-    for_author = _frame(Serializer(base_url, author).event(event)) if author else for_all
-    return EncodedEvent(event, event_number(event.id), for_all, for_author, written)
-
-
-def _frame(event: EventOut) -> bytes:
-    return format_sse_event(id=event.id, event=event.kind, data_str=event.model_dump_json())
 
 
 class Listener:
@@ -127,8 +109,9 @@ class Listener:
 class Hub:
     """All listeners of this process. Use it on the event loop only."""
 
-    def __init__(self, base_url: str) -> None:
-        self.base_url = base_url
+    def __init__(self, encode: Callable[[StoredEvent, bool], EncodedEvent]) -> None:
+        """`encode` encodes an event; its second argument is whether the event is in the database."""
+        self.encode = encode
         self.closed = False
         self.reader: Reader | None = None
         self._listeners: set[Listener] = set()
@@ -266,82 +249,6 @@ class Hub:
         return self._last_id
 
     def _tell(self, event: StoredEvent, written: bool = True) -> None:
-        encoded = encode(event, self.base_url, written)
+        encoded = self.encode(event, written)
         for listener in self._listeners:
             listener.offer(encoded)
-
-
-class EventStream(Response):
-    """Server-sent events from `after` on: first what is in the database, then what happens, and beats in between."""
-
-    media_type = "text/event-stream"
-
-    def __init__(
-        self,
-        hub: Hub,
-        listener: Listener,
-        viewer: Account | None,
-        after: int,
-        heartbeat_s: float,
-        allowed: Callable[[], bool],
-    ) -> None:
-        super().__init__(headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"})
-        del self.headers["content-length"]
-        self._hub, self._listener, self._viewer = hub, listener, viewer
-        self._after, self._heartbeat_s, self._allowed = after, heartbeat_s, allowed
-        self._early: deque[tuple[EventKind, str | None, datetime]] = deque(maxlen=100)
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        try:
-            await streams.run(self._send(send), receive, send, self._allowed, self._listener.ended)
-        finally:
-            self._listener.close()
-            self._hub.leave(self._listener)
-
-    async def _send(self, send: Send) -> None:
-        await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
-        await streams.part(send, format_sse_event(retry=1000))
-        await self._replay(send)
-        await self._live(send)
-
-    async def _replay(self, send: Send) -> None:
-        assert self._hub.reader is not None
-        while not self._listener.closed:
-            events = self._hub.reader.events(self._after, 100, self._listener.topic_id, self._listener.boards)
-            if not events:
-                return
-            for event in events:
-                encoded = encode(event, self._hub.base_url)
-                await streams.part(send, self._bytes(encoded))
-                self._after = encoded.number
-
-    async def _live(self, send: Send) -> None:
-        while not self._listener.closed:
-            encoded = await self._listener.next(self._heartbeat_s)
-            if encoded is not None:
-                if self._told_early(encoded):
-                    self._after = max(self._after, encoded.number)
-                elif encoded.number > self._after or not encoded.written:
-                    await streams.part(send, self._bytes(encoded))
-                    self._after = max(self._after, encoded.number)
-            elif not self._listener.closed and self._hub.delivers_stops:
-                await streams.part(send, _heartbeat())
-
-    def _told_early(self, encoded: EncodedEvent) -> bool:
-        """Whether this was told here before it could be written: then nobody hears it twice."""
-        event = encoded.event
-        if not encoded.written:
-            self._early.append((event.kind, event.robot, event.at))
-            return False
-        return event.robot is not None and (event.kind, event.robot, event.at) in self._early
-
-    def _bytes(self, encoded: EncodedEvent) -> bytes:
-        post = encoded.event.post
-        mine = post is not None and self._viewer is not None and post.author.id == self._viewer.id
-        return encoded.frame_for_author if mine else encoded.frame
-
-
-def _heartbeat() -> bytes:
-    at = time_out(datetime.now(UTC))
-    # No id line: the listener's last id stays what it was.
-    return format_sse_event(event=EventKind.HEARTBEAT, data_str=f'{{"id":"","kind":"heartbeat","at":"{at}"}}')

@@ -8,10 +8,10 @@ from datetime import UTC, datetime
 
 import structlog
 
-from agentrob.board.content.writes import now_us
+from agentrob.board.auth import rights
 from agentrob.board.db.reader import not_found
-from agentrob.board.db.records import StoredEvent, from_us
-from agentrob.board.robots import presence, rights
+from agentrob.board.db.records import StoredEvent, from_us, now_us
+from agentrob.board.events import presence
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.language.messages.durations import duration

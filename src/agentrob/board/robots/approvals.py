@@ -11,10 +11,10 @@ from typing import Any
 
 from sqlalchemy import select
 
+from agentrob.board.auth import rights
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.records import StoredPost, Written
-from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import Services
 from agentrob.errors import BoardError

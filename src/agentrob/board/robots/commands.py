@@ -10,10 +10,9 @@ from typing import Any
 
 from sqlalchemy import and_, insert, select, update
 
-from agentrob.board.content.writes import now_us
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
-from agentrob.board.db.records import StoredPost, from_us
+from agentrob.board.db.records import StoredPost, from_us, now_us
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind

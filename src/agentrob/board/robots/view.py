@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+from agentrob.board.auth import rights
 from agentrob.board.db.records import StoredPost, from_text
-from agentrob.board.robots import rights
+from agentrob.board.events.presence import LIVE_FOR
 from agentrob.board.robots.actions import known_robot
-from agentrob.board.robots.presence import LIVE_FOR
 from agentrob.board.services import Services
 from agentrob.model import Account, AccountKind
 

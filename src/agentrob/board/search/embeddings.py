@@ -17,10 +17,10 @@ import structlog
 from numpy.typing import NDArray
 from sqlalchemy import Column, Integer, LargeBinary, MetaData, Row, String, Table, delete, func, insert, select, text
 
-from agentrob.board.content.markdown import unmarked
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.writer import Transaction
+from agentrob.board.search.search import unmarked
 from agentrob.errors import BoardError
 from agentrob.semantic.encoder import MODEL, SIZE, EncoderError, TextEncoder
 

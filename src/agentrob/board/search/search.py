@@ -13,12 +13,11 @@ from typing import Any, TypeVar
 
 from sqlalchemy import Connection, and_, select, text
 
-from agentrob.board.content.markdown import unmarked
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.fulltext import INDEXED, Where, index_query
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import StoredPost
-from agentrob.board.search.fulltext import INDEXED, Where, index_query
 from agentrob.errors import BoardError
 from agentrob.language.complexity import nfkc
 from agentrob.model import Page
@@ -30,6 +29,7 @@ MAX_QUERY, MAX_WORDS = 200, 12
 MOST_S = 1.0
 #: Steps of SQLite's machine between two looks at the clock.
 STEPS = 20_000
+_LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 
 
 # -------------------------------------------------------------------- searching
@@ -150,6 +150,13 @@ def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], .
         [("…", False)] if start + length < len(plain) or begin + 3 * length < len(raw) else []
     )
     return tuple(piece for piece in pieces if piece[0])
+
+
+def unmarked(raw: str) -> str:
+    """Markdown as one line of plain text, without its marks and the URLs of links."""
+    bare = _LINK.sub(r"\1", raw)
+    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", lambda m: "" if m[0][0] in "*`~" else " " if "---" in m[0] else m[0], bare)
+    return " ".join(re.sub(r"[|>#]+", " ", bare).split())
 
 
 def _beginning(word: str) -> str:

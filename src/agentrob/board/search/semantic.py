@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from sqlalchemy import BindParameter, String, bindparam, text
 
 from agentrob.board.db.cursors import from_cursor, to_cursor
+from agentrob.board.db.fulltext import TAGGED
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import StoredPost
 from agentrob.board.search.embeddings import EmbeddingIndex
-from agentrob.board.search.fulltext import TAGGED
 from agentrob.board.search.search import boards_seen, given_up, in_order, terms
 from agentrob.errors import BoardError
 from agentrob.model import Page

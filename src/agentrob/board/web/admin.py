@@ -7,12 +7,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.admin import audit, management
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.admin import management
 from agentrob.board.admin.moderation import erase_content
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.auth import rights
+from agentrob.board.db import audit
 from agentrob.board.db.records import Board
-from agentrob.board.robots import rights
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms

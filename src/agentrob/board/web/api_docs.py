@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import APIRouter, FastAPI, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth.access import AnyViewer
+from agentrob.board.access import AnyViewer
 from agentrob.board.web.templating import piece, show
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)

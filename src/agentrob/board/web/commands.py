@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth.access import AnyViewer, ReadingViewer
+from agentrob.board.access import AnyViewer, ReadingViewer
 from agentrob.board.robots import approvals, commands
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.command_view import command_view

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from agentrob.board.auth.access import ReadingViewer
+from agentrob.board.access import ReadingViewer
 from agentrob.board.content import tags
 from agentrob.board.db.records import StoredPost
 from agentrob.board.robots import actions

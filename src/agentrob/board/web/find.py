@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer
 from agentrob.board.content import notifications, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db.records import StoredPost, Topic

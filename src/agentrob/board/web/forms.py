@@ -19,13 +19,13 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator
 from starlette.requests import Request
 from starlette.responses import Response
 
+from agentrob.board import access
+from agentrob.board.access import Viewer
 from agentrob.board.api.models import POST_BYTES
-from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board.auth import rights
 from agentrob.board.content import tags, uploads
 from agentrob.board.content.images import MAX_BYTES
 from agentrob.board.db.records import Image
-from agentrob.board.robots import rights
 from agentrob.board.services import Services, get_services
 from agentrob.board.web.templating import error_text, show
 from agentrob.errors import BoardError
@@ -106,7 +106,7 @@ class PostForm(KeyedForm):
         named = [image_id for image_id in self.images if image_id.isascii() and image_id.isdigit()]
         found = [services.store.image(image_id) for image_id in dict.fromkeys(named[:MAX_FILES])]
         for file in self.pictures:
-            image, _ = await uploads.take(services, by, await file.read(MAX_BYTES + 1))
+            image, _ = await uploads.take(services.store, by, await file.read(MAX_BYTES + 1))
             found.append(image)
         return tuple(found)
 

@@ -7,9 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer
 from agentrob.board.admin import moderation
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer
 from agentrob.board.services import AppServices
 from agentrob.board.web.forms import Checkbox, Line, PageForm
 from agentrob.board.web.templating import go, show

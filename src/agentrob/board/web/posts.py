@@ -11,13 +11,13 @@ from fastapi import APIRouter, Form, Request
 from sqlalchemy import and_, select
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
-from agentrob.board.content import reach, uploads
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.content import uploads
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.records import StoredPost
-from agentrob.board.robots import approvals
+from agentrob.board.robots import approvals, reach
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms

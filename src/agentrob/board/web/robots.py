@@ -9,11 +9,12 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.auth import rights
 from agentrob.board.content.store import Store
 from agentrob.board.db.records import Image, StoredPost, Topic
-from agentrob.board.robots import actions, approvals, rights
+from agentrob.board.robots import actions, approvals
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import AppServices, Services, get_services

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Line, PageForm

@@ -19,12 +19,12 @@ from markupsafe import Markup
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
-from agentrob.board.auth import access
-from agentrob.board.auth.access import Viewer
+from agentrob.board import access
+from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
-from agentrob.board.content.markdown import unmarked
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
+from agentrob.board.search.search import unmarked
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard

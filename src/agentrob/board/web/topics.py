@@ -10,13 +10,14 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
-from agentrob.board.auth import access, visibility
-from agentrob.board.auth.access import AnyViewer, ReadingViewer, Viewer
-from agentrob.board.content import reach, tags, uploads
+from agentrob.board import access
+from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.auth import visibility
+from agentrob.board.content import tags, uploads
 from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import StoredPost, Topic
-from agentrob.board.robots import approvals
+from agentrob.board.robots import approvals, reach
 from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms

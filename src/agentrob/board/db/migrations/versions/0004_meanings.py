@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-from agentrob.board.search.fulltext import create_index, drop_index
+from agentrob.board.db.fulltext import create_index, drop_index
 
 revision = "0004_meanings"
 down_revision = "0003_pages"

@@ -14,12 +14,16 @@ from sqlalchemy import Connection, create_engine, extract, func, select
 from sqlalchemy.exc import DBAPIError
 
 from agentrob.board.admin import local_admin
-from agentrob.board.db.database import SERVING_LOCK, connect_args, serving_lock, unavailable
+from agentrob.board.db.database import (
+    SERVING_LOCK,
+    being_changed,
+    check_clock,
+    connect_args,
+    serving_lock,
+    unavailable,
+)
 from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError, RobotBusy
-
-#: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
-MAX_SKEW_S = 2.0
 
 
 @contextmanager
@@ -41,20 +45,6 @@ def exclusive_access(settings: BoardSettings) -> Iterator[None]:
     """Hold the database exclusively. Raises 503 while any process serves it."""
     with _lock(settings, together=False) if settings.shared else _on_this_host(settings):
         yield
-
-
-def check_clock(before: float, there: float, after: float) -> None:
-    """503 when the database's clock, asked for between two looks at ours, surely differs by more than `MAX_SKEW_S`."""
-    ahead_s, behind_s = before - there, there - after
-    if (skew_s := max(ahead_s, behind_s)) > MAX_SKEW_S:
-        how = "ahead of" if skew_s == ahead_s else "behind"
-        what = f"this host's clock is {skew_s:.1f} s {how} the database's, more than {MAX_SKEW_S:g} s"
-        raise BoardError(503, "clock_skew", f"{what}: let both follow a time server")
-
-
-def being_changed(settings: BoardSettings) -> BoardError:
-    what = f"{settings.database_shown} is being restored or migrated now"
-    return BoardError(503, "being_changed", what, "try again when that is done", 10.0)
 
 
 @contextmanager

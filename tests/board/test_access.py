@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from sqlalchemy import select
 from starlette.responses import Response
 
+from agentrob.board import access
 from agentrob.board.admin import local_admin
-from agentrob.board.auth import access, accounts, attempts
+from agentrob.board.auth import accounts, attempts
 from agentrob.board.auth.attempts import HOUR_S, PER_ADDRESS, PER_NAME, SLOWEST_S, WINDOW_S
 from agentrob.board.db import schema as db
 from agentrob.board.settings import BoardSettings

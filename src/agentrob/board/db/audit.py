@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -13,7 +12,7 @@ from sqlalchemy import Connection, insert, select
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import from_us
+from agentrob.board.db.records import from_us, now_us
 
 #: The actor of changes made at the command line.
 SHELL = "shell"
@@ -29,10 +28,6 @@ class Entry:
     action: str
     target: str
     detail: dict[str, Any]
-
-
-def now_us() -> int:
-    return time.time_ns() // 1000
 
 
 def note(connection: Connection, actor: str, action: str, target: str, **detail: Any) -> None:
