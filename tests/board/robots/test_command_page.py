@@ -205,7 +205,7 @@ def test_a_robot_that_has_not_ended_a_command_can_be_stopped_on_its_page(world: 
 def test_a_post_without_a_record_says_so_and_what_is_none_is_404(world: World) -> None:
     _, command = asked(world)
     surfer = world.browser("bob")
-    assert "No robot has recorded an end" in surfer.get(f"/c/{command}").text
+    assert "No robot has recorded this command" in surfer.get(f"/c/{command}").text
     assert [surfer.get(f"/c/{wrong}").status_code for wrong in ("999999", "abc", "4f1c22aa")] == [404] * 3
 
 
@@ -238,7 +238,7 @@ def test_pictures_of_a_camera_that_is_for_others_are_no_broken_pictures(world: W
         chief.patch("/admin/robots/quadruped", json={"camera_role": "operator"}).raise_for_status()
         for path in paths:
             page = world.browser("bob").get(path).text
-            assert "is shown to others only" in page, path
+            assert "are hidden from you by its owner" in page, path
             assert "/images/" not in page, path
             assert "/images/" in world.browser("alice").get(path).text, path
     finally:
@@ -272,7 +272,7 @@ def test_the_robots_page_has_its_owner_queue_and_last_picture(world: World) -> N
     queue = page.split('class="queue"')[1].split("</ol>")[0]
     assert queue.count("<li>") == 1
     assert f'href="/p/{waiting}"' in queue
-    assert "The last picture that quadruped answered with" in page
+    assert "The last picture in a reply by quadruped" in page
     assert 'href="/b/robots"' in page
     fragment = world.browser("bob").get("/robots/quadruped/fragment").text
     assert f'href="/p/{waiting}"' in fragment

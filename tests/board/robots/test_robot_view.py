@@ -178,10 +178,10 @@ def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(world: World) 
     root, bob = world.browser("root"), world.browser("bob")
     for surfer, may in ((bob, False), (root, True)):
         page = surfer.get("/robots/quadruped").text
-        assert "It has no home, so nothing moves it." in page
+        assert "It has no home, so it refuses to move." in page
         assert "agentrob home quadruped" in page
         assert ('href="/robots/quadruped/home"' in page) is may
-    assert "It has no home, so nothing moves it." in bob.get("/").text
+    assert "It has no home, so it refuses to move." in bob.get("/").text
     assert "Set the home of @quadruped here?" in root.get("/robots/quadruped/home").text
     assert bob.get("/robots/quadruped/home").status_code == 403
     assert root.send("/robots/quadruped/home").url.path == "/robots/quadruped"

@@ -132,7 +132,7 @@ def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windo
     page.get_by_role("button", name="Preview").click()
     expect(page.get_by_role("region", name="Preview")).to_be_visible()
     page.get_by_label("Pictures").set_input_files({"name": "a.png", "mimeType": "image/png", "buffer": png()})
-    expect(page.get_by_role("button", name="Take away a.png")).to_be_visible()
+    expect(page.get_by_role("button", name="Remove a.png")).to_be_visible()
     page.get_by_label("Reply", exact=True).press_sequentially(" @qu")
     expect(page.get_by_role("option")).to_have_count(1)
     assert violations(page) == []
@@ -332,7 +332,7 @@ def test_who_may_not_add_pictures_is_told_so(world: World, windows: Windows, nam
         "new ClipboardEvent('paste', { clipboardData: data, bubbles: true, cancelable: true }))",
         data,
     )
-    expect(page.locator("[data-told]")).to_contain_text("Pictures are added by operators here")
+    expect(page.locator("[data-told]")).to_contain_text("Only operators can add pictures here")
 
 
 def test_a_quote_is_put_where_one_writes_and_loses_nothing(

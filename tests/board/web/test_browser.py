@@ -201,7 +201,7 @@ def test_a_page_of_a_history_that_a_backup_has_undone_offers_to_be_loaded_anew(w
     page = windows.open("bob")
     page.route("**/b/robots", undone)
     page.goto("/b/robots")
-    anew = page.get_by_role("link", name="The forum was put back: load this page anew")
+    anew = page.get_by_role("link", name="The forum was restored from a backup: reload this page")
     expect(anew).to_be_visible(timeout=60_000)
     page.unroute("**/b/robots")
     anew.click()
@@ -228,7 +228,7 @@ def test_stop_in_the_thread_with_scripts_stays_on_the_page(world: World, windows
     before = now(world)
     page.evaluate("window.sameDocument = true")
     page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
-    sent = "Stop sent to @quadruped. Its reply says how fast it stopped, or that it did not confirm."
+    sent = "Stop sent to @quadruped. Its reply says how fast it stopped, or that it did not confirm the stop."
     expect(page.locator("#live")).to_have_text(sent)
     assert stops(world, before) == [("quadruped", "bob")]
     assert page.evaluate("window.sameDocument")

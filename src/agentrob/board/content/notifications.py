@@ -19,7 +19,7 @@ from agentrob.model import Account, AccountKind, Page, Role
 
 #: More than this many are not counted.
 MOST = 99
-REASONS = {"mention": "names you", "reply": "answers you", "topic": "is in your topic"}
+REASONS = {"mention": "mentions you", "reply": "replies to you", "topic": "is in your topic"}
 REASONS |= {"approve": "waits for your approval"}
 #: So many are told of one command that waits.
 MOST_APPROVERS = 100

@@ -177,17 +177,17 @@ def piece(template: str, data: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """That a button was pressed, shown on the page that follows. `deed` is stop, estop, release, home or reset."""
+    """That a button was pressed, shown on the page that follows. `action` is stop, estop, approve, deny, release, home or reset."""
 
-    deed: str
+    action: str
     robot: str
     at: datetime
 
 
-def with_receipt(path: str, viewer: Viewer, deed: str, robot: str) -> str:
+def with_receipt(path: str, viewer: Viewer, action: str, robot: str) -> str:
     """The path of the following page with a receipt that only this viewer's session can have made: no link from
     elsewhere makes a page say that a robot was stopped."""
-    told = f"{deed}.{robot}.{int(time.time())}"
+    told = f"{action}.{robot}.{int(time.time())}"
     return f"{path.partition('?')[0]}?done={told}.{_seal(viewer, told)}"
 
 
@@ -195,8 +195,8 @@ def receipt_of(request: Request, viewer: Viewer) -> Receipt | None:
     told, _, seal = request.query_params.get("done", "").rpartition(".")
     if not told or not hmac.compare_digest(seal.encode(), _seal(viewer, told).encode()):
         return None
-    deed, robot, at = told.split(".")
-    return Receipt(deed, robot, datetime.fromtimestamp(int(at), UTC))
+    action, robot, at = told.split(".")
+    return Receipt(action, robot, datetime.fromtimestamp(int(at), UTC))
 
 
 def _seal(viewer: Viewer, told: str) -> str:

@@ -74,7 +74,7 @@ function listen(query, after, handle) {
     try {
       const answer = await fetch(`/api/v1/changes?limit=1&after=${encodeURIComponent(last)}`);
       // The board was put back from a backup: what this page shows may never have been.
-      if (answer.status === 404) return offer("The forum was put back: load this page anew", location.pathname + location.search);
+      if (answer.status === 404) return offer("The forum was restored from a backup: reload this page", location.pathname + location.search);
     } catch { /* not there yet */ }
     open();
   };

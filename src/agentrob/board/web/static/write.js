@@ -20,7 +20,7 @@ if (text) {
       shown.replaceChildren(...(await piece("/preview", { method: "POST", body })).childNodes);
       tell("");
     } catch {
-      tell("There is no preview now. Is the forum there, and the text not too long?");
+      tell("The preview failed. Is the forum reachable, and is the text short enough?");
     }
   });
 
@@ -44,7 +44,7 @@ if (text) {
   };
   const thumb = (image, name) => {
     const item = make("li");
-    const away = make("button", { type: "button", textContent: "Take away" }, { "aria-label": `Take away ${name}` });
+    const away = make("button", { type: "button", textContent: "Remove" }, { "aria-label": `Remove ${name}` });
     away.addEventListener("click", () => { item.remove(); text.focus(); });
     const sent = make("input", { type: "hidden", name: "images", value: image.id });
     item.append(make("img", { src: `/images/${image.id}/small`, alt: name }), sent, away);
@@ -62,7 +62,7 @@ if (text) {
     if (!files.length) return;
     event.preventDefault();
     if (thumbs) take(files);
-    else tell("Pictures are added by operators here; an administrator can make you one.");
+    else tell("Only operators can add pictures here; an administrator can give you that role.");
   });
 
   // -------------------------------------------------------------- names
@@ -112,7 +112,7 @@ if (text) {
       if (!names.length) return close();
       offer.replaceChildren(...names.map(item));
       offer.hidden = false;
-      tell(`${names.length} ${names.length > 1 ? "names" : "name"}: arrows choose, Enter takes one.`);
+      tell(`${names.length} ${names.length > 1 ? "names" : "name"}: arrow keys choose, Enter inserts.`);
       choose(0);
     } catch { close(); }
   });
