@@ -26,12 +26,12 @@ def noted(page: str) -> str:
 
 
 LINES = {
-    "@quadrupd walk forward 1 metre": "Nobody here is called @quadrupd. Did you mean @quadruped?",
-    "@zebra walk forward 1 metre": "Nobody here is called @zebra. Robots here: @quadruped.",
-    "wave": "No robot is addressed, so none answers. Mention one, as in: @quadruped wave",
-    "quadruped walk forward 1 metre": "No robot is addressed, so none answers.",
-    "quadruped, are you there?": "No robot is addressed, so none answers.",
-    "向前走一米": "No robot is addressed, so none answers.",
+    "@quadrupd walk forward 1 metre": "There is no account @quadrupd. Did you mean @quadruped?",
+    "@zebra walk forward 1 metre": "There is no account @zebra. Robots here: @quadruped.",
+    "wave": "No robot is mentioned, so none answers. Mention one, for example: @quadruped wave",
+    "quadruped walk forward 1 metre": "No robot is mentioned, so none answers.",
+    "quadruped, are you there?": "No robot is mentioned, so none answers.",
+    "向前走一米": "No robot is mentioned, so none answers.",
     "@quadruped walk forward 1 metre": "",
     "@alice look at this": "",
     "What a nice robot.": "",

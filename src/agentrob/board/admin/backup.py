@@ -1,7 +1,7 @@
-"""Backing the forum up into one file, putting it back (also into another kind of database), exporting what is public.
+"""Back the forum up into one file, restore it (also into another kind of database), and export what people wrote.
 
-A backup is a tar of the tables as JSON lines, the pictures, and a manifest. It is one consistent moment of a forum that
-goes on meanwhile. It holds hashes of passwords and tokens, so it is written for its owner's eyes only (mode 0600).
+A backup is a tar of the tables as JSON lines, the pictures, and a manifest. It is a consistent snapshot; the forum may
+go on meanwhile. It holds hashes of passwords and tokens, so only its owner can read it (mode 0600).
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ _TABLES = [table for table in db.metadata.sorted_tables if table.info != db.FLEE
 
 
 def backup(settings: BoardSettings, target: Path) -> dict[str, int]:
-    """Write the whole forum into one new file; how many rows each table has. `BoardError` when it cannot be."""
+    """Write the whole forum into a new file; return the number of rows of each table. Raises `BoardError`."""
     if target.exists():
-        raise BoardError(409, "file_exists", f"{target} is there already", "another name")
+        raise BoardError(409, "file_exists", f"{target} exists already", "choose another name")
     with _snapshot(settings) as connection, _new_tar(target) as tar:
         counts = {table.name: _add_table(tar, connection, table) for table in _TABLES}
         pictures = _add_pictures(tar, connection, settings.images_dir)
@@ -50,10 +50,10 @@ def backup(settings: BoardSettings, target: Path) -> dict[str, int]:
 
 
 def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
-    """Put a backup into an empty database, which may be of another kind than it came from; rows by table.
+    """Restore a backup into an empty database, also of another kind; return the number of rows of each table.
 
-    409 when the database has accounts already, 422 when the file is no backup of a version that this one can read.
-    Nobody may serve the database meanwhile: that is for the caller to see to.
+    409 if the database has accounts already, 422 if the file is not a backup of a version that this one can read.
+    The caller ensures that no process serves the database meanwhile.
     """
     migrate(settings, alone=True)
     engine = open_engine(settings, writes=True)
@@ -65,7 +65,11 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
             _must_be_empty(connection)
             counts = {table.name: _load_table(tar, connection, table) for table in _TABLES}
             if counts != manifest["tables"]:
-                raise BoardError(422, "bad_backup", f"{source} is not whole: {counts}, said {manifest['tables']}")
+                raise BoardError(
+                    422,
+                    "bad_backup",
+                    f"{source} is not complete: it has {counts}, its manifest says {manifest['tables']}",
+                )
             _go_on_counting(connection)
             fulltext.fill_index(connection)
             counts["pictures"] = _restore_pictures(tar, connection, settings.images_dir)
@@ -79,12 +83,13 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
 
 
 def export(settings: BoardSettings, target: Path, account: str | None = None) -> int:
-    """Write what people wrote, without secrets: a tar of one JSON file per topic and the pictures; how many posts.
+    """Write all posts, without secrets, as a tar of one JSON file per topic and the pictures; return the number of
+    posts.
 
-    With `account` only what that person wrote, for the person. What is hidden or removed is left out.
+    With `account` only the posts of that person. Hidden and removed posts are left out.
     """
     if target.exists():
-        raise BoardError(409, "file_exists", f"{target} is there already", "another name")
+        raise BoardError(409, "file_exists", f"{target} exists already", "choose another name")
     with _snapshot(settings) as connection, _new_tar(target) as tar:
         boards = [dict(r._mapping) for r in connection.execute(select(db.boards).order_by(db.boards.c.position))]
         _add(tar, "boards.json", json.dumps(boards, ensure_ascii=False, indent=1).encode())
@@ -99,7 +104,7 @@ def export(settings: BoardSettings, target: Path, account: str | None = None) ->
 # -------------------------------------------------------------------- writing
 @contextmanager
 def _snapshot(settings: BoardSettings) -> Iterator[Connection]:
-    """One moment of the database, however much is written meanwhile."""
+    """A connection that sees a snapshot of the database."""
     migrate(settings)
     sqlite = settings.database_path is not None
     engine = open_engine(settings, writes=False)
@@ -118,7 +123,7 @@ def _snapshot(settings: BoardSettings) -> Iterator[Connection]:
 
 @contextmanager
 def _new_tar(target: Path) -> Iterator[tarfile.TarFile]:
-    """The file appears whole or not at all."""
+    """Write to a temporary file, and rename it when it is complete."""
     partial = target.with_name(target.name + ".partial")
     try:
         with os.fdopen(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
@@ -226,7 +231,7 @@ def _file(tar: tarfile.TarFile, name: str) -> IO[bytes]:
 
 
 def _must_be_empty(connection: Connection) -> None:
-    """The boards that a new database begins with give way."""
+    """409 if there are accounts. Deletes the boards that a new database begins with."""
     if connection.execute(select(func.count()).select_from(db.accounts)).scalar_one():
         raise BoardError(409, "not_empty", "the database has accounts already", "move it away first")
     connection.execute(db.boards.delete())
@@ -247,7 +252,7 @@ def _load_table(tar: tarfile.TarFile, connection: Connection, table: Any) -> int
 
 
 def _go_on_counting(connection: Connection) -> None:
-    """New ids come after those that were put back; SQLite sees to it by itself."""
+    """Continue the sequences of PostgreSQL after the restored ids; SQLite does so by itself."""
     if connection.dialect.name != "postgresql":
         return
     for table in _TABLES:
@@ -259,7 +264,7 @@ def _go_on_counting(connection: Connection) -> None:
 
 
 def _restore_pictures(tar: tarfile.TarFile, connection: Connection, folder: Path) -> int:
-    """Only what is named by its own hash: nothing in a file leads out of the folder."""
+    """Restore the pictures whose content matches the hash in their names; no name can lead out of the folder."""
     i, count = db.images.c, 0
     for digest in connection.execute(select(i.sha256).where(i.gone_us.is_(None)).distinct()).scalars().all():
         try:

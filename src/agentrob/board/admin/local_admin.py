@@ -1,4 +1,4 @@
-"""Administers the forum's database directly, for the command line and the demo; a server may be running."""
+"""Administer the forum's database directly, for the command line and the demo; a server may be running."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ FIRST_BOARDS = (
 
 
 def bootstrap(settings: BoardSettings, *, alone: bool = False) -> None:
-    """Make or migrate the database; the first boards when there are none. Doing it again does nothing.
+    """Create or migrate the database, and create the first boards if there are none. Repeating it does nothing.
 
-    409 when a process serves a database of another version; `alone`: the caller knows that none does.
+    409 if a process serves a database of another version; with `alone` the caller knows that none does.
     """
     migrate(settings, alone=alone)
     with writing(settings) as connection:
@@ -38,7 +38,7 @@ def bootstrap(settings: BoardSettings, *, alone: bool = False) -> None:
 
 
 def ensure_database(settings: BoardSettings) -> None:
-    """Make the database when there is none. One of another version is left as it is: 409 says how to migrate it."""
+    """Create the database if there is none. 409 for one of another version, which is not changed."""
     if not check_version(settings):
         bootstrap(settings)
 
@@ -52,7 +52,7 @@ def create_account(
     password: str | None = None,
     display_name: str = "",
 ) -> Account:
-    """A new account. `BoardError` 409 when the name is taken, 422 when name or password cannot be."""
+    """Create an account. 409 if the name is taken, 422 if name or password are not valid."""
     password_hash = accounts.hash_password(password) if password is not None else None
     with writing(settings) as connection:
         return management.add_account(
@@ -77,7 +77,7 @@ def change_account(
     suspended: bool | None = None,
     password: str | None = None,
 ) -> None:
-    """Change what is given."""
+    """Change the given fields."""
     password_hash = accounts.hash_password(password) if password is not None else None
     with writing(settings) as connection:
         management.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
@@ -86,7 +86,7 @@ def change_account(
 
 
 def claim_robot(settings: BoardSettings, name: str, owner: str) -> None:
-    """Make somebody the owner of a robot that has none."""
+    """Set the owner of a robot that has none."""
     with writing(settings) as connection:
         if not rights.settings_of(Reader(connection), name).owner:
             management.change_robot(connection, SHELL, name, owner=owner)
@@ -95,13 +95,13 @@ def claim_robot(settings: BoardSettings, name: str, owner: str) -> None:
 def issue_token(
     settings: BoardSettings, account: Account, label: str = "", scopes: Sequence[str] = ("read", "write")
 ) -> str:
-    """A bearer token for a program. Only its hash is kept: it cannot be shown again."""
+    """Create a bearer token. Only its hash is stored, so it cannot be shown again."""
     with writing(settings) as connection:
         return management.add_token(connection, SHELL, account.name, label, scopes)
 
 
 def revoke_tokens(settings: BoardSettings, account: Account, label: str | None = None) -> int:
-    """End the account's bearer tokens at once, with a label only those of that label; returns how many were ended."""
+    """Revoke the account's bearer tokens, or only those with a label; return their number."""
     with writing(settings) as connection:
         ended = accounts.revoke_tokens(connection, account, label)
         if ended:
@@ -110,14 +110,14 @@ def revoke_tokens(settings: BoardSettings, account: Account, label: str | None =
 
 
 def issue_link(settings: BoardSettings, account: Account) -> str:
-    """The path of a page that signs in once, within ten minutes: put `settings.base_url` before it."""
+    """Create a link that signs in once, within ten minutes; return its path below `settings.base_url`."""
     with writing(settings) as connection:
         return management.link(connection, SHELL, account.name, "enter")
 
 
 @contextmanager
 def writing(settings: BoardSettings) -> Iterator[Connection]:
-    """A transaction of one's own; a server may be running."""
+    """A transaction on a connection of its own; a server may be running."""
     engine = open_engine(settings, writes=True)
     try:
         with engine.begin() as connection:

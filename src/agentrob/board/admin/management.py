@@ -1,4 +1,4 @@
-"""Manages accounts, tokens, links, invites, boards and robots, for pages, API and command line alike.
+"""Manage accounts, tokens, links, invites, boards and robots, for pages, API and command line.
 
 Each change takes a connection within a transaction and the handle of its actor (`audit.SHELL` for the command line).
 It adds a row to the audit log. Raises `BoardError` 404 for what does not exist, 409 for conflicts, 422 for invalid
@@ -96,7 +96,7 @@ def change_account(
     suspended: bool | None = None,
     display_name: str | None = None,
 ) -> Account:
-    """Change what is given. The last admin keeps the role, since only the command line could give it back."""
+    """Change the given fields. The last admin keeps the role, since only the command line could restore it."""
     account = account_named(connection, name)
     values: dict[str, Any] = {}
     if role is not None and role is not account.role:
@@ -143,7 +143,7 @@ def link(connection: Connection, actor: str, name: str, purpose: str) -> str:
     """Create a one-time link that signs in (`enter`) or sets a new password (`password`); return its path."""
     account = account_named(connection, name)
     if purpose == "password" and account.kind is not AccountKind.HUMAN:
-        raise BoardError(409, "no_password", "programs have tokens, not passwords", "make a token")
+        raise BoardError(409, "no_password", "programs have tokens, not passwords", "create a token")
     secret = accounts.new_link(connection, account, purpose)
     audit.note(connection, actor, f"link.{purpose}", f"account:{account.name}")
     return f"/{purpose}/{secret}"
@@ -151,7 +151,7 @@ def link(connection: Connection, actor: str, name: str, purpose: str) -> str:
 
 # -------------------------------------------------------------------- tokens
 def tokens(reader: Reader, name: str) -> Sequence[Token]:
-    """All tokens of an account, also those that were revoked, newest first."""
+    """All tokens of an account, including revoked ones, newest first."""
     t, a = db.tokens.c, db.accounts.c
     statement = select(db.tokens, a.name).join(db.accounts, a.id == t.account_id).where(a.name == name)
     rows = reader.rows(statement.order_by(t.created_us.desc()))
@@ -189,7 +189,7 @@ def invite(connection: Connection, actor: str, role: Role, uses: int, days: int,
     """Create an invite, a link with which people create their own accounts; return its path. Never for admins."""
     if role is Role.ADMIN or not 1 <= uses <= MAX_INVITE_USES or not 1 <= days <= MAX_INVITE_DAYS:
         hint = f"any role but admin, 1 to {MAX_INVITE_USES} uses, 1 to {MAX_INVITE_DAYS} days"
-        raise BoardError(422, "bad_invite", "that cannot be an invite", hint)
+        raise BoardError(422, "bad_invite", "the invite is not valid", hint)
     secret, now = accounts.new_secret(), now_us()
     digest = accounts.hash_of(secret)
     row = {"hash": digest, "by_id": int(by.id) if by else None, "role": str(role), "left": uses}
@@ -270,7 +270,7 @@ def _board_row(board: Board) -> dict[str, str]:
 
 # -------------------------------------------------------------------- robots
 def robot_settings(reader: Reader, name: str) -> RobotSettings:
-    """What the forum keeps of a robot. Raises `BoardError` 404."""
+    """The settings of a robot. Raises `BoardError` 404."""
     robot = reader.account(name)
     if robot is None or robot.kind is not AccountKind.ROBOT_AGENT:
         raise not_found("robot", name)
@@ -278,7 +278,7 @@ def robot_settings(reader: Reader, name: str) -> RobotSettings:
 
 
 def change_robot(connection: Connection, actor: str, name: str, **changes: Any) -> RobotSettings:
-    """Change what is kept of a robot: fields of `RobotSettings`, the owner by handle (empty: nobody)."""
+    """Change fields of a robot's `RobotSettings`; the owner by handle, empty for none."""
     robot = account_named(connection, name)
     if robot.kind is not AccountKind.ROBOT_AGENT:
         raise not_found("robot", name)
@@ -291,7 +291,7 @@ def change_robot(connection: Connection, actor: str, name: str, **changes: Any) 
             raise BoardError(409, "bad_owner", "a robot's owner is a person", "the handle of a person's account")
         owner_id, after = int(owner.id), replace(after, owner=owner.name)
     if not 0 <= after.camera_days <= 3650:
-        raise BoardError(422, "bad_days", f"{after.camera_days} days cannot be kept", "0 (for ever) to 3650")
+        raise BoardError(422, "bad_days", f"{after.camera_days} days cannot be kept", "0 (forever) to 3650")
     if after == before:
         return after
     row, r = after.stored() | {"owner_id": owner_id}, db.robots.c

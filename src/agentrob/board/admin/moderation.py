@@ -1,7 +1,7 @@
 """Moderation and erasure: show hidden posts, lock and move topics, erase what an account wrote, expire pictures.
 
-Moderation loses nothing: a hidden post keeps its text and its earlier texts, for moderators to read and to show again.
-Erasing loses everything on purpose, and only admins do it. Each adds its row to the audit log.
+Moderation deletes nothing: moderators can read a hidden post and its versions, and show it again. Erasing deletes for
+good, and only admins do it. Each adds a row to the audit log.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ ERASED = "(deleted)"
 def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredPost:
     """Show a hidden post again. It counts as an edit, so it starts no motion (law 4).
 
-    409 for one that its own author took away: that is for nobody else to undo.
+    409 for a post that its own author removed.
     """
     p = db.posts.c
     number = row_id(post_id, "post")
@@ -41,7 +41,7 @@ def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredP
     if row is None or not row.removed:
         return post
     if row.removed_by == row.author_id or not row.raw:
-        raise BoardError(409, "removed", "its author took this post away, or it was erased", "leave it")
+        raise BoardError(409, "removed", "its author removed this post, or it was erased", "it cannot be shown again")
     values = {"removed": False, "removed_by": None, "version": post.version + 1, "edited_us": now_us()}
     t.connection.execute(update(db.posts).where(p.id == number).values(**values))
     topics = db.topics.c
@@ -52,7 +52,8 @@ def show(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredP
 
 
 def hidden(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[Version, ...], str]:
-    """A post with the text it had before it was hidden, its earlier texts, and who hid it (empty when nobody did)."""
+    """A post with the text it had before it was hidden, its earlier versions, and who hid it (empty if it is not
+    hidden)."""
     post = reader.post(post_id)
     p, a = db.posts.c, db.accounts.c
     found = select(p.raw, a.name).outerjoin(db.accounts, a.id == p.removed_by).where(p.id == int(post.id))
@@ -64,7 +65,7 @@ def hidden(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[Version, ...
 
 
 def lock(t: Transaction, by: Account, topic_id: str, locked: bool, reason: str = "") -> Topic:
-    """Nobody but moderators and robots writes in a locked topic; a stop is taken all the same."""
+    """Lock or unlock a topic. Only moderators and robots can post in a locked topic; a stop still works."""
     topic = Reader(t.connection).topic(topic_id)
     if topic.locked != locked:
         t.connection.execute(update(db.topics).where(db.topics.c.id == int(topic.id)).values(locked=locked))
@@ -74,7 +75,7 @@ def lock(t: Transaction, by: Account, topic_id: str, locked: bool, reason: str =
 
 
 def move(t: Transaction, by: Account, topic_id: str, board_id: str, reason: str = "") -> Topic:
-    """Put a topic on another board; what commands robots there is asked again before any motion."""
+    """Move a topic to another board. Rights are checked again before any motion."""
     reader = Reader(t.connection)
     topic, board = reader.topic(topic_id), reader.board(board_id)
     if topic.board_id != board.id:
@@ -86,11 +87,11 @@ def move(t: Transaction, by: Account, topic_id: str, board_id: str, reason: str 
 
 # -------------------------------------------------------------------- for good
 def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[str]]:
-    """Delete all that an account wrote and uploaded: how many posts and pictures, and the files to take away. What it
-    has read is forgotten too, and so are the records of its commands, which repeat its words, and of a robot those that
-    it sent.
+    """Delete all posts and pictures of an account; return how many, and the files to delete.
 
-    The rows of posts stay, empty, so that replies keep their place and no id is used twice; the account stays too.
+    Also deletes its read positions and the records of its commands, which repeat its words, or, of a robot, the records
+    that it sent. The rows of posts stay, empty, so that replies keep their place and no id is used twice; so does the
+    account.
     """
     account = Reader(t.connection).account(name)
     if account is None:
@@ -129,7 +130,7 @@ def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[st
 
 
 def expire_pictures(t: Transaction, now: datetime | None = None) -> frozenset[str]:
-    """Delete what robots' cameras saw longer ago than their owners keep it; the files to take away."""
+    """Delete pictures of robots' cameras that are older than their owners keep them; return the files to delete."""
     reader, at, gone = Reader(t.connection), now or datetime.now(UTC), set()
     for robot in reader.robots():
         days = rights.settings_of(reader, robot.name).camera_days
@@ -152,7 +153,7 @@ def _drop(t: Transaction, which: object) -> Sequence[str]:
 
 
 def take_away(t: Transaction, folder: Path, digests: Collection[str]) -> int:
-    """Delete the files that no picture needs any more; how many. After the commit that let go of them."""
+    """Delete the files that no picture needs any more; return how many. Call it after the commit that released them."""
     i, taken = db.images.c, 0
     for digest in digests:
         needed = select(i.id).where(i.sha256 == digest, i.gone_us.is_(None)).limit(1)
@@ -163,7 +164,7 @@ def take_away(t: Transaction, folder: Path, digests: Collection[str]) -> int:
 
 
 async def erase_content(services: Services, actor: str, name: str) -> tuple[int, int]:
-    """Erase an account's content, then delete the files after the commit; how many posts and pictures."""
+    """Erase an account's content and its files; return how many posts and pictures."""
     posts, pictures, digests = await services.store.do(lambda t: erase(t, actor, name))
     await delete_files(services, digests)
     return posts, pictures

@@ -20,9 +20,9 @@ from agentrob.board.services import Services
 from agentrob.config.board import BoardRetentionConfig
 from agentrob.errors import BoardError
 
-#: How often old rows are looked for.
+#: Seconds between two searches for old rows.
 EVERY_S = 3600.0
-#: Rows that one job deletes. A stop that arrives meanwhile waits for one job at most.
+#: Rows that one job deletes. A stop waits for one job at most.
 AT_ONCE = 500
 #: How long idempotency keys are kept. Clients repeat a write within minutes.
 KEYS = timedelta(days=7)
@@ -31,7 +31,7 @@ log = structlog.get_logger(__name__)
 
 
 async def keep_pruning(parts: Services) -> None:
-    """At once, then every hour, until cancelled."""
+    """Prune now and every hour, until cancelled."""
     keep = parts.settings.retention
     while True:
         try:
@@ -44,7 +44,7 @@ async def keep_pruning(parts: Services) -> None:
 
 
 async def keep_expiring_pictures(services: Services) -> None:
-    """Delete pictures of robots' cameras after the time that their owners set: now and every hour, until cancelled."""
+    """Delete pictures of robots' cameras after the time that their owners set, now and every hour, until cancelled."""
     while True:
         try:
             await moderation.delete_files(services, await services.store.do(moderation.expire_pictures))
@@ -54,8 +54,8 @@ async def keep_expiring_pictures(services: Services) -> None:
 
 
 def prune_events(t: Transaction, keep: BoardRetentionConfig, now: datetime | None = None) -> bool:
-    """Delete the oldest events that are older than `event_days` and not among the newest `events`; whether there may be
-    more. The newest stays in any case, so that ids go on from it."""
+    """Delete the oldest events that are older than `event_days` and not among the newest `events`; return whether there
+    may be more. Always keeps the newest one, so that ids continue from it."""
     e, before = db.events.c, _us(now, timedelta(days=keep.event_days))
     newest = t.connection.execute(select(func.max(e.id))).scalar() or 0
     oldest = select(e.id, e.at_us).where(e.id <= newest - keep.events).order_by(e.id).limit(AT_ONCE)
@@ -66,7 +66,7 @@ def prune_events(t: Transaction, keep: BoardRetentionConfig, now: datetime | Non
 
 
 def prune_keys(t: Transaction, keep: BoardRetentionConfig, now: datetime | None = None) -> bool:
-    """Delete idempotency keys older than `KEYS`, told by what their writes made; whether there may be more."""
+    """Delete idempotency keys whose writes are older than `KEYS`; return whether there may be more."""
     before, more = _us(now, KEYS), False
     posts, images, events = db.posts.c, db.images.c, db.events.c
     u = db.used_keys.c

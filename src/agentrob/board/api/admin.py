@@ -51,7 +51,7 @@ NameCursor = Annotated[str | None, Query(max_length=64, description="`next` of t
 async def list_accounts(
     services: AppServices, by: Administrator, cursor: NameCursor = None, limit: Limit = 50
 ) -> Response:
-    """All accounts by name."""
+    """All accounts, by name."""
     found = management.all_accounts(services.store.reader, cursor or "", limit + 1)
     more = found[limit - 1].name if len(found) > limit else None
     return json_response(Paged(items=tuple(map(account_out, found[:limit])), next=more))
@@ -59,7 +59,7 @@ async def list_accounts(
 
 @router.post("/accounts", response_model=AccountOut, status_code=201)
 async def create_account(services: AppServices, new: AccountIn, by: Administrator) -> Response:
-    """A new account, without a password: give a link (people) or a token (programs)."""
+    """Create an account without a password; then create a link (for a person) or a token (for a program)."""
     made = await services.store.do(
         lambda t: management.add_account(
             t.connection, by.name, new.name, kind=new.kind, role=new.role, display_name=new.display_name
@@ -78,7 +78,7 @@ async def update_account(services: AppServices, name: str, new: AccountChange, b
 
 @router.post("/accounts/{name}/link", response_model=LinkOut, status_code=201)
 async def create_account_link(services: AppServices, name: str, new: LinkIn, by: Administrator) -> Response:
-    """A one-time link that signs in, or that sets a new password."""
+    """Create a one-time link that signs in, or that sets a new password."""
     path = await services.store.do(lambda t: management.link(t.connection, by.name, name, new.purpose))
     return json_response(LinkOut(url=services.settings.base_url + path), 201)
 
@@ -92,7 +92,7 @@ async def sign_out_account(services: AppServices, name: str, by: Administrator) 
 
 @router.delete("/accounts/{name}/content", response_model=Erased)
 async def erase_account_content(services: AppServices, name: str, by: Administrator) -> Response:
-    """Delete for good everything an account wrote and uploaded. The account itself stays."""
+    """Delete all posts and pictures of an account for good. The account itself stays."""
     posts, pictures = await moderation.erase_content(services, by.name, name)
     return json_response(Erased(posts=posts, pictures=pictures))
 
@@ -108,7 +108,7 @@ async def list_account_tokens(services: AppServices, name: str, by: Administrato
 
 @router.post("/accounts/{name}/tokens", response_model=TokenWritten, status_code=201)
 async def create_account_token(services: AppServices, name: str, new: TokenIn, by: Administrator) -> Response:
-    """A new token; this answer is the only place where it is ever shown."""
+    """Create a token; only this response shows it."""
     scopes = tuple(new.scopes)
     secret = await services.store.do(lambda t: management.add_token(t.connection, by.name, name, new.label, scopes))
     return json_response(TokenWritten(token=secret), 201)
@@ -116,7 +116,7 @@ async def create_account_token(services: AppServices, name: str, new: TokenIn, b
 
 @router.delete("/tokens/{token_id}", status_code=204)
 async def revoke_token(services: AppServices, token_id: str, by: Administrator) -> Response:
-    """End a token at once."""
+    """Revoke a token."""
     await services.store.do(lambda t: management.revoke_token(t.connection, by.name, token_id))
     return Response(status_code=204)
 
@@ -130,7 +130,7 @@ async def list_invites(services: AppServices, by: Administrator) -> Response:
 
 @router.post("/invites", response_model=LinkOut, status_code=201)
 async def create_invite(services: AppServices, new: InviteIn, by: Administrator) -> Response:
-    """A link with which people create their own accounts."""
+    """Create a link with which people create their own accounts."""
     path = await services.store.do(
         lambda t: management.invite(t.connection, by.name, Role(new.role), new.uses, new.days, by)
     )
@@ -153,7 +153,7 @@ async def list_board_rights(services: AppServices, by: Administrator) -> Respons
 
 @router.post("/boards", response_model=BoardRights, status_code=201)
 async def create_board(services: AppServices, new: BoardIn, by: Administrator) -> Response:
-    """A new board."""
+    """Create a board."""
     made = await services.store.do(lambda t: management.add_board(t.connection, by.name, new.record()))
     return json_response(board_rights(made), 201)
 
@@ -169,7 +169,7 @@ async def update_board(services: AppServices, board_id: str, new: BoardChange, b
 # -------------------------------------------------------------------- robots
 @router.get("/robots/{name}", response_model=RobotSettingsOut)
 async def get_robot_settings(request: Request, services: AppServices, name: str, by: Member) -> Response:
-    """The settings of a robot, for its owner and admins."""
+    """The settings of a robot, for its owner and for admins."""
     return json_response(robot_settings_out(name, await _settings_for(request, services, name, by)))
 
 
@@ -177,10 +177,11 @@ async def get_robot_settings(request: Request, services: AppServices, name: str,
 async def update_robot_settings(
     request: Request, services: AppServices, name: str, new: RobotChange, by: Member
 ) -> Response:
-    """Change rights, camera and maintenance hours of a robot. Its owner and admins may; the owner only admins."""
+    """Change rights, camera and maintenance hours of a robot, as its owner or an admin; only admins change the
+    owner."""
     changes = new.changes(await _settings_for(request, services, name, by))
     if "owner" in changes and by.role is not Role.ADMIN:
-        raise BoardError(403, "not_admin", "only an admin gives a robot to somebody else", "ask an admin")
+        raise BoardError(403, "not_admin", "only an admin can change the owner of a robot", "ask an admin")
     changed = await services.store.do(lambda t: management.change_robot(t.connection, by.name, name, **changes))
     return json_response(robot_settings_out(name, changed))
 

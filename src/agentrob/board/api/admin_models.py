@@ -32,7 +32,7 @@ assert set(WHO) == set(Who.__args__)  # type: ignore[attr-defined]
 
 
 class _Change(_In):
-    """Only what is given is changed; null is not a value."""
+    """Changes only the given fields; null is not a value."""
 
     def given(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in self.model_fields_set}
@@ -127,7 +127,7 @@ class BoardRights(_Out):
 
 
 class Hours(_In):
-    """When a robot is in maintenance: on `days` (none: each day) from `from` to `to` in `zone`, or until a time."""
+    """When a robot is in maintenance: on `days` (every day if empty) from `from` to `to` in `zone`, or until a time."""
 
     days: Annotated[list[Day], Field(max_length=7)] = Field([])
     start: Annotated[Clock, Field(alias="from")] = "00:00"
@@ -152,7 +152,7 @@ class RobotChange(_Change):
     closed: Annotated[list[Hours], Field(max_length=20)] = Field([])
 
     def changes(self, kept: RobotSettings) -> dict[str, Any]:
-        """What is given, as fields of `RobotSettings`; of `command` the classes that are not named stay."""
+        """The given fields as those of `RobotSettings`; `command` changes only the classes that it names."""
         found = self.given()
         if "command" in found:
             found["command"] = dict(kept.command) | {str(c): who for c, who in self.command.items()}
@@ -190,10 +190,10 @@ class MoveIn(ReasonIn):
 
 
 class HiddenOut(_Out):
-    """A post as moderators see it: its text also when it is hidden, and who hid it."""
+    """A post as moderators see it: its text even if it is hidden, and who hid it."""
 
     post: PostOut
-    versions: tuple[str, ...] = Field(description="earlier texts, oldest first")
+    versions: tuple[str, ...] = Field(description="earlier versions, oldest first")
     hidden_by: str
 
 

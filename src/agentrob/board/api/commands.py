@@ -20,7 +20,7 @@ router = APIRouter(prefix="/api/v1", responses=documented(404), tags=["commands"
 
 @router.get("/commands/{post_id}", response_model=CommandsOut)
 async def get_command(services: AppServices, post_id: str, who: ReadingViewer) -> Response:
-    """Robots' records of the command in a post; empty until a command has ended, and when the post was removed."""
+    """Robots' records of the command in a post; empty until the command has ended, and if the post was removed."""
     return _records(services, post_id)
 
 
@@ -28,7 +28,7 @@ async def get_command(services: AppServices, post_id: str, who: ReadingViewer) -
 async def publish_command_record(services: AppServices, post_id: str, told: CommandIn, by: Member) -> Response:
     """Publish the record of a robot's agent; a later one replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
-        raise BoardError(403, "not_a_robot", "only robot agents record commands", "use a robot agent's token")
+        raise BoardError(403, "not_a_robot", "only robot agents can record commands", "use a robot agent's token")
     commands.check_robot(by, told.record.get("robot", by.name), "record")
     services.store.post(post_id)  # 404 also for a post that the agent may not see
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)

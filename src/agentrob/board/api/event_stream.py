@@ -31,7 +31,7 @@ def _frame(event: EventOut) -> bytes:
 
 
 class EventStream(Response):
-    """Server-sent events from `after` on: first what is in the database, then what happens, and beats in between."""
+    """Server-sent events after `after`: first those in the database, then new ones, with heartbeats in between."""
 
     media_type = "text/event-stream"
 
@@ -87,7 +87,7 @@ class EventStream(Response):
                 await streams.part(send, _heartbeat())
 
     def _told_early(self, encoded: EncodedEvent) -> bool:
-        """Whether this was told here before it could be written: then nobody hears it twice."""
+        """Whether this event was sent here before it was written, so that it is not sent twice."""
         event = encoded.event
         if not encoded.written:
             self._early.append((event.kind, event.robot, event.at))

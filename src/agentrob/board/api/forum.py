@@ -1,4 +1,4 @@
-"""The JSON API for accounts, boards, topics, posts, what is unread, search and events, as `docs/seams.md` says."""
+"""The JSON API for accounts, boards, topics, posts, read positions, search and events (see `docs/seams.md`)."""
 
 from __future__ import annotations
 
@@ -69,13 +69,15 @@ NOT_FOUND = documented(404)
 
 
 def _two_answers(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
-    return documented(404, 409, 429) | {200: {"model": model, "description": "the key had been used: the old one"}}
+    return documented(404, 409, 429) | {
+        200: {"model": model, "description": "the key was used before: the earlier one"}
+    }
 
 
 # -------------------------------------------------------------------- accounts
 @router.get("/me", response_model=AccountOut, tags=["accounts"])
 async def get_me(who: AnyViewer) -> Response:
-    """The caller's own account, also when it is suspended."""
+    """The caller's own account, even if it is suspended."""
     if who.account is None:
         raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")
     return json_response(account_out(who.account))
@@ -85,7 +87,7 @@ async def get_me(who: AnyViewer) -> Response:
 async def list_notifications(
     services: AppServices, who: ReadingViewer, cursor: Cursor = None, limit: Limit = 20
 ) -> Response:
-    """Posts that mention the caller, reply to them or are in a topic of theirs, newest first."""
+    """Posts that mention the caller, reply to them or are in a topic that they started, newest first."""
     models, account = serializer(services, who.account), account_of(who)
     page = notifications.latest(services.store.reader, account, cursor, limit)
     items = (
@@ -138,7 +140,7 @@ async def get_topic(services: AppServices, topic_id: str, who: ReadingViewer) ->
     "/topics", response_model=TopicWritten, status_code=201, responses=_two_answers(TopicWritten), tags=["topics"]
 )
 async def create_topic(services: AppServices, new: TopicIn, by: Member, key: IdempotencyKey = None) -> Response:
-    """A new topic with its first post."""
+    """Create a topic with its first post."""
     _check_size(new.body)
     options: dict[str, Any] = {"key": key, "images": new.images, "tags": tags.checked(new.tags)}
     written = await services.store.create_topic(by, new.board_id, new.title.strip(), new.body, **options)
@@ -149,7 +151,7 @@ async def create_topic(services: AppServices, new: TopicIn, by: Member, key: Ide
 
 @router.put("/topics/{topic_id}/tags", response_model=TopicOut, responses=documented(404, 429), tags=["topics"])
 async def set_topic_tags(request: Request, services: AppServices, topic_id: str, new: TagsIn, by: Member) -> Response:
-    """Replace the tags of a topic: one's own, or any for a moderator."""
+    """Replace the tags of the caller's own topic, or of any topic as a moderator."""
     store, checked, limit = services.store, tags.checked(new.tags), services.settings.limits.posts
     if store.topic(topic_id).author.id != by.id:
         await moderator(request)
@@ -165,18 +167,18 @@ async def list_tags(services: AppServices, who: ReadingViewer) -> Response:
 
 
 # -------------------------------------------------------------------- unread
-# Reading marks need no scope of a token beyond reading, as a page that was shown counts as read.
+# Marking as read needs only the scope `read`, since showing a page marks it too.
 @router.get("/unread", response_model=UnreadPage, responses=NOT_FOUND, tags=["unread"])
 async def list_unread(
     services: AppServices, who: ReadingViewer, board_id: BoardFilter = None, cursor: Cursor = None, limit: Limit = 20
 ) -> Response:
-    """Topics with posts of others that the caller has not read, latest activity first; a page may be short."""
+    """Topics with unread posts of others, latest activity first; a page may have fewer items than `limit`."""
     return _unread_page(services, account_of(who), board_id, cursor, limit)
 
 
 @router.put("/unread", response_model=UnreadPage, responses=NOT_FOUND, tags=["unread"])
 async def mark_all_read(services: AppServices, read: ReadIn, by: Stopper) -> Response:
-    """Mark all posts up to one as read, on one board or on all. Never marks anything unread. Returns what is unread."""
+    """Mark all posts up to one as read, on one board or on all. Returns the topics that are still unread."""
     board_id = services.store.board(read.board_id).id if read.board_id is not None else None
     await services.marks.all_read(services.store, by, int(read.up_to), board_id)
     return _unread_page(services, by, board_id, None, 20)
@@ -184,7 +186,7 @@ async def mark_all_read(services: AppServices, read: ReadIn, by: Stopper) -> Res
 
 @router.put("/topics/{topic_id}/read", response_model=UnreadOut, responses=NOT_FOUND, tags=["unread"])
 async def mark_topic_read(services: AppServices, topic_id: str, read: TopicReadIn, by: Stopper) -> Response:
-    """Mark the posts of a topic as read, all of them or up to one. Returns what is still unread in it."""
+    """Mark all posts of a topic as read, or those up to one. Returns what is still unread in it."""
     topic = services.store.topic(topic_id)
     await services.marks.topic_read(services.store, by, topic, int(read.up_to or topic.last_post_id))
     news = services.marks.news(services.store.reader, by, [topic]).get(topic.id)
@@ -229,7 +231,7 @@ async def list_posts(
 async def create_post(
     services: AppServices, topic_id: str, new: ReplyIn, by: Member, key: IdempotencyKey = None
 ) -> Response:
-    """A new post in a topic."""
+    """Create a post in a topic."""
     _check_size(new.body)
     card = _card(by, new.card)
     written = await services.store.reply(
@@ -249,7 +251,7 @@ async def find_post_by_key(
 
 @router.get("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND, tags=["posts"])
 async def get_post(services: AppServices, post_id: str, who: ReadingViewer) -> Response:
-    """One post as it is now."""
+    """One post."""
     return json_response(serializer(services, who.account).post(services.store.post(post_id)))
 
 
@@ -257,7 +259,7 @@ async def get_post(services: AppServices, post_id: str, who: ReadingViewer) -> R
 async def edit_post(
     services: AppServices, post_id: str, new: EditIn, by: Member, key: IdempotencyKey = None
 ) -> Response:
-    """Replace the text of one's own post."""
+    """Replace the text of the caller's own post."""
     _check_size(new.body)
     card: dict[str, Any] | Literal["keep"] | None = "keep"
     if "card" in new.model_fields_set:
@@ -268,7 +270,7 @@ async def edit_post(
 
 @router.delete("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND, tags=["posts"])
 async def delete_post(request: Request, services: AppServices, post_id: str, by: Member) -> Response:
-    """Hide a post: one's own, or any for a moderator."""
+    """Hide the caller's own post, or any post as a moderator."""
     if services.store.post(post_id).author.id != by.id:
         await moderator(request)
     return json_response(serializer(services, by).post(await services.store.remove(by, post_id)))
@@ -283,7 +285,7 @@ def _card(by: Account, card: CardIn | None) -> dict[str, Any] | None:
     if card is None:
         return None
     if by.kind is not AccountKind.ROBOT_AGENT:
-        raise BoardError(403, "not_a_robot", "only robot agents send cards", "leave out `card`")
+        raise BoardError(403, "not_a_robot", "only robot agents can send cards", "omit `card`")
     commands.check_robot(by, card.robot, "card")
     return card.model_dump()
 
@@ -307,7 +309,7 @@ async def search_posts(
     who: ReadingViewer,
     q: Annotated[str, Query(max_length=MAX_QUERY)],
     board_id: BoardFilter = None,
-    mode: Annotated[SearchMode, Query(description="by words, or by meaning where this forum has a model")] = "words",
+    mode: Annotated[SearchMode, Query(description="by words, or by meaning if this forum has a model")] = "words",
     tag: TagFilter = None,
     cursor: Cursor = None,
     limit: Limit = 20,
@@ -326,7 +328,7 @@ async def search_posts(
 async def list_changes(
     services: AppServices, who: ReadingViewer, after: AfterEvent = None, limit: Limit = 100
 ) -> Response:
-    """Events after an event id; without `after` no events, only `now`, the newest id."""
+    """Events after an event id; without `after` only `now`, the newest id."""
     store = services.store
     items = store.events(after, limit) if after is not None else ()
     models = serializer(services, who.account)
@@ -348,7 +350,7 @@ async def stream_events(
     topic_id: Annotated[str | None, Query(description="only of this topic")] = None,
     last_event_id: Annotated[str | None, Header(pattern=EVENT_ID)] = None,
 ) -> Response:
-    """Server-sent events, after an event id or from now on. `Last-Event-ID` takes precedence over `after`."""
+    """Server-sent events after an event id, or from now on. `Last-Event-ID` takes precedence over `after`."""
     resume = last_event_id if last_event_id is not None else after
     read = services.store.reader
     start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())

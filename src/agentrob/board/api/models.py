@@ -1,4 +1,4 @@
-"""Request and response models of the JSON API, as `docs/seams.md` says."""
+"""Request and response models of the JSON API (see `docs/seams.md`)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ T = TypeVar("T")
 POST_BYTES = 64 * 1024
 
 Time = Annotated[str, Field(json_schema_extra={"format": "date-time"})]
-#: At least one character that is not white space, and no NUL (which no database can be trusted with).
+#: At least one character that is not white space; no NUL, which databases do not store reliably.
 Body = Annotated[
     str,
     StringConstraints(pattern=r"^[^\x00]*[^\x00\s][^\x00]*$"),
@@ -31,12 +31,12 @@ Title = Annotated[
 Ids = Annotated[list[str], Field(max_length=32, description="ids from POST /images")]
 Tags = Annotated[
     list[Annotated[str, StringConstraints(max_length=24)]],
-    Field(max_length=5, description="to find a topic by; made lower-case, `-` for what is no letter or digit"),
+    Field(max_length=5, description="converted to lower case, with `-` for characters that are not letters or digits"),
 ]
 
 
 def whole(value: object) -> object:
-    """JSON knows one kind of number: 2.0 is 2."""
+    """JSON has one kind of number: 2.0 is 2."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -53,7 +53,7 @@ class _Out(BaseModel):
 
 # -------------------------------------------------------------------- in
 class CardIn(BaseModel):
-    """The state of one command; only robot agents send it. What a newer agent says besides is left out."""
+    """The state of one command; only robot agents send it. Unknown fields, of newer agents, are ignored."""
 
     model_config = ConfigDict(extra="ignore", strict=True)
 
@@ -76,24 +76,24 @@ class TopicIn(_In):
 
 
 class TagsIn(_In):
-    """All tags that a topic is to have."""
+    """All tags of a topic."""
 
     tags: Tags
 
 
-#: The id of a post, also of one that is not there any more.
+#: The id of a post, which may no longer exist.
 PostId = Annotated[str, StringConstraints(pattern=r"^[0-9]{1,18}$")]
 
 
 class ReadIn(_In):
-    """`up_to` of the page of what is unread; `board_id` for one board only."""
+    """`up_to` as in the unread page; `board_id` for one board only."""
 
     up_to: PostId
     board_id: str | None = Field(None, max_length=32)
 
 
 class TopicReadIn(_In):
-    up_to: PostId | None = Field(None, description="the last post that was read; without it all of the topic")
+    up_to: PostId | None = Field(None, description="the last post that was read; without it the whole topic")
 
 
 class ReplyIn(_In):
@@ -110,7 +110,7 @@ class DecisionIn(_In):
 
 
 class EditIn(_In):
-    """`images` are added to those the post has; a card that is not given stays, null takes it away."""
+    """`images` are added to those of the post. Without `card` the card stays; null removes it."""
 
     body: Body
     images: Ids = []
@@ -118,14 +118,14 @@ class EditIn(_In):
 
 
 class RobotIn(_In):
-    card: dict[str, Any] = Field(description="model, ops, limits, state, …; shown as it is")
+    card: dict[str, Any] = Field(description="model, ops, limits, state, …; shown unchanged")
 
 
 class CommandIn(_In):
     """A robot agent's record of a command; `reply_id` is its own post that reports it."""
 
     reply_id: str | None = None
-    record: dict[str, Any] = Field(description="at most 64 KiB; shown as it is known, kept as it is")
+    record: dict[str, Any] = Field(description="at most 64 KiB; stored unchanged")
 
 
 # -------------------------------------------------------------------- out
@@ -160,14 +160,14 @@ class TopicOut(_Out):
 
 
 class TagOut(_Out):
-    """A tag and how many topics have it, of those that the caller may read."""
+    """A tag and the number of topics with it that the caller may read."""
 
     tag: str
     topics: int
 
 
 class UnreadOut(_Out):
-    """A topic, how many posts of others are new in it (100: more than 99), and the first of them."""
+    """A topic, its number of unread posts of others (100 means more than 99), and the first of them."""
 
     topic: TopicOut
     new: int
@@ -226,16 +226,16 @@ class RobotOut(_Out):
 
 
 class RightsOut(_Out):
-    """What `screening.rights` needs to know: each right is the least role, `owner` or `nobody`."""
+    """The input of `screening.rights`: each right is the lowest role that has it, `owner` or `nobody`."""
 
     owner: str
     command: dict[str, str] = Field(description="by class of action: photo, gesture, move, risky")
     approve: str
     release: str
-    command_role: str = Field(description="the least role that commands on the board that was asked for")
-    approval: tuple[str, ...] = Field(description="classes of action that need somebody's approval")
-    approve_own: bool = Field(description="whether who may approve may approve what they asked for themselves")
-    closed_until: Time | None = Field(description="the end of the robot's maintenance, when it is closed now")
+    command_role: str = Field(description="the lowest role that may command on the requested board")
+    approval: tuple[str, ...] = Field(description="classes of action that need approval")
+    approve_own: bool = Field(description="whether approvers may approve their own commands")
+    closed_until: Time | None = Field(description="the end of the robot's maintenance, if it is closed now")
 
 
 class CommandOut(_Out):
@@ -252,7 +252,7 @@ class Items(_Out, Generic[T]):
 
 
 class CommandsOut(Items[CommandOut]):
-    url: str = Field(description="the page that shows the same to people, also before there is anything")
+    url: str = Field(description="the page of the command, even before there are records")
 
 
 class Paged(_Out, Generic[T]):
@@ -261,7 +261,7 @@ class Paged(_Out, Generic[T]):
 
 
 class UnreadPage(Paged[UnreadOut]):
-    up_to: str = Field(description="the newest post there is: to be sent back when all of this was read")
+    up_to: str = Field(description="the newest post; send it back to mark all of this as read")
 
 
 class TopicWritten(_Out):
@@ -306,7 +306,7 @@ def board_out(b: records.Board) -> BoardOut:
 
 
 class Serializer:
-    """Makes models of records for one viewer: addresses begin with `base_url`, keys are shown to their owner only."""
+    """Converts records to models for one viewer: URLs begin with `base_url`, keys are shown to their owner only."""
 
     def __init__(self, base_url: str, viewer: Account | None = None) -> None:
         self.base_url = base_url

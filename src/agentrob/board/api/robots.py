@@ -59,7 +59,7 @@ async def get_robot(services: AppServices, name: str, who: ReadingViewer) -> Res
 async def get_robot_rights(
     services: AppServices, name: str, who: ReadingViewer, board_id: Annotated[str, Query(max_length=32)]
 ) -> Response:
-    """Who may do what with this robot on this board now. Its agent asks again before every motion."""
+    """The rights to command this robot on this board now. Its agent asks again before every motion."""
     kept = rights.settings_of(services.store.reader, actions.known_robot(services, name).name)
     return json_response(rights_out(kept, services.store.board(board_id), datetime.now(UTC)))
 
@@ -82,7 +82,7 @@ async def publish_robot(services: AppServices, name: str, robot: RobotIn, by: Me
     tags=["robots"],
 )
 async def publish_frame(request: Request, services: AppServices, name: str, by: Member) -> Response:
-    """Publish a live picture. The answer says how many viewers the camera has."""
+    """Publish a live picture. Returns the number of viewers of the camera."""
     _check_own_robot(by, name)
     jpeg = await request.body()
     images.check_frame(jpeg)
@@ -100,7 +100,7 @@ async def get_frame(services: AppServices, name: str, who: ReadingViewer) -> Res
     actions.check_camera(services, name, who.account)
     jpeg = services.presence.live_frame(actions.known_robot(services, name).name)
     if jpeg is None:
-        raise not_found("picture", name, "there is one while somebody looks at the camera")
+        raise not_found("picture", name, "there is one while somebody watches the camera")
     return Response(jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
 
@@ -111,7 +111,8 @@ async def get_frame(services: AppServices, name: str, who: ReadingViewer) -> Res
     tags=["robots"],
 )
 async def stream_camera(services: AppServices, name: str, who: ReadingViewer) -> Response:
-    """Live pictures as a multipart stream. Each stream is a viewer; the first one causes a `robot.watch` event."""
+    """Live pictures as a multipart stream. Each stream counts as a viewer; the first one causes a `robot.watch`
+    event."""
     name = actions.known_robot(services, name).name
 
     def check(account: Account | None) -> None:
@@ -125,7 +126,7 @@ async def stream_camera(services: AppServices, name: str, who: ReadingViewer) ->
 
 @router.post("/robots/{name}/stop", response_model=EventOut, tags=["robots"])
 async def stop_robot(services: AppServices, name: str, by: Stopper, key: IdempotencyKey = None) -> Response:
-    """Stop a robot. Every signed-in account may, without any limit."""
+    """Stop a robot. Every signed-in account may, without a limit."""
     return _event(services, by, await actions.stop(services, name, by, key))
 
 
@@ -172,7 +173,7 @@ def _check_own_robot(by: Account, name: str) -> None:
 # -------------------------------------------------------------------- images
 @router.post("/images", response_model=ImageOut, status_code=201, responses=documented(415, 429), tags=["posts"])
 async def upload_image(services: AppServices, file: UploadFile, by: Member, key: IdempotencyKey = None) -> Response:
-    """A picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Robot agents, operators and admins may."""
+    """Upload a picture for a post: JPEG, PNG, WebP or GIF, at most 8 MiB. Needs the role operator, or a robot agent."""
     if not uploads.may(by):  # before reading it
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     image, created = await uploads.take(services.store, by, await file.read(images.MAX_BYTES + 1), key)

@@ -29,7 +29,7 @@ NAME = re.compile(r"[a-z][a-z0-9_-]{1,31}")
 PASSWORD_MIN, PASSWORD_MAX = 8, 200
 SESSION_DAYS = 30
 LINK_MINUTES = 10
-#: Somebody must be told such a link by whatever way there is.
+#: It takes time to pass such a link on to a person.
 PASSWORD_LINK_MINUTES = 24 * 60
 SCOPES = ("read", "write", "admin")
 _MINUTE_US = 60_000_000
@@ -60,7 +60,8 @@ def create(
     password_hash: str | None = None,
     display_name: str = "",
 ) -> Account:
-    """A new account; without a password it signs in by token or link only. 409 when taken, 422 when badly named."""
+    """Create an account; without a password it signs in by token or link only. 409 if the name is taken, 422 if not
+    valid."""
     name = checked_name(name)
     row = {"name": name, "display_name": checked_display_name(display_name), "kind": str(kind), "role": str(role)}
     values = row | {"suspended": False, "password_hash": password_hash, "created_us": now_us()}
@@ -68,12 +69,14 @@ def create(
         with connection.begin_nested():
             connection.execute(insert(db.accounts).values(**values))
     except IntegrityError:
-        raise BoardError(409, "name_taken", f"there is an account named {name!r} already", "another name") from None
+        raise BoardError(
+            409, "name_taken", f"an account named {name!r} exists already", "choose another name"
+        ) from None
     return account_from(connection.execute(ACCOUNT.where(db.accounts.c.name == name)).one())
 
 
 def checked_name(name: str) -> str:
-    """The name, case-folded. 422 when it is none."""
+    """The name in lower case. 422 if it is not valid."""
     folded = name.strip().lower()
     if not name.isascii() or not NAME.fullmatch(folded):
         hint = "2 to 32 of a-z, 0-9, _ and -, a letter first"
@@ -82,10 +85,10 @@ def checked_name(name: str) -> str:
 
 
 def checked_display_name(name: str) -> str:
-    """The name on one line. 422 for one with characters that cannot be seen."""
+    """The name on one line. 422 if it has invisible characters."""
     name = " ".join(name.split())
     if len(name) > 64 or not name.isprintable():
-        raise BoardError(422, "bad_display_name", "that cannot be shown as a name", "at most 64 visible characters")
+        raise BoardError(422, "bad_display_name", "the display name is not valid", "at most 64 visible characters")
     return name
 
 
@@ -98,15 +101,15 @@ def change(connection: Connection, account: Account, **values: Any) -> None:
 
 # -------------------------------------------------------------------- passwords
 def hash_password(password: str) -> str:
-    """Slow on purpose (tens of ms): not on the event loop. 422 when too short or too long."""
+    """Slow on purpose (tens of ms), so not on the event loop. 422 if too short or too long."""
     if not PASSWORD_MIN <= len(password) <= PASSWORD_MAX:
         hint = f"{PASSWORD_MIN} to {PASSWORD_MAX} characters"
-        raise BoardError(422, "bad_password", "that cannot be a password", hint)
+        raise BoardError(422, "bad_password", "the password is too short or too long", hint)
     return _hasher.hash(password.encode("utf-8", "surrogatepass"))
 
 
 def verify_password(password_hash: str | None, password: str) -> bool:
-    """Slow on purpose, and as slow when there is no password to compare with."""
+    """Slow on purpose, and equally slow if there is no password to compare with."""
     try:
         right = _hasher.verify(password_hash or _NOBODY, password[:PASSWORD_MAX].encode("utf-8", "surrogatepass"))
     except (VerificationError, InvalidHashError):
@@ -129,7 +132,7 @@ def hash_of(secret: str) -> str:
 
 
 def new_session(connection: Connection, account_id: int) -> str:
-    """A session's secret. Those that have expired are swept out on the way."""
+    """Create a session and return its secret. Also deletes expired sessions."""
     now, secret = now_us(), new_secret()
     connection.execute(delete(db.sessions).where(db.sessions.c.expires_us < now))
     values = {"hash": hash_of(secret), "account_id": account_id, "created_us": now}
@@ -152,13 +155,14 @@ def by_session(reader: Reader, secret: str) -> Account | None:
 def new_token(
     connection: Connection, account: Account, label: str = "", scopes: Collection[str] = ("read", "write")
 ) -> str:
-    """A bearer token; it is shown once and cannot be read again. 422 for a scope that there is not.
+    """Create a bearer token and return its secret, which is not stored. 422 for an unknown scope.
 
-    Every token looks and stops; `write` posts and uploads, `admin` moderates and administers, each only what the
+    Every token can read and stop; `write` allows posts and uploads, `admin` moderation and administration, as far as
+    the
     account itself may.
     """
     if not scopes or not set(scopes) <= set(SCOPES):
-        raise BoardError(422, "bad_scopes", "those are no scopes of a token", f"of: {', '.join(SCOPES)}")
+        raise BoardError(422, "bad_scopes", "unknown token scope", f"valid: {', '.join(SCOPES)}")
     secret = "agentrob_" + new_secret()
     values = {"hash": hash_of(secret), "account_id": int(account.id), "label": label[:64], "created_us": now_us()}
     named = " ".join(s for s in SCOPES if s in scopes or s == "read")
@@ -167,7 +171,7 @@ def new_token(
 
 
 def revoke_tokens(connection: Connection, account: Account, label: str | None = None) -> int:
-    """End an account's tokens that are not ended yet, all or those of a label; returns how many."""
+    """Revoke an account's tokens, all or those with a label; return how many."""
     c = db.tokens.c
     ended = update(db.tokens).where(c.account_id == int(account.id), c.revoked_us.is_(None))
     if label is not None:
@@ -182,14 +186,15 @@ def by_token(reader: Reader, secret: str) -> Account | None:
 
 
 def token_of(reader: Reader, secret: str) -> tuple[Account, frozenset[str]] | None:
-    """The account that a bearer token signs in, and what the token is good for (`SCOPES`)."""
+    """The account that a bearer token signs in, and the scopes of the token (`SCOPES`)."""
     digest = hash_of(secret)
     row = reader.kept(("token", digest), lambda: reader.first(_BY_TOKEN, hash=digest))
     return (account_from(row), frozenset(row.scopes.split())) if row else None
 
 
 def new_link(connection: Connection, account: Account, purpose: str = "enter") -> str:
-    """The secret of a link for one use: signs in within ten minutes, or sets a new password within a day."""
+    """Create a one-time link that signs in within ten minutes, or sets a new password within a day; return its
+    secret."""
     now, secret = now_us(), new_secret()
     connection.execute(delete(db.links).where(db.links.c.expires_us < now))
     minutes = PASSWORD_LINK_MINUTES if purpose == "password" else LINK_MINUTES
@@ -199,18 +204,19 @@ def new_link(connection: Connection, account: Account, purpose: str = "enter") -
 
 
 def spend_link(connection: Connection, secret: str) -> str:
-    """A session for a link that was not used yet. 404 when it is unknown, used or expired."""
+    """Use a link and return a new session. 404 if it is unknown, used or expired."""
     return new_session(connection, _spend(connection, secret, "enter"))
 
 
 def spend_password_link(connection: Connection, secret: str, password_hash: str) -> str:
-    """A new password, and a session; all others end. 404 when the link is unknown, used or expired."""
+    """Set a new password by a link; return a new session and end all others. 404 if the link is unknown, used or
+    expired."""
     account_id = _spend(connection, secret, "password")
     return set_password(connection, account_id, password_hash)
 
 
 def set_password(connection: Connection, account_id: int, password_hash: str) -> str:
-    """A new password and a new session; all sessions of before end, since one may be a thief's."""
+    """Set a new password; return a new session and end all others, since one may be a thief's."""
     connection.execute(update(db.accounts).where(db.accounts.c.id == account_id).values(password_hash=password_hash))
     connection.execute(delete(db.sessions).where(db.sessions.c.account_id == account_id))
     connection.execute(delete(db.links).where(db.links.c.account_id == account_id, db.links.c.used_us.is_(None)))
@@ -218,7 +224,7 @@ def set_password(connection: Connection, account_id: int, password_hash: str) ->
 
 
 def end_sessions(connection: Connection, account: Account) -> int:
-    """End all sessions of an account; how many there were."""
+    """End all sessions of an account; return their number."""
     return connection.execute(delete(db.sessions).where(db.sessions.c.account_id == int(account.id))).rowcount
 
 

@@ -1,4 +1,4 @@
-"""Limits attempts to sign in, so that nobody guesses passwords or exhausts the machine with argon2.
+"""Limit attempts to sign in, so that nobody can guess passwords or exhaust the machine with argon2.
 
 Also counts other uses that have a limit per hour and leave no row with a time: new accounts, and changes. The counts
 are in the database, so that all processes share them and they survive a restart. Names and addresses are stored as

@@ -1,4 +1,4 @@
-"""Limits what an account may do in an hour, counted from the rows in the database: exact, also after a restart.
+"""Limit how often an account may post, command, upload and edit per hour, counted from rows in the database.
 
 The check is part of the transaction that writes, so that concurrent requests cannot pass it together. A refusal is a
 429 that names the limit and says when the next use is allowed. A stop is never limited (law 15).
@@ -74,5 +74,5 @@ def _too_many(what: str, done: str, wait_us: int) -> BoardError:
     wait_s = max(1.0, wait_us / 1_000_000)
     minutes = math.ceil(wait_s / 60)
     when = "in a minute" if minutes == 1 else f"in {minutes} minutes"
-    said = f"this account has {done} within the last hour, which is the limit; there is room again {when}"
-    return BoardError(429, f"too_many_{what}", said, "a stop is always taken", wait_s)
+    said = f"this account has {done} within the last hour, which is the limit; try again {when}"
+    return BoardError(429, f"too_many_{what}", said, "a stop always works", wait_s)

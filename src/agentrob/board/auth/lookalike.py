@@ -1,4 +1,4 @@
-"""Names that a reader could take for a robot's: refused, so that nobody but a robot's agent looks like one.
+"""Refuse names that a reader could take for a robot's, so that only a robot's agent looks like one.
 
 Two strings look alike when their skeletons are the same (as in Unicode TS 39): each character becomes the plain letter
 that it is confused with, by the Unicode consortium's own table, and what hardly shows is left out.
@@ -35,7 +35,7 @@ def _table() -> dict[str, str]:
 
 
 def skeleton(text: str) -> str:
-    """What is left of a text when everything that looks alike is the same."""
+    """The text with lookalike characters replaced by one form."""
     table = _table()
     shown = "".join(table.get(c, c) for c in unicodedata.normalize("NFD", text))
     plain = "".join(c for c in unicodedata.normalize("NFKD", shown) if not unicodedata.combining(c)).casefold()
@@ -46,7 +46,7 @@ def skeleton(text: str) -> str:
 
 
 def check_name(name: str, robots: Iterable[str]) -> None:
-    """422 for a handle that looks like a robot's and is not the robot's own."""
+    """422 for a handle that looks like that of another robot."""
     mine = skeleton(name)
     for robot in robots:
         if name != robot and mine == skeleton(robot):
@@ -54,7 +54,8 @@ def check_name(name: str, robots: Iterable[str]) -> None:
 
 
 def check_display_name(display_name: str, name: str, robots: Iterable[str]) -> None:
-    """422 for a display name with a robot's name in it, or with a badge's word, when it is somebody else's."""
+    """422 for a display name that contains the name of a robot, or the word of a badge, unless it is the robot's
+    own."""
     mine = skeleton(display_name)
     for robot in robots:
         looks = skeleton(robot)

@@ -20,10 +20,10 @@ from agentrob.board.db.reader import Reader
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
 
-#: What may stand where a right does, least first.
+#: Who a right can be given to, widest first.
 WHO = ("operator", "moderator", "admin", "owner", "nobody")
 DAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
-#: Nobody waits for longer: a robot that is closed for good has `nobody` as its rights.
+#: A robot that is closed for longer should have `nobody` as its rights.
 LOOK_AHEAD = timedelta(days=400)
 _CLOCK = re.compile(r"([01]\d|2[0-3]):[0-5]\d")
 _OWNER = db.accounts.alias("owner")
@@ -37,8 +37,9 @@ _ROBOT = (
 
 @dataclass(frozen=True, slots=True)
 class MaintenanceWindow:
-    """When a robot is in maintenance: on `days` (none: each day) from `start` to `end` in `zone`, the next day if that
-    is earlier; or, with `until`, from now to then. `note` is shown."""
+    """When a robot is in maintenance: on `days` (every day if empty) from `start` to `end` in `zone`, which is on the
+    next
+    day if it is earlier; or, with `until`, from now to then. `note` is shown."""
 
     days: tuple[str, ...] = ()
     start: str = "00:00"
@@ -66,7 +67,7 @@ class MaintenanceWindow:
 
 @dataclass(frozen=True, slots=True)
 class RobotSettings:
-    """What is kept of one robot. `camera_days` 0 keeps pictures for ever."""
+    """The settings of one robot. `camera_days` 0 keeps pictures forever."""
 
     owner: str = ""
     command: Mapping[str, str] = field(default_factory=lambda: dict.fromkeys(map(str, ActionClass), "operator"))
@@ -79,7 +80,7 @@ class RobotSettings:
     closed: tuple[MaintenanceWindow, ...] = ()
 
     def closed_until(self, now: datetime) -> datetime | None:
-        """The end of its maintenance when it is closed now, over windows that follow each other."""
+        """The end of its maintenance if it is closed now, across consecutive windows."""
         until = None
         while (ends := [e for c in self.closed if (e := c.end_at(until or now)) is not None]) and (
             until is None or max(ends) > until
@@ -90,7 +91,7 @@ class RobotSettings:
         return until
 
     def stored(self) -> dict[str, Any]:
-        """The columns of its row but the accounts."""
+        """The columns of its row, except the accounts."""
         rights = {"command": dict(self.command), "approve": self.approve, "release": self.release}
         return {
             "rights": rights | {"approval": list(self.approval), "approve_own": self.approve_own},
@@ -101,7 +102,7 @@ class RobotSettings:
 
 
 def settings_of(reader: Reader, robot: str) -> RobotSettings:
-    """What is kept of a robot; the safe defaults when nothing is."""
+    """The settings of a robot; safe defaults if none are stored."""
     return reader.kept(("robot", robot), lambda: _read(reader, robot))
 
 
@@ -110,7 +111,7 @@ def _read(reader: Reader, robot: str) -> RobotSettings:
     if row is None:
         return RobotSettings()
     rights = row.rights
-    # A class that is not there, perhaps since a newer version knows it, is nobody's.
+    # A class that is missing, perhaps because it is new, is given to nobody.
     return RobotSettings(
         owner=row.owner or "",
         command={str(c): str(rights["command"].get(c, "nobody")) for c in ActionClass},
@@ -125,23 +126,23 @@ def _read(reader: Reader, robot: str) -> RobotSettings:
 
 
 def reaches(account: Account, who: str, owner: str) -> bool:
-    """Whether an account is what `who` says: a role and all above it, or the owner and admins."""
+    """Whether an account has what `who` names: a role or a higher one, or is the owner or an admin."""
     if who == "owner":
         return (bool(owner) and account.name == owner) or account.role is Role.ADMIN
     return who in frozenset(Role) and account.role.rank >= Role(who).rank
 
 
 def approves(settings: RobotSettings, account: Account, author: Account) -> bool:
-    """Whether an account may approve or deny what `author` asked of the robot, as its agent judges too."""
+    """Whether an account may approve or deny a command by `author`. The robot's agent checks the same."""
     if account.kind is not AccountKind.HUMAN or account.suspended or account.role.rank < Role.OPERATOR.rank:
         return False
     return reaches(account, settings.approve, settings.owner) and (settings.approve_own or account.id != author.id)
 
 
 def releases(settings: RobotSettings, account: Account | None, told_owner: str = "") -> bool:
-    """Whether an account may press Release and Set home here, as the robot's agent judges too, which decides.
+    """Whether an account may press Release and Set home. The robot's agent checks the same, and decides.
 
-    `told_owner` is the owner that the agent's own configuration names, as the robot's card has it.
+    `told_owner` is the owner that the agent's own configuration names, from the robot's card.
     """
     if account is None or account.kind is not AccountKind.HUMAN or account.suspended or settings.release == "nobody":
         return False
@@ -151,7 +152,7 @@ def releases(settings: RobotSettings, account: Account | None, told_owner: str =
 
 
 def sees_camera(settings: RobotSettings, account: Account | None, robot: str) -> bool:
-    """Whether somebody who may read here may see what this robot's camera saw. Its own agent always may."""
+    """Whether an account that may read here may see pictures of this robot's camera. Its own agent always may."""
     if account is not None and account.name in (robot, settings.owner):
         return True
     return (account.role if account else Role.GUEST).rank >= settings.camera_role.rank
@@ -159,13 +160,13 @@ def sees_camera(settings: RobotSettings, account: Account | None, robot: str) ->
 
 # -------------------------------------------------------------------- checking what was sent
 def checked(settings: RobotSettings) -> RobotSettings:
-    """422 for words that grant nothing to anybody by mistake, and for hours that are none."""
+    """422 for unknown words in rights, and for maintenance hours that are not valid."""
     wrong = {w for w in (*settings.command.values(), settings.approve) if w not in WHO}
     if settings.release not in ("owner", "admin", "nobody"):
         wrong.add(settings.release)
     if wrong or set(settings.command) != set(ActionClass) or not set(settings.approval) <= set(ActionClass):
         hint = f"for each of {', '.join(ActionClass)}: one of {', '.join(WHO)}; release: owner, admin, nobody"
-        raise BoardError(422, "bad_rights", f"{', '.join(sorted(wrong))[:80] or 'that'} is no right", hint)
+        raise BoardError(422, "bad_rights", f"{', '.join(sorted(wrong))[:80] or 'that'} is not a right", hint)
     for closed in settings.closed:
         _check_closed(closed)
     return settings

@@ -27,14 +27,15 @@ from agentrob.board.settings import NO_LIMITS
 from agentrob.config.board import BoardLimitsConfig
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, CommandState, EventKind, Role
+from agentrob.model.lifecycle import ACTIVE_STATES
 
 MAX_IMAGES = 32
 #: Of a topic whose author may not begin one: it is there for the stop in it.
 STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
-#: States of a command's status post that only say how far it is: when it is edited, the text of before is not kept.
-#: What an approval was asked for (`waiting`) and how a command ended are kept, as every text of a person is.
-PROGRESS = frozenset({"seen", "queued", "running"})
+#: States of a status post that only report progress: an edit does not keep their text as a version. The text that asks
+#: for an approval and the final one are kept, as every text of a person is.
+PROGRESS = ACTIVE_STATES - {CommandState.WAITING}
 #: Buttons of robots' owners: who pressed one stands in the audit log.
 _AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c
@@ -75,7 +76,7 @@ def create_topic(t: Transaction, board_id: str, title: str, draft: Draft, tags: 
 
 
 def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
-    """A new post in a topic."""
+    """Create a post in a topic."""
     if old := _written_before(t, draft):
         return old
     reader = Reader(t.connection)

@@ -18,18 +18,18 @@ from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
 from agentrob.board.db.records import StoredEvent
 from agentrob.errors import BoardError
 
-#: A listener with more than this waiting does not read.
+#: A listener with more pending events than this does not read, and is closed.
 MAX_PENDING = 1000
 MAX_LISTENERS = 2000
-#: Nobody may take the streams that others, above all the robots' agents, need to hear of a stop.
+#: No account may use up the streams that others, above all the robots' agents, need to receive a stop.
 MAX_PER_ACCOUNT = 50
 MAX_ANONYMOUS = MAX_LISTENERS // 2
-#: How often is looked for what another process wrote: on SQLite, where that takes microseconds, and elsewhere.
+#: Seconds between two looks for events of other processes: on SQLite, where one takes microseconds, and elsewhere.
 FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
-#: A beat is sent only so long after the way of a stop was proven: that a post is written, and, where other processes
-#: take stops too, that they are heard.
+#: A heartbeat is sent only if, within these seconds, a write went through and, on PostgreSQL, other processes were
+#: heard.
 PROVEN_S = 1.0
-#: How often it is proven that a stop in a post would be written.
+#: Seconds between two proofs that a stop in a post would be written.
 PROOF_S = 0.2
 
 log = structlog.get_logger(__name__)
@@ -37,9 +37,9 @@ log = structlog.get_logger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class EncodedEvent:
-    """An event, its place in the order, and its encodings for everybody and for the author of its post.
+    """An event, its number, and its encodings for everybody and for the author of its post.
 
-    `written`: it is in the database.
+    `written`: whether it is in the database.
     """
 
     event: StoredEvent
@@ -54,10 +54,10 @@ class EncodedEvent:
 
 
 class Listener:
-    """One open stream of an account (None: not signed in): what waits to be sent to it, of one topic or of all.
+    """The queue of one open stream of an account (None: not signed in), for one topic or all.
 
-    `ended` is set when the stream is to end: it is closed, or too much waits since its listener does not read. `boards`
-    are those whose posts it is told of; None is every board, for the server's own ears only.
+    `ended` is set when the stream must end: it was closed, or its queue overflowed because its client does not read.
+    `boards` are those whose posts it receives; None means every board, for the server's own listeners only.
     """
 
     def __init__(
@@ -133,11 +133,11 @@ class Hub:
         self._cut_off()
 
     def published(self, event_ids: list[int]) -> None:
-        """Tell all listeners of the events up to these. Called by the writer after each commit."""
+        """Deliver the events up to these. Called by the writer after each commit."""
         self._catch_up(event_ids[-1])
 
     async def follow(self) -> None:
-        """Tell also of what other processes write to the same database, as the command line does; until cancelled."""
+        """Deliver the events that other processes write, such as the command line; until cancelled."""
         assert self.reader is not None
         seen, well = None, True
         while not self.closed:
@@ -154,14 +154,14 @@ class Hub:
                 seen, well = None, False
 
     def proven(self, newest: int) -> None:
-        """The other processes are heard: the database just said that its newest event is this one."""
+        """Record that other processes are heard; `newest` is the newest event that the database just reported."""
         if newest < self._last:
             self._look_back()
         if self._catch_up(newest):
             self._proven_s = time.monotonic()
 
     def _look_back(self) -> None:
-        """Either we wrote one meanwhile, or the database was put back from a backup: then who resumes is told so."""
+        """Check whether the database was restored from a backup; then end all streams, so that clients learn of it."""
         assert self.reader is not None
         newest_id = self.reader.newest_event_id()
         if event_number(newest_id) < self._last:
@@ -170,8 +170,9 @@ class Hub:
             self._cut_off()
 
     async def prove_writing(self, prove: Callable[[], Awaitable[None]]) -> None:
-        """Go the way of a stop in a post again and again, from this loop through the writer and back (`prove`), until
-        cancelled. Counted from when each was due, so that also a loop that is held up proves nothing."""
+        """Prove again and again, until cancelled, that a stop in a post would be written: from this loop through the
+        writer
+        and back (`prove`). Each proof counts from when it was due, so that a blocked event loop proves nothing."""
         self._written_s, well = time.monotonic(), True
         while not self.closed:
             due_s = time.monotonic() + PROOF_S
@@ -186,8 +187,8 @@ class Hub:
 
     @property
     def delivers_stops(self) -> bool:
-        """Whether a stop that any process takes now, by the button or in a post, is told here within a second. Without
-        it there is no beat, and after 2 s of silence robots stop by themselves (law 16)."""
+        """Whether a stop on any process, by the button or in a post, is delivered here within a second. Without that no
+        heartbeat is sent, and after 2 s of silence robots stop by themselves (law 16)."""
         since_s = time.monotonic() - PROVEN_S
         return all(proven_s is None or proven_s > since_s for proven_s in (self._proven_s, self._written_s))
 
@@ -199,7 +200,7 @@ class Hub:
                     self._tell(event)
                     self._last, self._last_id = event_number(event.id), event.id
         except BoardError as e:
-            # Everybody must hear of what is in the database: cut them all off, and they resume.
+            # Every listener must get every event: end all streams, and clients resume.
             log.error("board.events_unreadable", error=str(e))
             self._cut_off()
             return False
@@ -210,7 +211,7 @@ class Hub:
             listener.close()
 
     def announce(self, event: StoredEvent) -> None:
-        """Tell all listeners of an event that could not be written (a stop must get through in any case).
+        """Deliver an event that could not be written, since a stop must always get through.
 
         Its id is that of the newest written event, so that resuming after it misses nothing.
         """
@@ -218,15 +219,15 @@ class Hub:
         self.tell_others(event)
 
     def receive_unwritten(self, event: StoredEvent) -> None:
-        """Tell all listeners of one that another process could not write."""
+        """Deliver an event that another process could not write."""
         self._tell(event, written=False)
 
     def listen(
         self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
     ) -> Listener:
-        """Begin to listen; give the listener back with `leave`. 503 when too many do, 429 when this account does."""
+        """Open a listener; close it with `leave`. 503 if there are too many, 429 if this account has too many."""
         if self.closed or len(self._listeners) >= MAX_LISTENERS:
-            raise BoardError(503, "no_more_streams", "no more event streams now", "poll /api/v1/changes", 5.0)
+            raise BoardError(503, "no_more_streams", "too many event streams are open", "poll /api/v1/changes", 5.0)
         most = MAX_ANONYMOUS if account_id is None else MAX_PER_ACCOUNT
         if sum(other.account_id == account_id for other in self._listeners) >= most:
             who = "visitors who are not signed in have" if account_id is None else "this account has"
@@ -245,7 +246,7 @@ class Hub:
 
     @property
     def last_id(self) -> str:
-        """The id of the newest event that was told."""
+        """The id of the newest event that was delivered."""
         return self._last_id
 
     def _tell(self, event: StoredEvent, written: bool = True) -> None:

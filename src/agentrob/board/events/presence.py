@@ -1,7 +1,6 @@
-"""Robots that are online: their cards, last live pictures and viewers, kept in memory.
+"""The state of robots, in memory: their cards, last live pictures and viewers.
 
-Where several processes serve one database, each shares its state with the others (`ClusterMessenger`), so that every
-process shows the same page.
+Processes that serve one database share this state (`ClusterMessenger`), so that they show the same pages.
 """
 
 from __future__ import annotations
@@ -19,22 +18,23 @@ from starlette.types import Receive, Scope, Send
 from agentrob.board.events import streams
 
 BOUNDARY = b"frame"
-#: An agent renews its card at least every 5 s; three missed ones in a row mean that it is gone.
+#: An agent renews its card at least every 5 s; after three missed ones in a row it counts as gone.
 LIVE_FOR = timedelta(seconds=15)
-#: A picture of another process is old after this, where nobody looks at it.
+#: Seconds after which a picture of another process is old, if it has no viewers here.
 WANTED_S = 0.5
-#: A robot's agent is told at most so often that somebody looks.
+#: Seconds between two events that tell a robot's agent of viewers.
 WATCH_EVERY_S = 1.0
-#: Agents show ten pictures a second; one that has shown none for so long has to be told that somebody looks.
+#: Agents show ten pictures a second; one that has shown none for this many seconds must be told of its viewers again.
 SHOWING_S = 1.0
 
 
 @dataclass(slots=True)
 class RobotPresence:
-    """One robot as its agent last told. `seen_at` is None before it did; `card_s`, `frame_s` and `called_s`, when its
-    agent was last told that somebody looks, are monotonic. `call` is when it will be told again.
+    """The state of one robot. `seen_at` is None until its agent publishes something; `card_s`, `frame_s` and
+    `called_s`,
+    when its agent was last told of viewers, are monotonic. `call` is the timer that tells it again.
 
-    `viewers` look here, `elsewhere` on other processes.
+    `viewers` are those of this process, `elsewhere` those of other processes.
     """
 
     name: str
@@ -52,19 +52,19 @@ class RobotPresence:
 
     @property
     def watched(self) -> int:
-        """How many look, wherever."""
+        """The number of viewers on all processes."""
         return self.viewers + self.elsewhere
 
     @property
     def kept_waiting(self) -> bool:
-        """Whether somebody looks and its agent shows nothing."""
+        """Whether it has viewers but its agent sends no pictures."""
         return self.watched > 0 and time.monotonic() - self.frame_s > SHOWING_S
 
 
 class PresenceTracker:
-    """All robots that were told of since the server started. Lives on the event loop.
+    """The state of all robots. Use it on the event loop only.
 
-    `changed` hears what is to be told to other processes: a robot's name, and `card`, `frame` or `viewers`.
+    `changed` is called with a robot's name and `card`, `frame` or `viewers`, to share the change with other processes.
     """
 
     def __init__(self) -> None:
@@ -76,7 +76,7 @@ class PresenceTracker:
         return tuple(self._robots.values())
 
     def robot(self, name: str) -> RobotPresence:
-        """The robot of this name; whether there is such an account is for the caller to know."""
+        """The robot of this name. The caller checks that there is such an account."""
         return self._robots.setdefault(name, RobotPresence(name))
 
     def publish(self, name: str, card: Mapping[str, Any]) -> RobotPresence:
@@ -86,7 +86,7 @@ class PresenceTracker:
         return robot
 
     def show(self, name: str, jpeg: bytes) -> int:
-        """A new picture for those who look; returns how many do."""
+        """Store a new picture and wake its viewers; return their number."""
         robot = self.robot(name)
         robot.frame, robot.frame_s, robot.seen_at = jpeg, time.monotonic(), datetime.now(UTC)
         robot.frames += 1
@@ -96,14 +96,14 @@ class PresenceTracker:
 
     # ---------------------------------------------------------------- from other processes
     def receive_card(self, name: str, card: Mapping[str, Any], age_s: float) -> None:
-        """A card that another process was told so long ago, unless this one has a newer one."""
+        """Store a card that another process received `age_s` ago, unless this one has a newer one."""
         robot, at_s = self.robot(name), time.monotonic() - age_s
         if at_s > robot.card_s:
             robot.card, robot.card_s = card, at_s
         self._seen(robot, age_s)
 
     def receive_frame(self, name: str, jpeg: bytes, age_s: float) -> None:
-        """A picture that another process was shown so long ago."""
+        """Store a picture that another process received `age_s` ago, unless this one has a newer one."""
         robot, at_s = self.robot(name), time.monotonic() - age_s
         if at_s > robot.frame_s:
             robot.frame, robot.frame_s = jpeg, at_s
@@ -112,12 +112,12 @@ class PresenceTracker:
         self._seen(robot, age_s)
 
     def wants(self, name: str) -> bool:
-        """Whether a picture that another process was shown is of use: somebody looks here, or the last is old."""
+        """Whether this process needs a picture from another one: it has viewers, or the last picture is old."""
         robot = self.robot(name)
         return robot.viewers > 0 or time.monotonic() - robot.frame_s > WANTED_S
 
     def receive_viewers(self, elsewhere: Mapping[str, int]) -> None:
-        """How many look on other processes, by robot."""
+        """Set the number of viewers on other processes, by robot."""
         for robot in self._robots.values():
             robot.elsewhere = elsewhere.get(robot.name, 0)
 
@@ -126,16 +126,16 @@ class PresenceTracker:
         robot.seen_at = max(robot.seen_at or at, at)
 
     def look(self, name: str, viewers: int) -> None:
-        """So many more look here, or fewer."""
+        """Add to the number of viewers here."""
         self.robot(name).viewers += viewers
         self.changed(name, "viewers")
 
     def close(self) -> None:
-        """End all live pictures now."""
+        """End all camera streams."""
         self.closed.set()
 
     def live_frame(self, name: str) -> bytes | None:
-        """The last picture while it is live: what a camera saw long ago is nobody's to see."""
+        """The last picture, or None if it is too old to count as live."""
         robot = self.robot(name)
         return robot.frame if time.monotonic() - robot.frame_s < LIVE_FOR.total_seconds() else None
 
@@ -163,7 +163,7 @@ def _wake(robot: RobotPresence) -> None:
 
 
 class CameraStream(Response):
-    """A robot's pictures as they come, as browsers show them in an `img` (multipart/x-mixed-replace)."""
+    """The live pictures of a robot, as browsers show them in an `img` (multipart/x-mixed-replace)."""
 
     media_type = "multipart/x-mixed-replace; boundary=" + BOUNDARY.decode()
 
@@ -176,7 +176,7 @@ class CameraStream(Response):
         robot = self._presence.robot(self._name)
         self._presence.look(self._name, 1)
         try:
-            # Only what comes after the viewer: the last picture may be from hours ago.
+            # Only new pictures: the last one may be hours old.
             await streams.run(self._send(send, robot.frames), receive, send, self._allowed, self._presence.closed)
         finally:
             self._presence.look(self._name, -1)
@@ -186,5 +186,5 @@ class CameraStream(Response):
         await streams.part(send, b"--" + BOUNDARY + b"\r\n")
         async for jpeg in self._presence.frames(self._name, seen):
             head = b"Content-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg)
-            # The boundary right after the picture: a browser shows a part when it sees the next one begin.
+            # The boundary follows the picture at once: a browser shows a part when the next one begins.
             await streams.part(send, head + jpeg + b"\r\n--" + BOUNDARY + b"\r\n")

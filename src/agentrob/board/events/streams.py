@@ -1,4 +1,4 @@
-"""Run a streaming response until it ends, or its viewer leaves or loses the right to see it."""
+"""Run a streaming response until it ends, or until its viewer leaves or loses the right to see it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from contextlib import suppress
 
 from starlette.types import Receive, Send
 
-#: How often a stream asks whether its viewer may still look.
+#: Seconds between two checks that the viewer of a stream may still see it.
 RECHECK_S = 10.0
-#: How long the end of a stream may wait for a viewer that does not read.
+#: Seconds that the end of a stream waits for a client that does not read.
 ENDING_S = 0.5
 
 
@@ -21,10 +21,10 @@ async def run(
     allowed: Callable[[], bool],
     ended: asyncio.Event,
 ) -> None:
-    """Send until all is sent, the viewer is gone, `ended` is set or the viewer is not `allowed` any more.
+    """Send until all is sent, the viewer is gone, `ended` is set or the viewer is no longer `allowed`.
 
-    Whatever happens, the sender is cancelled also where it waits for a viewer that does not read. What it raises is
-    raised here, except that the viewer is gone (`OSError`).
+    The sender is always cancelled, even while it waits for a client that does not read. Raises what it raised, except
+    that the client is gone (`OSError`).
     """
     sender = asyncio.ensure_future(sending)
     tasks = (sender, asyncio.ensure_future(_gone(receive)), asyncio.ensure_future(ended.wait()))

@@ -13,20 +13,20 @@ from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
 
-#: Whose streams the hub counts ours among; no account has such an id.
+#: The account id of our own listener; no account has it.
 LISTENER = "(webhooks)"
 AGAIN_S = 1.0
 
 
 def receivers(settings: BoardSettings) -> Sequence[Receiver]:
-    """Whoever `[board.hooks]` names. Raises `ConfigError` for secrets that are not there."""
+    """The receivers in `[board.hooks]`. Raises `ConfigError` for missing secrets."""
     return [Receiver(name, hook.url, read_secret(hook.secret_env)) for name, hook in settings.hooks.items()]
 
 
 async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> None:
-    """Tell each of them, signed and again until it is taken, until the hub is closed.
+    """Send every event to each receiver, signed and with retries, until the hub is closed.
 
-    `taken_over`: another process did before, and may have ended in the middle of it.
+    `taken_over`: another process did this before, and may have ended before it sent all.
     """
     if not to:
         return
@@ -45,7 +45,7 @@ async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> Non
 
 
 async def _tell(hub: Hub, outbox: Outbox) -> None:
-    """Until the hub cuts us off: then there may be more than what we heard of."""
+    """Until the hub closes the listener; then events may have been missed, so receivers are told to look."""
     listener = hub.listen(account_id=LISTENER, boards=None)
     try:
         while not listener.closed:

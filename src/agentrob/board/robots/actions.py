@@ -1,4 +1,4 @@
-"""The buttons of a robot's page: stop, emergency stop, release, set home, reset; and notifying the agent of viewers."""
+"""The buttons of robots: stop, emergency stop, release, set home, reset; and notifying the agent of viewers."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from agentrob.errors import BoardError
 from agentrob.language.messages.durations import duration
 from agentrob.model import Account, AccountKind, EventKind, Role
 
-#: A stop is told before it is written when writing takes longer (locked database, full disk): law 15.
+#: If writing takes longer (locked database, full disk), a stop is announced before it is written (law 15).
 TELL_S = 0.05
-#: Who pressed is answered then, written or not.
+#: The request for a stop returns after this many seconds, written or not.
 WRITE_S = 0.25
 
 log = structlog.get_logger(__name__)
@@ -35,7 +35,7 @@ def known_robot(services: Services, name: str) -> Account:
 
 
 async def stop(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
-    """Stop a robot. Every signed-in account may; there is no limit, and no disk stands in its way."""
+    """Stop a robot. Every signed-in account may, without a limit, even if the disk cannot be written."""
     name = known_robot(services, robot).name
     return await _record_or_announce(services, EventKind.ROBOT_STOP, name, by, key)
 
@@ -47,19 +47,20 @@ async def emergency_stop(services: Services, robot: str, by: Account, key: str |
 
 
 async def release(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
-    """Ask a robot's agent to release it. 403 for all but its owner and admins; the agent asks for the right again."""
+    """Ask a robot's agent to release it. 403 unless the caller is its owner or an admin; the agent checks the right
+    again."""
     name = check_owner(services, robot, by)
     return await services.store.record(EventKind.ROBOT_RELEASE, name, by, key=key)
 
 
 async def home(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
-    """Ask a robot's agent to make its home where it stands. As `release`."""
+    """Ask a robot's agent to set its home where it stands. As `release`."""
     name = check_owner(services, robot, by)
     return await services.store.record(EventKind.ROBOT_HOME, name, by, key=key)
 
 
 def check_owner(services: Services, robot: str, by: Account | None) -> str:
-    """The robot's name. 403 for those who may not release it, 404."""
+    """The robot's name. 403 if the account may not release it, 404."""
     name = known_robot(services, robot).name
     if not may_release(services, name, by):
         what = "only the robot's owner and admins may release it or set its home"
@@ -68,12 +69,13 @@ def check_owner(services: Services, robot: str, by: Account | None) -> str:
 
 
 def may_release(services: Services, robot: str, by: Account | None) -> bool:
-    """Whether somebody may release this robot and set its home."""
+    """Whether an account may release this robot and set its home."""
     return rights.releases(rights.settings_of(services.store.reader, robot), by, _told_owner(services, robot))
 
 
 def owner_of(services: Services, robot: str) -> str:
-    """Whose it is: as this forum keeps it, else as its agent's configuration says, when there is such an account."""
+    """The owner that this forum stores, else the one that its agent's configuration names, if there is such an
+    account."""
     if owner := rights.settings_of(services.store.reader, robot).owner:
         return owner
     told = _told_owner(services, robot)
@@ -86,7 +88,7 @@ def _told_owner(services: Services, robot: str) -> str:
 
 
 async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
-    """Put a simulated room back. 403 for those who may not command."""
+    """Reset a simulated room. 403 unless the account may command the robot."""
     name = known_robot(services, robot).name
     kept = rights.settings_of(services.store.reader, name)
     if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
@@ -98,7 +100,7 @@ async def reset(services: Services, robot: str, by: Account, key: str | None = N
 
 
 def check_camera(services: Services, robot: str, viewer: Account | None) -> None:
-    """403 for those who may not see what this robot's camera saw."""
+    """403 unless the viewer may see pictures of this robot's camera."""
     kept = rights.settings_of(services.store.reader, robot)
     if not rights.sees_camera(kept, viewer, robot):
         what = f"pictures of this robot's camera need the role {kept.camera_role}"
@@ -106,10 +108,10 @@ def check_camera(services: Services, robot: str, viewer: Account | None) -> None
 
 
 def watch(services: Services, robot: str) -> None:
-    """Tell the robot's agent that somebody looks now, at most once in `WATCH_EVERY_S`.
+    """Tell the robot's agent that its camera has viewers, at most once in `WATCH_EVERY_S`.
 
-    It is told and never written: whoever only reads, signed in or not, leaves nothing in the database. An agent that
-    did not listen just then is told when it next publishes its card.
+    The event is not stored: reading leaves nothing in the database. An agent that misses it is told again when it next
+    publishes its card.
     """
     now = services.presence.robot(robot)
     wait_s = now.called_s + presence.WATCH_EVERY_S - time.monotonic()

@@ -27,7 +27,8 @@ _WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
 
 @dataclass(frozen=True, slots=True)
 class PendingApproval:
-    """One robot that waits with the command of a post, as its `answer` says. `may`: whoever looks may approve it."""
+    """A robot that waits for approval of the command in a post; `answer` is its reply. `may`: the viewer may
+    approve."""
 
     robot: str
     post: StoredPost
@@ -38,7 +39,7 @@ class PendingApproval:
 def waiting(
     services: Services, post: StoredPost, robots: Iterable[Account], viewer: Account | None
 ) -> tuple[PendingApproval, ...]:
-    """Which of these robots wait with this post's command."""
+    """Which of these robots wait for approval of the command in this post."""
     store = services.store
     found = [(robot.name, _asks(store, robot, post)) for robot in robots if not post.removed]
     return tuple(
@@ -49,8 +50,8 @@ def waiting(
 
 
 def in_thread(services: Services, posts: Iterable[StoredPost], viewer: Account | None) -> dict[str, PendingApproval]:
-    """Which of these posts are of robots that wait with a command which whoever looks may approve, by their ids."""
-    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == CommandState.WAITING]
+    """The approvals that these posts of robots ask for and the viewer may give, by the ids of the posts."""
+    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
     if viewer is None or not asking:
         return {}
     commands = {p.id: p for p in services.store.reader.posts_by_id([int(str(p.reply_to)) for p in asking])}
@@ -64,7 +65,7 @@ def in_thread(services: Services, posts: Iterable[StoredPost], viewer: Account |
 
 
 def of_post(services: Services, post: StoredPost, viewer: Account | None) -> tuple[PendingApproval, ...]:
-    """Which robots wait with this post's command; they are among those whose line it is in."""
+    """Which robots wait for approval of the command in this post."""
     presence = services.presence
     robots = [
         a for a in services.store.robots() if a.name in post.mentions or post.id in _line(presence.robot(a.name).card)
@@ -73,26 +74,28 @@ def of_post(services: Services, post: StoredPost, viewer: Account | None) -> tup
 
 
 async def say(services: Services, by: Account, post_id: str, robot: str, approve: bool, key: str | None) -> Written:
-    """Approve or deny: a reply to the command by who pressed. 403 for those who may not, 409 when nothing waits."""
+    """Approve or deny a command by a reply of the account. 403 if it may not, 409 if nothing waits."""
     post, account = services.store.post(post_id), known_robot(services, robot)
     if not _may(services.store, account.name, by, post):
         raise BoardError(403, "not_approver", "this account may not approve this command", "ask the robot's owner")
     if post.removed or _asks(services.store, account, post) is None:
-        raise BoardError(409, "nothing_waits", f"{account.name} does not wait with this command", "look at its thread")
+        raise BoardError(
+            409, "nothing_waits", f"{account.name} does not wait for approval of this command", "see its thread"
+        )
     words = _WORDS.get(language_of(visible_text(post.raw)), _WORDS["en"])
     text = f"@{account.name} {words[0 if approve else 1]}"
     return await services.store.reply(by, post.topic_id, text, key=key, reply_to=post.id)
 
 
 def _asks(store: Store, robot: Account, post: StoredPost) -> StoredPost | None:
-    """The robot's status post of this command, written under the key of its claim, when it says that it waits."""
+    """The robot's status post of this command, which has the key of its claim, if it waits for approval."""
     status = store.find(robot, f"claim:{post.id}")
     waits = status is not None and not status.removed and (status.card or {}).get("state") == CommandState.WAITING
     return status if waits else None
 
 
 def _decided(store: Store, robot: str, post: StoredPost, asks: StoredPost) -> bool:
-    """Whether somebody who may has pressed a button already: its agent has only not heard it yet."""
+    """Whether an approver has decided already, and the agent has not received it yet."""
     p = db.posts.c
     said = [f"@{robot} {word}" for words in _WORDS.values() for word in words]
     later = select(p.id).where(p.topic_id == int(post.topic_id), p.id > int(asks.id), p.reply_to == int(post.id))

@@ -23,7 +23,7 @@ _UNITS = {
     "speed_mps": "{:z.2f} m/s",
     "seconds": "{:z.1f} s",
 }
-#: Not worth saying where it rounds to nothing.
+#: Hidden if they round to zero.
 _ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
 _PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
@@ -89,7 +89,7 @@ class CommandView:
 
 
 def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
-    """The view of one record; fields of the wrong type are left out rather than believed."""
+    """The view of one record; fields of the wrong type are left out."""
     record = told.record
     verdict = _map(record.get("verdict"))
     looked = _map(record.get("looked"))
@@ -115,8 +115,7 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
 
 
 def _message(record: Mapping[str, Any]) -> str:
-    """The robot's words beside its status, without their Markdown; of a stopped command they are who stopped it, which
-    is among the facts."""
+    """The robot's message, without Markdown; empty for a stopped command, whose facts say who stopped it."""
     return "" if record.get("status") == CommandState.STOPPED else _text(record.get("message"), 600).replace("**", "")
 
 
@@ -127,7 +126,7 @@ def _timeline(
     moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
     if reply is not None:
         told_at = reply.edited_at or reply.created_at
-        moments.append(((told_at - post.created_at).total_seconds() * 1000, "told in the thread"))
+        moments.append(((told_at - post.created_at).total_seconds() * 1000, "reported in the thread"))
     if (said_at := from_text(approval.get("at"))) is not None:
         said = "approved" if approval.get("approved") is True else "denied"
         moments.append(((said_at - post.created_at).total_seconds() * 1000, said))
@@ -152,13 +151,13 @@ def _step(step: Mapping[str, Any]) -> StepView:
 
 
 def _unmeasured(why: str) -> str:
-    """What stands in place of an amount; `why` is a stable word (`odometry_lost`), empty where nothing is measured."""
+    """Shown instead of an amount; `why` is a stable word (`odometry_lost`), empty if nothing is measured."""
     return f"unknown: {why.replace('_', ' ')}" if why else "–"
 
 
 def _asked(step: Mapping[str, Any]) -> StepView:
-    """A step of a plan that came to nothing."""
-    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not begun", "", "")
+    """A step of a plan that was not carried out."""
+    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not started", "", "")
 
 
 def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
@@ -237,7 +236,7 @@ def _call(turn: Mapping[str, Any]) -> CallView:
 
 
 def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
-    """The pictures of the reply with what they are; only as pictures when their number is another one."""
+    """The pictures of the reply with captions; generic ones if the record lists another number of pictures."""
     if reply is None:
         return ()
     named = len(kinds) == len(reply.images)
@@ -254,7 +253,7 @@ def _picture(kind: Mapping[str, Any], otherwise: str) -> str:
 
 
 def _link(kept: object) -> tuple[str, str, datetime | None] | None:
-    """A picture that is kept elsewhere; None when that is no address of the web."""
+    """A picture that is stored elsewhere; None if its address is not a web URL."""
     link = _map(kept)
     address = link.get("url")
     if not isinstance(address, str) or not re.fullmatch(r"https?://[^\s<>\"']{1,2000}", address):

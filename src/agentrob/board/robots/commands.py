@@ -23,7 +23,7 @@ RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
 
 @dataclass(frozen=True, slots=True)
 class CommandRecord:
-    """One robot's record of one command. `reply` is the robot's own post that tells it, with the pictures."""
+    """A robot's record of a command. `reply` is the robot's own post that reports it, with the pictures."""
 
     robot: str
     at: datetime
@@ -32,7 +32,7 @@ class CommandRecord:
 
 
 def save_record(t: Transaction, by: Account, post_id: str, reply_id: str | None, record: Mapping[str, Any]) -> None:
-    """Keep a robot's record; again replaces it. 404 when the posts are not there, 403 when the reply is not its own."""
+    """Store or replace a robot's record. 404 if the posts do not exist, 403 if the reply is not the robot's own."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.removed:
@@ -54,9 +54,9 @@ def save_record(t: Transaction, by: Account, post_id: str, reply_id: str | None,
 
 
 def records_of(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[CommandRecord, ...]]:
-    """The post of a command and what robots recorded of it, in the order of their names.
+    """The post of a command and the robots' records of it, by name of the robot.
 
-    Of a removed post nothing is told: a record may repeat its words. 404 when it is not there or not to be seen.
+    A removed post has no records, since they may repeat its words. 404 if it does not exist or may not be seen.
     """
     post = reader.post(str(row_id(post_id, "post")))
     if post.removed:
@@ -69,7 +69,7 @@ def records_of(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[CommandR
 
 
 def answered(reader: Reader, post_id: str) -> str | None:
-    """The id of the command that a post tells the end of, or claims: then it is a robot's and no command itself."""
+    """The id of the command that a post of a robot reports or claims; None for any other post."""
     post = reader.post(str(row_id(post_id, "post")))
     if post.author.kind is not AccountKind.ROBOT_AGENT:
         return None
@@ -87,7 +87,7 @@ def check_robot(by: Account, named: object, what: str) -> None:
 
 
 def check(value: dict[str, Any], what: str, most_bytes: int, depth: int) -> None:
-    """413 for JSON that is too large, 422 for what is none or cannot be shown."""
+    """413 for JSON that is too large, 422 for values that JSON does not have or a page cannot show."""
     try:
         size = len(json.dumps(value, allow_nan=False, ensure_ascii=False).encode())
         if not _plain(value, depth):

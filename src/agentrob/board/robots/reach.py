@@ -23,12 +23,12 @@ READ_US = 10_000
 
 
 def acting_on(board_id: str, known: Services) -> tuple[RobotView, ...]:
-    """The robots that act on a board, those that are connected first. One whose agent never came acts nowhere yet."""
+    """The robots that act on a board, connected ones first. A robot whose agent never connected acts nowhere."""
     return tuple(robot for robot in robots(known) if board_id in robot.boards)
 
 
 def hint(known: Services, board_id: str, raw: str) -> str:
-    """What keeps every robot from answering this post on this board; empty when one will, or none is meant."""
+    """Why no robot will answer this post on this board; empty if one will, or if none is addressed."""
     if parsing_us(raw, READ_US) > READ_US:
         return ""
     text, found = visible_text(raw), robots(known)
@@ -45,7 +45,7 @@ def hint(known: Services, board_id: str, raw: str) -> str:
 
 def _away(robot: RobotView, board_id: str) -> str:
     if not robot.live:
-        return f"@{robot.name} is not connected now, so it does not answer. It does nothing that it reads too late."
+        return f"@{robot.name} is not connected now, so it does not answer, and it never carries out an old post."
     where = " and ".join(robot.boards) or "no board"
     return f"@{robot.name} does not act on this board ({board_id}): it acts on {where}."
 
@@ -53,13 +53,13 @@ def _away(robot: RobotView, board_id: str) -> str:
 def _stranger(name: str, found: Sequence[RobotView]) -> str:
     alike = difflib.get_close_matches(name, [robot.name for robot in found], 1, ALIKE)
     if alike:
-        return f"Nobody here is called @{name}. Did you mean @{alike[0]}?"
+        return f"There is no account @{name}. Did you mean @{alike[0]}?"
     known = ", ".join(f"@{robot.name}" for robot in found)
-    return f"Nobody here is called @{name}. {'Robots here: ' + known if known else 'No robot is on this forum yet'}."
+    return f"There is no account @{name}. {'Robots here: ' + known if known else 'No robot is on this forum yet'}."
 
 
 def _nobody(text: str, found: Sequence[RobotView], board_id: str) -> str:
-    """A post that mentions nobody: talk, unless it reads as a command or names a robot."""
+    """The hint for a post without a mention: only if it reads as a command or names a robot."""
     here = [robot for robot in found if board_id in robot.boards]
     said = next((r for r in found if re.search(rf"(?<![\w@-]){re.escape(r.name)}(?![\w-])", text, re.I)), None)
     if said is None and not _commands(text):
@@ -67,7 +67,7 @@ def _nobody(text: str, found: Sequence[RobotView], board_id: str) -> str:
     if not here:
         return "No robot acts on this board."
     name = (said or here[0]).name
-    return f"No robot is addressed, so none answers. Mention one, as in: @{name} {text.strip()[:60]}"
+    return f"No robot is mentioned, so none answers. Mention one, for example: @{name} {text.strip()[:60]}"
 
 
 def _commands(text: str) -> bool:

@@ -33,7 +33,7 @@ _KNOWN = {
     "lock",
     "told",
 }
-#: What came of an owner's button is shown for so long after it was pressed.
+#: How long the result of an owner's button is shown.
 TOLD_FOR = timedelta(minutes=5)
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
@@ -54,7 +54,7 @@ _OPS = {
 
 @dataclass(frozen=True, slots=True)
 class LockView:
-    """Who locked it, why and when; what is not known is empty."""
+    """Who locked the robot, why and when; unknown fields are empty."""
 
     by: str = ""
     why: str = ""
@@ -63,7 +63,7 @@ class LockView:
 
 @dataclass(frozen=True, slots=True)
 class ToldView:
-    """What came of the last release or home: whose it was, whether it was done, and what the agent said of it."""
+    """The result of the last release or home: who asked, whether it was done, and the agent's message."""
 
     deed: str
     by: str
@@ -107,7 +107,7 @@ class RobotView:
 
 
 def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
-    """The view of one robot; fields of the wrong type are left out rather than believed."""
+    """The view of one robot; fields of the wrong type are left out."""
     limits = card.get("limits")
     ops = card.get("ops")
     facts = [("Model", _words(card.get("model"))), ("Simulated", "yes" if card.get("simulated") is True else "")]
@@ -135,7 +135,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
 
 
 def _lock(lock: object) -> LockView | None:
-    """Anything that is no mapping is no lock: a card of before says so by its state alone."""
+    """The lock in a card; cards of older agents have only the state."""
     if not isinstance(lock, Mapping):
         return None
     return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), from_text(lock.get("at")))
@@ -149,7 +149,7 @@ def _told(told: object) -> ToldView | None:
 
 
 def robots(services: Services) -> tuple[RobotView, ...]:
-    """All robots that have an account, those that are here now first."""
+    """All robots that have an account, connected ones first."""
     found = [_look(services, account) for account in services.store.robots() if not account.suspended]
     return tuple(sorted(found, key=lambda robot: (not robot.live, robot.name)))
 
@@ -161,14 +161,14 @@ def robot(services: Services, name: str) -> tuple[Account, RobotView]:
 
 
 def hidden_cameras(services: Services, viewer: Account | None, posts: Iterable[StoredPost]) -> frozenset[str]:
-    """Which of the robots that show pictures in these posts show them to others only."""
+    """Robots with pictures in these posts that the viewer may not see."""
     reader = services.store.reader
     shown = {p.author.name for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
     return frozenset(n for n in shown if not rights.sees_camera(rights.settings_of(reader, n), viewer, n))
 
 
 def owners(services: Services, posts: Iterable[StoredPost]) -> dict[str, str]:
-    """Whose the robots are that wrote some posts; those that are nobody's are left out."""
+    """The owners of the robots that wrote these posts, by robot; without robots that have none."""
     reader = services.store.reader
     robots = {p.author.name for p in posts if p.author.kind is AccountKind.ROBOT_AGENT}
     return {name: owner for name in robots if (owner := rights.settings_of(reader, name).owner)}
@@ -180,7 +180,7 @@ def _look(services: Services, account: Account) -> RobotView:
 
 
 def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
-    """Where the robot acts; agents of before 0.2 tell the first of its boards only."""
+    """The boards on which the robot acts; agents before 0.2 publish only the first one."""
     told = card.get("boards")
     boards = told if isinstance(told, (list, tuple)) else (card.get("board"),)
     return tuple(board for board in boards[:20] if isinstance(board, str) and board)
@@ -195,7 +195,7 @@ def op_in_words(op: str) -> str:
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:
-    """In words, those of the same thing on one line."""
+    """The limits in words; those with the same label are joined."""
     lines: dict[str, list[str]] = {}
     for name, value in list(limits.items())[:20]:
         label, shown = _limit(name, value)
@@ -222,7 +222,7 @@ def _percent(value: object) -> int | None:
 
 
 def _words(value: object) -> str:
-    """A value of a card as a short line; nothing for nothing."""
+    """A value of a card as a short line; empty for None."""
     if value is None or value == "":
         return ""
     if isinstance(value, bool):

@@ -177,7 +177,8 @@ def piece(template: str, data: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """That a button was pressed, shown on the page that follows. `action` is stop, estop, approve, deny, release, home or reset."""
+    """That a button was pressed, shown on the page that follows. `action` is stop, estop, approve, deny, release, home
+    or reset."""
 
     action: str
     robot: str
