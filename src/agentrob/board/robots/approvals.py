@@ -51,7 +51,7 @@ def waiting(
 
 def in_thread(services: Services, posts: Iterable[StoredPost], viewer: Account | None) -> dict[str, PendingApproval]:
     """The approvals that these posts of robots ask for and the viewer may give, by the ids of the posts."""
-    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == WAITING]
+    asking = [p for p in posts if p.reply_to and not p.removed and (p.card or {}).get("state") == CommandState.WAITING]
     if viewer is None or not asking:
         return {}
     commands = {p.id: p for p in services.store.reader.posts_by_id([int(str(p.reply_to)) for p in asking])}
