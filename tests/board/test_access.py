@@ -166,7 +166,7 @@ def test_signing_in_by_password(board: RunningBoard) -> None:
     ("name", "password"), [("bob", "wrong"), ("nobody", "x"), ("quadruped", ""), ("bob", "\ud800")]
 )
 def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, name: str, password: str) -> None:
-    if board.services.store.account("bob") is None:
+    if board.services.store.reader.account("bob") is None:
         board.add("bob", password="right password")
     with pytest.raises(BoardError) as caught:
         board.run(access.sign_in(board.services, name, password, "10.0.0.2"))
@@ -298,7 +298,7 @@ def test_sign_up_makes_members_only_and_can_be_off(
     board: RunningBoard, fresh_board: Callable[..., RunningBoard]
 ) -> None:
     assert board.run(access.sign_up(board.services, "Newcomer", "long enough", "10.0.0.3"))
-    newcomer = board.services.store.account("newcomer")
+    newcomer = board.services.store.reader.account("newcomer")
     assert newcomer is not None
     assert newcomer.role is Role.MEMBER
     closed = fresh_board(sign_up=False)

@@ -161,7 +161,7 @@ Administrator = Annotated[Account, Depends(administrator)]
 async def sign_in(services: Services, name: str, password: str, address: str) -> str:
     """Create a session. 401 with one message for a wrong name and a wrong password, 429 after too many attempts."""
     await _check_password(services, name, password, address)
-    account = services.store.account(name.strip())
+    account = services.store.reader.account(name.strip())
     if account is None or account.suspended:
         raise BoardError(403, "suspended", "this account is suspended", "ask an admin")
     return await services.store.do(lambda t: accounts.new_session(t.connection, int(account.id)))

@@ -184,7 +184,7 @@ def test_law_15_a_stop_is_written_before_all_that_waits(fresh_board: Callable[..
     topic = post_topic(board.client("op"))["topic"]["id"]
 
     async def say() -> None:
-        op = store.account("op")
+        op = store.reader.account("op")
         assert op is not None
         bodies = [*(f"words {n}" for n in range(10)), "stop"]
         waiting = [asyncio.create_task(store.reply(op, topic, body)) for body in bodies]

@@ -30,7 +30,7 @@ async def publish_command_record(services: AppServices, post_id: str, told: Comm
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents can record commands", "use a robot agent's token")
     commands.check_robot(by, told.record.get("robot", by.name), "record")
-    services.store.post(post_id)  # 404 also for a post that the agent may not see
+    services.store.reader.post(post_id)  # 404 also for a post that the agent may not see
     commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
     await services.store.do(lambda t: commands.save_record(t, by, post_id, told.reply_id, told.record))
     return _records(services, post_id)

@@ -99,7 +99,7 @@ async def list_notifications(
 @router.get("/accounts/{name}", response_model=AccountOut, responses=NOT_FOUND, tags=["accounts"])
 async def get_account(services: AppServices, name: str, who: ReadingViewer) -> Response:
     """An account by its handle."""
-    account = services.store.account(name) if accounts.NAME.fullmatch(name.lower()) else None
+    account = services.store.reader.account(name) if accounts.NAME.fullmatch(name.lower()) else None
     if account is None:
         raise not_found("account", name)
     return json_response(account_out(account))
@@ -109,7 +109,7 @@ async def get_account(services: AppServices, name: str, who: ReadingViewer) -> R
 @router.get("/boards", response_model=Items[BoardOut], tags=["boards"])
 async def list_boards(services: AppServices, who: ReadingViewer) -> Response:
     """The boards that the caller may read."""
-    return json_response(Items(items=tuple(map(board_out, services.store.boards()))))
+    return json_response(Items(items=tuple(map(board_out, services.store.reader.boards()))))
 
 
 @router.get("/boards/{board_id}/topics", response_model=Paged[TopicOut], responses=NOT_FOUND, tags=["topics"])
@@ -123,7 +123,7 @@ async def list_topics(
 ) -> Response:
     """Topics of a board, latest activity first."""
     if tag is None:
-        page = services.store.topics(board_id, cursor, limit)
+        page = services.store.reader.topics(board_id, cursor, limit)
     else:
         page = await services.store.beside(Reader.topics, board_id, cursor, limit, tags.plain(tag))
     models = serializer(services, who.account)
@@ -133,7 +133,7 @@ async def list_topics(
 @router.get("/topics/{topic_id}", response_model=TopicOut, responses=NOT_FOUND, tags=["topics"])
 async def get_topic(services: AppServices, topic_id: str, who: ReadingViewer) -> Response:
     """One topic."""
-    return json_response(serializer(services, who.account).topic(services.store.topic(topic_id)))
+    return json_response(serializer(services, who.account).topic(services.store.reader.topic(topic_id)))
 
 
 @router.post(
@@ -153,7 +153,7 @@ async def create_topic(services: AppServices, new: TopicIn, by: Member, key: Ide
 async def set_topic_tags(request: Request, services: AppServices, topic_id: str, new: TagsIn, by: Member) -> Response:
     """Replace the tags of the caller's own topic, or of any topic as a moderator."""
     store, checked, limit = services.store, tags.checked(new.tags), services.settings.limits.posts
-    if store.topic(topic_id).author.id != by.id:
+    if store.reader.topic(topic_id).author.id != by.id:
         await moderator(request)
     changed = await store.do(lambda t: tags.change(t, by, topic_id, checked, limit))
     return json_response(serializer(services, by).topic(changed))
@@ -179,7 +179,7 @@ async def list_unread(
 @router.put("/unread", response_model=UnreadPage, responses=NOT_FOUND, tags=["unread"])
 async def mark_all_read(services: AppServices, read: ReadIn, by: Stopper) -> Response:
     """Mark all posts up to one as read, on one board or on all. Returns the topics that are still unread."""
-    board_id = services.store.board(read.board_id).id if read.board_id is not None else None
+    board_id = services.store.reader.board(read.board_id).id if read.board_id is not None else None
     await services.marks.all_read(services.store, by, int(read.up_to), board_id)
     return _unread_page(services, by, board_id, None, 20)
 
@@ -187,7 +187,7 @@ async def mark_all_read(services: AppServices, read: ReadIn, by: Stopper) -> Res
 @router.put("/topics/{topic_id}/read", response_model=UnreadOut, responses=NOT_FOUND, tags=["unread"])
 async def mark_topic_read(services: AppServices, topic_id: str, read: TopicReadIn, by: Stopper) -> Response:
     """Mark all posts of a topic as read, or those up to one. Returns what is still unread in it."""
-    topic = services.store.topic(topic_id)
+    topic = services.store.reader.topic(topic_id)
     await services.marks.topic_read(services.store, by, topic, int(read.up_to or topic.last_post_id))
     news = services.marks.news(services.store.reader, by, [topic]).get(topic.id)
     return json_response(serializer(services, by).unread(topic, news))
@@ -212,7 +212,7 @@ async def list_posts(
     models = serializer(services, who.account)
 
     def make() -> tuple[bytes, int]:
-        page = services.store.posts(topic_id, cursor, limit)
+        page = services.store.reader.posts(topic_id, cursor, limit)
         body = Paged(items=tuple(map(models.post, page.items)), next=page.next).model_dump_json().encode()
         return body, len(body)
 
@@ -245,14 +245,14 @@ async def find_post_by_key(
     services: AppServices, who: ReadingViewer, key: Annotated[str, Query(pattern=KEY)]
 ) -> Response:
     """The caller's own post that was written with an idempotency key."""
-    found = services.store.find(who.account, key) if who.account else None
+    found = services.store.reader.find(who.account, key) if who.account else None
     return json_response(Items(items=(serializer(services, who.account).post(found),) if found else ()))
 
 
 @router.get("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND, tags=["posts"])
 async def get_post(services: AppServices, post_id: str, who: ReadingViewer) -> Response:
     """One post."""
-    return json_response(serializer(services, who.account).post(services.store.post(post_id)))
+    return json_response(serializer(services, who.account).post(services.store.reader.post(post_id)))
 
 
 @router.patch("/posts/{post_id}", response_model=PostOut, responses=documented(404, 409, 429), tags=["posts"])
@@ -271,7 +271,7 @@ async def edit_post(
 @router.delete("/posts/{post_id}", response_model=PostOut, responses=NOT_FOUND, tags=["posts"])
 async def delete_post(request: Request, services: AppServices, post_id: str, by: Member) -> Response:
     """Hide the caller's own post, or any post as a moderator."""
-    if services.store.post(post_id).author.id != by.id:
+    if services.store.reader.post(post_id).author.id != by.id:
         await moderator(request)
     return json_response(serializer(services, by).post(await services.store.remove(by, post_id)))
 
@@ -332,7 +332,7 @@ async def list_changes(
     store = services.store
     items = store.events(after, limit) if after is not None else ()
     models = serializer(services, who.account)
-    now = Now(id=store.newest_event_id(), at=time_out(datetime.now(UTC)))
+    now = Now(id=store.reader.newest_event_id(), at=time_out(datetime.now(UTC)))
     return json_response(Changes(items=tuple(map(models.event, items)), now=now))
 
 
@@ -354,6 +354,6 @@ async def stream_events(
     resume = last_event_id if last_event_id is not None else after
     read = services.store.reader
     start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())
-    topic = services.store.topic(topic_id).id if topic_id is not None else None
+    topic = services.store.reader.topic(topic_id).id if topic_id is not None else None
     listener = services.hub.listen(topic, who.account.id if who.account else None, visibility.readable_boards())
     return EventStream(services.hub, listener, who.account, start, heartbeat, still_allowed(services, who))

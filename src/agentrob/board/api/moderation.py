@@ -26,14 +26,14 @@ async def get_hidden_post(services: AppServices, post_id: str, by: Moderator) ->
 @router.post("/posts/{post_id}/hide", response_model=PostOut)
 async def hide_post(services: AppServices, post_id: str, why: ReasonIn, by: Moderator) -> Response:
     """Hide a post; a command in it that has not begun is cancelled."""
-    services.store.post(post_id)  # 404 for a board that the moderator may not read
+    services.store.reader.post(post_id)  # 404 for a board that the moderator may not read
     return json_response(serializer(services, by).post(await services.store.remove(by, post_id, why.reason)))
 
 
 @router.post("/posts/{post_id}/show", response_model=PostOut)
 async def show_post(services: AppServices, post_id: str, why: ReasonIn, by: Moderator) -> Response:
     """Show a hidden post again; it starts no motion."""
-    services.store.post(post_id)
+    services.store.reader.post(post_id)
     shown = await services.store.do(lambda t: moderation.show(t, by, post_id, why.reason))
     return json_response(serializer(services, by).post(shown))
 
@@ -41,7 +41,7 @@ async def show_post(services: AppServices, post_id: str, why: ReasonIn, by: Mode
 @router.post("/topics/{topic_id}/lock", response_model=TopicOut)
 async def lock_topic(services: AppServices, topic_id: str, how: LockIn, by: Moderator) -> Response:
     """Lock or unlock a topic; a stop is accepted in a locked one too."""
-    services.store.topic(topic_id)
+    services.store.reader.topic(topic_id)
     changed = await services.store.do(lambda t: moderation.lock(t, by, topic_id, how.locked, how.reason))
     return json_response(serializer(services, by).topic(changed))
 
@@ -49,7 +49,7 @@ async def lock_topic(services: AppServices, topic_id: str, how: LockIn, by: Mode
 @router.post("/topics/{topic_id}/move", response_model=TopicOut)
 async def move_topic(services: AppServices, topic_id: str, where: MoveIn, by: Moderator) -> Response:
     """Move a topic to another board that the moderator may read."""
-    services.store.topic(topic_id)
-    services.store.board(where.board_id)
+    services.store.reader.topic(topic_id)
+    services.store.reader.board(where.board_id)
     changed = await services.store.do(lambda t: moderation.move(t, by, topic_id, where.board_id, where.reason))
     return json_response(serializer(services, by).topic(changed))

@@ -46,7 +46,7 @@ _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "bina
 @router.get("/robots", response_model=Items[RobotOut], tags=["robots"])
 async def list_robots(services: AppServices, who: ReadingViewer) -> Response:
     """All robots that have an agent's account."""
-    return json_response(Items(items=tuple(_robot(services, account) for account in services.store.robots())))
+    return json_response(Items(items=tuple(_robot(services, account) for account in services.store.reader.robots())))
 
 
 @router.get("/robots/{name}", response_model=RobotOut, tags=["robots"])
@@ -61,7 +61,7 @@ async def get_robot_rights(
 ) -> Response:
     """The rights to command this robot on this board now. Its agent asks again before every motion."""
     kept = rights.settings_of(services.store.reader, actions.known_robot(services, name).name)
-    return json_response(rights_out(kept, services.store.board(board_id), datetime.now(UTC)))
+    return json_response(rights_out(kept, services.store.reader.board(board_id), datetime.now(UTC)))
 
 
 @router.put("/robots/{name}", response_model=RobotOut, tags=["robots"])

@@ -22,7 +22,7 @@ from agentrob.board.content import writes
 from agentrob.board.content.renderer import Renderer
 from agentrob.board.db.database import open_engine, unavailable
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, Written, now_us
+from agentrob.board.db.records import Image, StoredEvent, StoredPost, Written, now_us
 from agentrob.board.db.writer import Job, T, Writer
 from agentrob.board.search import search
 from agentrob.board.settings import BoardSettings
@@ -78,62 +78,8 @@ class Store:
             engine.dispose()
 
     # ---------------------------------------------------------------- reads, synchronous
-    def boards(self) -> tuple[Board, ...]:
-        return self.reader.boards()
-
-    def board_names(self) -> dict[str, str]:
-        """The names of the boards that are seen, by id."""
-        return {board.id: board.name for board in self.boards()}
-
-    def board(self, board_id: str) -> Board:
-        return self.reader.board(board_id)
-
-    def topics(self, board_id: str, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        """Latest activity first."""
-        return self.reader.topics(board_id, cursor, limit)
-
-    def latest(self, cursor: str | None = None, limit: int = 20) -> Page[Topic]:
-        """Topics of all boards, latest activity first."""
-        return self.reader.topics(None, cursor, limit)
-
-    def topic(self, topic_id: str) -> Topic:
-        return self.reader.topic(topic_id)
-
-    def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[StoredPost]:
-        """Oldest first, removed ones among them (empty). 404 when there is no such topic."""
-        return self.reader.posts(topic_id, cursor, limit)
-
-    def posts_by(self, author: Account, limit: int = 20) -> tuple[StoredPost, ...]:
-        """Posts of an account, newest first, without removed ones."""
-        return self.reader.posts_by(author, limit)
-
-    def cursor_before(self, post_id: str, limit: int = 50) -> str | None:
-        """The cursor of the page of `posts(limit=limit)` that shows this post; None for the first page."""
-        return self.reader.cursor_before(post_id, limit)
-
-    def post(self, post_id: str) -> StoredPost:
-        return self.reader.post(post_id)
-
-    def versions(self, post_id: str) -> tuple[Version, ...]:
-        """Earlier versions, oldest first."""
-        return self.reader.versions(post_id)
-
-    def find(self, author: Account, key: str) -> StoredPost | None:
-        """The author's own post written under `key`."""
-        return self.reader.find(author, key)
-
-    def account(self, name: str) -> Account | None:
-        return self.reader.account(name)
-
-    def robots(self) -> tuple[Account, ...]:
-        """All accounts of robot agents."""
-        return self.reader.robots()
-
     def image(self, image_id: str) -> Image:
         return self.reader.image(image_id)[0]
-
-    def newest_event_id(self) -> str:
-        return self.reader.newest_event_id()
 
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[StoredEvent, ...]:
         """What happened after an event, oldest first. 404 when `after` is no event of this history."""

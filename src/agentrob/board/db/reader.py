@@ -180,6 +180,10 @@ class Reader:
         boards, seen = self.all_boards(), self.seen()
         return boards if seen is None else tuple(b for b in boards if b.id in seen)
 
+    def board_names(self) -> dict[str, str]:
+        """The names of the boards that are seen, by id."""
+        return {board.id: board.name for board in self.boards()}
+
     def board(self, board_id: str) -> Board:
         boards = self.boards()
         for board in boards:
@@ -187,7 +191,9 @@ class Reader:
                 return board
         raise not_found("board", board_id, "there are: " + (", ".join(b.id for b in boards) or "none"))
 
-    def topics(self, board_id: str | None, cursor: str | None, limit: int, tag: str | None = None) -> Page[Topic]:
+    def topics(
+        self, board_id: str | None, cursor: str | None = None, limit: int = 20, tag: str | None = None
+    ) -> Page[Topic]:
         """Latest activity first, of one board or of all, with a tag, without those whose posts are all removed."""
         t = db.topics.c
         statement = _TOPICS.where(t.posts > 0).order_by(t.last_post_id.desc()).limit(_limit(limit) + 1)
@@ -222,13 +228,14 @@ class Reader:
         return self.topic(post.topic_id).title if first and str(first[0]) == post.id else ""
 
     # ---------------------------------------------------------------- posts
-    def posts(self, topic_id: str, cursor: str | None, limit: int) -> Page[StoredPost]:
+    def posts(self, topic_id: str, cursor: str | None = None, limit: int = 50) -> Page[StoredPost]:
+        """Oldest first, including removed ones (empty). Raises 404."""
         topic = self.topic(topic_id)
         after = from_cursor(cursor) if cursor else 0
         rows = self.rows(_POSTS_OF_TOPIC, of=int(topic.id), after=after, most=_limit(limit) + 1)
         return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
-    def posts_by(self, author: Account, limit: int) -> tuple[StoredPost, ...]:
+    def posts_by(self, author: Account, limit: int = 20) -> tuple[StoredPost, ...]:
         """What an account wrote, newest first, without what was removed."""
         p = db.posts.c
         mine = and_(p.author_id == int(author.id), p.removed.is_(False))
@@ -254,7 +261,8 @@ class Reader:
         rows = self.rows(statement)
         return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
-    def cursor_before(self, post_id: str, limit: int) -> str | None:
+    def cursor_before(self, post_id: str, limit: int = 50) -> str | None:
+        """The cursor of the page of `posts(limit=limit)` that shows this post; None for the first page."""
         p = db.posts.c
         number = row_id(post_id, "post")
         topic_id = self.first(select(p.topic_id).where(p.id == number))
@@ -280,11 +288,13 @@ class Reader:
         return self._posts(rows if seen is None else [r for r in rows if r.board_id in seen])
 
     def find(self, author: Account, key: str) -> StoredPost | None:
+        """The author's own post written under `key`."""
         p = db.posts.c
         found = self._posts(self.rows(_POSTS.where(p.author_id == int(author.id), p.key == key)))
         return found[0] if found else None
 
     def versions(self, post_id: str) -> tuple[Version, ...]:
+        """Earlier versions, oldest first."""
         v = db.post_versions.c
         rows = self.rows(select(v.version, v.raw, v.until_us).where(v.post_id == int(self.post(post_id).id)))
         return tuple(Version(r.version, r.raw, from_us(r.until_us)) for r in sorted(rows, key=lambda r: r.version))
@@ -336,6 +346,7 @@ class Reader:
         return frozenset(row.name for row in self.rows(_NAMES, names=list(names)))
 
     def robots(self) -> tuple[Account, ...]:
+        """All accounts of robot agents."""
         return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))))
 
     def newest_post_id(self) -> int:

@@ -27,9 +27,9 @@ log = structlog.get_logger(__name__)
 
 def known_robot(services: Services, name: str) -> Account:
     """The account of a robot's agent. 404 names those that are there."""
-    account = services.store.account(name)
+    account = services.store.reader.account(name)
     if account is None or account.kind is not AccountKind.ROBOT_AGENT:
-        known = ", ".join(a.name for a in services.store.robots()) or "none"
+        known = ", ".join(a.name for a in services.store.reader.robots()) or "none"
         raise not_found("robot", name, f"there are: {known}")
     return account
 
@@ -79,7 +79,7 @@ def owner_of(services: Services, robot: str) -> str:
     if owner := rights.settings_of(services.store.reader, robot).owner:
         return owner
     told = _told_owner(services, robot)
-    return told if told and services.store.account(told) is not None else ""
+    return told if told and services.store.reader.account(told) is not None else ""
 
 
 def _told_owner(services: Services, robot: str) -> str:

@@ -68,14 +68,16 @@ def of_post(services: Services, post: StoredPost, viewer: Account | None) -> tup
     """Which robots wait for approval of the command in this post."""
     presence = services.presence
     robots = [
-        a for a in services.store.robots() if a.name in post.mentions or post.id in _line(presence.robot(a.name).card)
+        a
+        for a in services.store.reader.robots()
+        if a.name in post.mentions or post.id in _line(presence.robot(a.name).card)
     ]
     return waiting(services, post, robots, viewer)
 
 
 async def say(services: Services, by: Account, post_id: str, robot: str, approve: bool, key: str | None) -> Written:
     """Approve or deny a command by a reply of the account. 403 if it may not, 409 if nothing waits."""
-    post, account = services.store.post(post_id), known_robot(services, robot)
+    post, account = services.store.reader.post(post_id), known_robot(services, robot)
     if not _may(services.store, account.name, by, post):
         raise BoardError(403, "not_approver", "this account may not approve this command", "ask the robot's owner")
     if post.removed or _asks(services.store, account, post) is None:
@@ -89,7 +91,7 @@ async def say(services: Services, by: Account, post_id: str, robot: str, approve
 
 def _asks(store: Store, robot: Account, post: StoredPost) -> StoredPost | None:
     """The robot's status post of this command, which has the key of its claim, if it waits for approval."""
-    status = store.find(robot, f"claim:{post.id}")
+    status = store.reader.find(robot, f"claim:{post.id}")
     waits = status is not None and not status.removed and (status.card or {}).get("state") == CommandState.WAITING
     return status if waits else None
 

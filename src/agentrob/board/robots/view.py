@@ -150,7 +150,7 @@ def _told(told: object) -> ToldView | None:
 
 def robots(services: Services) -> tuple[RobotView, ...]:
     """All robots that have an account, connected ones first."""
-    found = [_look(services, account) for account in services.store.robots() if not account.suspended]
+    found = [_look(services, account) for account in services.store.reader.robots() if not account.suspended]
     return tuple(sorted(found, key=lambda robot: (not robot.live, robot.name)))
 
 

@@ -29,11 +29,13 @@ async def command(
     post, told = commands.records_of(services.store.reader, post_id)
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
-    data = {"post": post, "views": views, "topic": services.store.topic(post.topic_id), "hidden": hidden}
-    data["board"] = services.store.board(post.board_id)
+    data = {"post": post, "views": views, "topic": services.store.reader.topic(post.topic_id), "hidden": hidden}
+    data["board"] = services.store.reader.board(post.board_id)
     data |= {"waiting": approvals.of_post(services, post, viewer.account), "key": forms.nonce()}
     ended = {view.robot for view in views}
-    data["awaited"] = [r.name for r in services.store.robots() if r.name in post.mentions and r.name not in ended]
+    data["awaited"] = [
+        r.name for r in services.store.reader.robots() if r.name in post.mentions and r.name not in ended
+    ]
     template = "command_views.html" if part == "views" else "command.html"
     return show(request, viewer, template, data, here="home")
 

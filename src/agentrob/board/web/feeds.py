@@ -32,7 +32,7 @@ async def site(request: Request, services: AppServices, viewer: ReadingViewer) -
 @router.get("/b/{board_id}/feed.atom")
 async def board(request: Request, services: AppServices, viewer: ReadingViewer, board_id: str) -> Response:
     store = services.store
-    found = store.board(board_id)
+    found = store.reader.board(board_id)
     posts = store.reader.latest_posts(None, ENTRIES, found.id).items
     return _feed(request, found.name, f"/b/{found.id}", posts)
 
@@ -40,7 +40,7 @@ async def board(request: Request, services: AppServices, viewer: ReadingViewer, 
 @router.get("/t/{topic_id}/feed.atom")
 async def topic(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
     store = services.store
-    found = store.topic(topic_id)
+    found = store.reader.topic(topic_id)
     return _feed(request, found.title, found.path, store.reader.latest_posts(None, ENTRIES, topic_id=found.id).items)
 
 
@@ -54,13 +54,13 @@ async def tag(request: Request, services: AppServices, viewer: ReadingViewer, ta
 @router.get("/robots/{name}/feed.atom")
 async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
     account = actions.known_robot(services, name)
-    posts = services.store.posts_by(account, ENTRIES)
+    posts = services.store.reader.posts_by(account, ENTRIES)
     return _feed(request, f"@{account.name}", f"/robots/{account.name}", posts)
 
 
 def _feed(request: Request, title: str, path: str, posts: Sequence[StoredPost]) -> Response:
     services = get_services(request)
-    topics = {topic_id: services.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
+    topics = {topic_id: services.store.reader.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     updated = max((post.edited_at or post.created_at for post in posts), default=datetime.fromtimestamp(0, UTC))
     data = {"title": title, "path": path, "posts": posts, "topics": topics, "updated": updated}
     xml = render_feed(

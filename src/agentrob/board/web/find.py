@@ -56,7 +56,7 @@ async def search_page(
         query, problem, status = q[: search.MAX_QUERY], error_text(e), e.status
     found = [(topic, post, search.around(post.raw, query)) for topic, post in _with_topics(services, page.items)]
     data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
-    data |= {"by": by, "modes": services.store.search_modes, "boards": services.store.boards()}
+    data |= {"by": by, "modes": services.store.search_modes, "boards": services.store.reader.boards()}
     data |= {"board": board, "tag": tags.plain(tag)}
     return show(request, viewer, "search.html", data, status=status, here="search")
 
@@ -69,7 +69,7 @@ async def latest(request: Request, services: AppServices, viewer: ReadingViewer,
 
 
 def _with_topics(services: Services, posts: tuple[StoredPost, ...]) -> list[tuple[Topic, StoredPost]]:
-    topics = {topic_id: services.store.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
+    topics = {topic_id: services.store.reader.topic(topic_id) for topic_id in {post.topic_id for post in posts}}
     return [(topics[post.topic_id], post) for post in posts]
 
 
@@ -80,7 +80,7 @@ async def notifications_page(
 ) -> Response:
     account = access.account_of(viewer)
     page = notifications.latest(services.store.reader, account, after)
-    found = [(services.store.topic(n.post.topic_id), n) for n in page.items]
+    found = [(services.store.reader.topic(n.post.topic_id), n) for n in page.items]
     data: dict[str, Any] = {
         "found": found,
         "next": page.next,
@@ -112,7 +112,7 @@ async def unread(request: Request, services: AppServices, viewer: ReadingViewer,
     newest = store.reader.newest_post_id()
     page = services.marks.unread(store.reader, account, after, TOPICS)
     data: dict[str, Any] = {"topics": [topic for topic, _ in page.items], "next": page.next, "newest": newest}
-    data |= {"news": {topic.id: new for topic, new in page.items}, "names": services.store.board_names()}
+    data |= {"news": {topic.id: new for topic, new in page.items}, "names": services.store.reader.board_names()}
     return show(request, viewer, "unread.html", data, here="latest")
 
 

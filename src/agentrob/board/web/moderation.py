@@ -38,13 +38,15 @@ SentForm = Annotated[ModerationForm, Form()]
 async def moderate_topic(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
     access.has_role(access.account_of(viewer), Role.MODERATOR)
     store = services.store
-    return show(request, viewer, "moderate.html", {"topic": store.topic(topic_id), "boards": store.boards()})
+    return show(
+        request, viewer, "moderate.html", {"topic": store.reader.topic(topic_id), "boards": store.reader.boards()}
+    )
 
 
 @router.post("/t/{topic_id}/lock")
 async def lock_topic(services: AppServices, viewer: AnyViewer, topic_id: str, form: SentForm) -> Response:
     by, store = form.sender(viewer, Role.MODERATOR), services.store
-    store.topic(topic_id)
+    store.reader.topic(topic_id)
     await store.do(lambda t: moderation.lock(t, by, topic_id, form.locked, form.short_reason))
     return go(f"/t/{topic_id}")
 
@@ -52,8 +54,8 @@ async def lock_topic(services: AppServices, viewer: AnyViewer, topic_id: str, fo
 @router.post("/t/{topic_id}/move")
 async def move_topic(services: AppServices, viewer: AnyViewer, topic_id: str, form: SentForm) -> Response:
     by, store = form.sender(viewer, Role.MODERATOR), services.store
-    store.topic(topic_id)
-    board_id = store.board(form.board).id
+    store.reader.topic(topic_id)
+    board_id = store.reader.board(form.board).id
     await store.do(lambda t: moderation.move(t, by, topic_id, board_id, form.short_reason))
     return go(f"/t/{topic_id}")
 
@@ -68,7 +70,7 @@ async def moderate_post(request: Request, services: AppServices, viewer: Reading
 @router.post("/p/{post_id}/moderate")
 async def change_post(services: AppServices, viewer: AnyViewer, post_id: str, form: SentForm) -> Response:
     by, store = form.sender(viewer, Role.MODERATOR), services.store
-    store.post(post_id)
+    store.reader.post(post_id)
     if form.show:
         await store.do(lambda t: moderation.show(t, by, post_id, form.short_reason))
     else:

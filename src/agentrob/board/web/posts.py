@@ -43,7 +43,7 @@ class PreviewForm(PageForm):
 @router.get("/p/{post_id}")
 async def post(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     store = services.store
-    return go(path_of(store, store.post(post_id), request.query_params.get("done", "")))
+    return go(path_of(store, store.reader.post(post_id), request.query_params.get("done", "")))
 
 
 @router.get("/p/{post_id}/fragment")
@@ -51,9 +51,9 @@ async def fragment(
     request: Request, services: AppServices, viewer: ReadingViewer, post_id: str, seen: bool = False
 ) -> Response:
     """`seen`: the post is added to a page that is visible now."""
-    store, found = services.store, services.store.post(post_id)
+    store, found = services.store, services.store.reader.post(post_id)
     if seen:
-        services.marks.showed(store.reader, viewer.account, store.topic(found.topic_id), found.id)
+        services.marks.showed(store.reader, viewer.account, store.reader.topic(found.topic_id), found.id)
     data: dict[str, object] = {"post": found, "authors": named(store, [found.reply_to])}
     hidden = robot_view.hidden_cameras(services, viewer.account, [found])
     data |= {"hidden": hidden, "owners": robot_view.owners(services, [found])}
@@ -64,20 +64,20 @@ async def fragment(
 @router.get("/p/{post_id}/raw")
 async def raw(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     headers = {"X-Content-Type-Options": "nosniff", "Content-Security-Policy": "default-src 'none'; sandbox"}
-    return PlainTextResponse(services.store.post(post_id).raw, headers=headers)
+    return PlainTextResponse(services.store.reader.post(post_id).raw, headers=headers)
 
 
 @router.get("/p/{post_id}/history")
 async def history(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     store = services.store
-    found = store.post(post_id)
-    versions = () if found.removed else store.versions(post_id)
+    found = store.reader.post(post_id)
+    versions = () if found.removed else store.reader.versions(post_id)
     return show(request, viewer, "history.html", {"post": found, "versions": versions})
 
 
 @router.get("/p/{post_id}/edit")
 async def edit_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
-    found = services.store.post(post_id)
+    found = services.store.reader.post(post_id)
     if found.author.id != access.account_of(viewer).id or found.removed:
         raise BoardError(403, "not_yours", "only the author of a post may edit it, until it is removed")
     return _edit(request, viewer, found, Composed(draft=found.raw))
@@ -90,14 +90,14 @@ async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_
         author = form.sender(viewer)
         typed = replace(typed, pictures=await form.all_pictures(services, author))
         if form.do == "preview":
-            return _edit(request, viewer, services.store.post(post_id), await previewed(services, typed, author))
+            return _edit(request, viewer, services.store.reader.post(post_id), await previewed(services, typed, author))
         text, pictures = forms.body(typed.draft), [image.id for image in typed.pictures]
         key = form.idempotency_key(post_id, text)
         changed = await services.store.edit(author, post_id, text, key=key, images=pictures)
     except BoardError as e:
         if is_locked_out(viewer) or e.status == 404:
             return await error_page(request, e, draft=typed.draft)
-        return _edit(request, viewer, services.store.post(post_id), typed, e)
+        return _edit(request, viewer, services.store.reader.post(post_id), typed, e)
     return go(path_of(services.store, changed))
 
 
@@ -112,7 +112,7 @@ def _edit(
 @router.get("/p/{post_id}/remove")
 async def remove_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     access.account_of(viewer)
-    return show(request, viewer, "remove.html", {"post": services.store.post(post_id)})
+    return show(request, viewer, "remove.html", {"post": services.store.reader.post(post_id)})
 
 
 @router.post("/p/{post_id}/remove")
@@ -170,7 +170,7 @@ def named(store: Store, post_ids: Iterable[str | None]) -> dict[str, str]:
 
 def path_of(store: Store, post: StoredPost, done: str = "") -> str:
     """The path of a post: the page of its topic that shows it."""
-    cursor = store.cursor_before(post.id, POSTS)
+    cursor = store.reader.cursor_before(post.id, POSTS)
     query = "&".join(f"{k}={quote(v, safe='')}" for k, v in (("after", cursor), ("done", done)) if v)
     return f"/t/{post.topic_id}{'?' + query if query else ''}#post-{post.id}"
 

@@ -47,7 +47,7 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
     latest = _latest(services.store, account, once=True)
     kept = rights.settings_of(services.store.reader, account.name)
     seen = (
-        _last_picture(services.store.posts_by(account, _LOOK_BACK))
+        _last_picture(services.store.reader.posts_by(account, _LOOK_BACK))
         if rights.sees_camera(kept, viewer.account, account.name)
         else None
     )
@@ -139,7 +139,7 @@ async def reset(services: AppServices, viewer: AnyViewer, name: str, form: SentF
 @router.get("/u/{name}")
 async def person(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
     store = services.store
-    found = store.account(name)
+    found = store.reader.account(name)
     if found is None:
         raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
     if found.kind is AccountKind.ROBOT_AGENT:
@@ -153,11 +153,11 @@ async def person(request: Request, services: AppServices, viewer: ReadingViewer,
 # ------------------------------------------------------------------ pieces
 def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[Topic, StoredPost]]:
     """An account's latest posts, each with its topic; with `once` only the latest one of each topic."""
-    posts = store.posts_by(author, 5 * _LATEST if once else _LATEST)
+    posts = store.reader.posts_by(author, 5 * _LATEST if once else _LATEST)
     newest: dict[str, StoredPost] = {}
     for post in posts:
         newest.setdefault(post.topic_id if once else post.id, post)
-    return [(store.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
+    return [(store.reader.topic(post.topic_id), post) for post in list(newest.values())[:_LATEST]]
 
 
 def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:

@@ -54,9 +54,9 @@ class ShownPosts:
 # ------------------------------------------------------------------ boards and topics
 @router.get("/")
 async def home(request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None) -> Response:
-    boards = services.store.boards()
+    boards = services.store.reader.boards()
     data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(services)}
-    topics = services.store.latest(after)
+    topics = services.store.reader.topics(None, after)
     data |= {"topics": topics, "news": _news(services, viewer, topics.items), "feed": "/feed.atom"}
     return show(request, viewer, "home.html", data, here="home")
 
@@ -65,9 +65,13 @@ async def home(request: Request, services: AppServices, viewer: ReadingViewer, a
 async def board(
     request: Request, services: AppServices, viewer: ReadingViewer, board_id: str, after: str | None = None
 ) -> Response:
-    newest = services.store.newest_event_id()  # before the topics are read, so that nothing falls between
-    topics = services.store.topics(board_id, after)
-    data: Data = {"board": services.store.board(board_id), "topics": topics, "robots": robot_view.robots(services)}
+    newest = services.store.reader.newest_event_id()  # before the topics are read, so that nothing falls between
+    topics = services.store.reader.topics(board_id, after)
+    data: Data = {
+        "board": services.store.reader.board(board_id),
+        "topics": topics,
+        "robots": robot_view.robots(services),
+    }
     data |= {
         "after": newest,
         "feed": f"/b/{board_id}/feed.atom",
@@ -81,7 +85,7 @@ async def new_topic(
     request: Request, services: AppServices, viewer: ReadingViewer, board_id: str, to: str = ""
 ) -> Response:
     access.account_of(viewer)
-    account = services.store.account(to)
+    account = services.store.reader.account(to)
     return _new_topic(request, viewer, board_id, Composed(draft=f"@{account.name} " if account else ""))
 
 
@@ -118,7 +122,7 @@ async def topic(
     """`reply_to` and `quote` are posts that are to be answered: then the form says so and has what is quoted."""
     typed = Composed()
     if (answered := reply_to or quote) and viewer.account:
-        post = services.store.post(answered)
+        post = services.store.reader.post(answered)
         if post.topic_id == topic_id and not post.removed:
             typed = Composed(draft=forms.quoted(post.raw) if quote else "", reply_to=post.id)
     return _topic(request, viewer, topic_id, after, typed)
@@ -131,7 +135,7 @@ async def reply(request: Request, services: AppServices, viewer: AnyViewer, topi
         author = form.sender(viewer)
         typed = replace(typed, pictures=await form.all_pictures(services, author))
         if form.do == "preview":
-            board_id = store.topic(topic_id).board_id
+            board_id = store.reader.topic(topic_id).board_id
             return _topic(request, viewer, topic_id, None, await previewed(services, typed, author, board_id))
         text, pictures = forms.body(form.body), [image.id for image in typed.pictures]
         key = form.idempotency_key(topic_id, text)
@@ -163,7 +167,7 @@ async def tag_page(
     data: dict[str, Any] = {
         "tag": named,
         "topics": page,
-        "names": services.store.board_names(),
+        "names": services.store.reader.board_names(),
         "feed": f"/tags/{named}/feed.atom",
     }
     return show(request, viewer, "tag.html", data | {"news": _news(services, viewer, page.items)}, here="latest")
@@ -171,7 +175,7 @@ async def tag_page(
 
 @router.get("/t/{topic_id}/tags")
 async def tags_form(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
-    topic = services.store.topic(topic_id)
+    topic = services.store.reader.topic(topic_id)
     return _choose(request, viewer, topic, ", ".join(topic.tags))
 
 
@@ -180,7 +184,7 @@ async def choose_tags(
     request: Request, services: AppServices, viewer: AnyViewer, topic_id: str, form: Annotated[TagsForm, Form()]
 ) -> Response:
     by, store, most = form.sender(viewer), services.store, services.settings.limits.posts
-    topic = store.topic(topic_id)
+    topic = store.reader.topic(topic_id)
     try:
         found = forms.tags_of(form.tags)
         await store.do(lambda t: tags.change(t, by, topic_id, found, most))
@@ -203,7 +207,11 @@ def _new_topic(
     request: Request, viewer: Viewer, board_id: str, typed: Composed, error: BoardError | None = None
 ) -> Response:
     services = get_services(request)
-    data: Data = {"board": services.store.board(board_id), "robots": robot_view.robots(services), "key": forms.nonce()}
+    data: Data = {
+        "board": services.store.reader.board(board_id),
+        "robots": robot_view.robots(services),
+        "key": forms.nonce(),
+    }
     data["acting"] = reach.acting_on(board_id, services)
     data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
     return show(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
@@ -218,14 +226,14 @@ def _topic(
     error: BoardError | None = None,
 ) -> Response:
     services = get_services(request)
-    newest = services.store.newest_event_id()  # before the posts are read, so that nothing falls between
-    found = services.store.topic(topic_id)
+    newest = services.store.reader.newest_event_id()  # before the posts are read, so that nothing falls between
+    found = services.store.reader.topic(topic_id)
     shown = _shown_posts(services, viewer, topic_id, after, POSTS)
     data: Data = {
         "topic": found,
         "shown": shown,
         "first_page": not after,
-        "board": services.store.board(found.board_id),
+        "board": services.store.reader.board(found.board_id),
     }
     data |= {"after": newest, "robots": robot_view.robots(services), "key": forms.nonce()}
     data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
@@ -245,7 +253,7 @@ def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: ShownPos
     """Why no robot answers what this viewer has just posted at the end of the topic; empty otherwise."""
     if viewer.account is None or shown.next or not shown.last:
         return ""
-    newest = services.store.post(shown.last)
+    newest = services.store.reader.post(shown.last)
     just_now = datetime.now(UTC) - newest.created_at < JUST_NOW
     if newest.removed or newest.author.id != viewer.account.id or not just_now:
         return ""
@@ -264,7 +272,7 @@ def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str |
     """
 
     def make() -> tuple[ShownPosts, int]:
-        page: Page[StoredPost] = services.store.posts(topic_id, after, limit)
+        page: Page[StoredPost] = services.store.reader.posts(topic_id, after, limit)
         hidden = robot_view.hidden_cameras(services, viewer.account, page.items)
         authors = {post.id: post.author.name for post in page.items}
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
