@@ -223,7 +223,7 @@ def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(
     page = world.browser("bob").get(f"/c/{command}?part=views").text
     assert "<html" not in page
     assert "move forward, 90.00 m" in page
-    assert "not begun" in page
+    assert "not started" in page
     assert 'href="https://bucket.example/a?b=c"' in page
     assert 'until <time datetime="2026-11-22T00:00:00.000Z"' in page
     assert "javascript:" not in page

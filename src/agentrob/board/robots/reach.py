@@ -45,7 +45,7 @@ def hint(known: Services, board_id: str, raw: str) -> str:
 
 def _away(robot: RobotView, board_id: str) -> str:
     if not robot.live:
-        return f"@{robot.name} is not connected now, so it does not answer, and it never carries out an old post."
+        return f"@{robot.name} is not connected now, so it does not answer. It never carries out an old post."
     where = " and ".join(robot.boards) or "no board"
     return f"@{robot.name} does not act on this board ({board_id}): it acts on {where}."
 
