@@ -114,7 +114,7 @@ def test_a_backup_is_put_back_only_where_nothing_is_lost(
     backup.backup(board.settings, tmp_path / "file")
     with pytest.raises(BoardError, match="accounts already"):
         backup.restore(board.settings, tmp_path / "file")
-    with pytest.raises(BoardError, match="there already"):
+    with pytest.raises(BoardError, match="exists already"):
         backup.backup(board.settings, tmp_path / "file")
     assert board.client("op").get("/me").status_code == 200
 
