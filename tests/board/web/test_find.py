@@ -227,8 +227,8 @@ def test_people_are_told_of_mentions_answers_and_their_topics_once_each(world: W
     emil.post(f"/topics/{number}/posts", json={"body": "@dora you", "reply_to": first}).raise_for_status()
     emil.post(f"/topics/{number}/posts", json={"body": "`@dora` as code"}).raise_for_status()
     page = world.browser("dora").get("/notifications").text
-    assert page.count("names you") == 1
-    assert page.count("answers you") == 1
+    assert page.count("mentions you") == 1
+    assert page.count("replies to you") == 1
     assert page.count("is in your topic") == 2
     assert "4<span" in count(world, "dora")
     assert "new" not in count(world, "emil")
