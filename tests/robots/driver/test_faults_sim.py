@@ -25,8 +25,8 @@ pytestmark = pytest.mark.sim
 PHOTO, STAND, HELLO = Primitive(Op.GET_FRONT_IMAGE), Primitive(Op.STAND), Primitive(Op.HELLO)
 
 
-def world_on(domain: int) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain)]
+def world_on(domain: int, *options: str) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain), *options]
     return subprocess.Popen(command, stdout=subprocess.PIPE, env={**os.environ, "MUJOCO_GL": "off"})
 
 
@@ -214,6 +214,29 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
             assert (await do(robot, NEAR)).reason == "stale_state"
             world = await asyncio.to_thread(world_on, domain)
             await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            await is_well(robot)
+    finally:
+        driver.end()
+        if world is not None:
+            world.terminate()
+            world.communicate(timeout=100)
+
+
+@pytest.mark.slow
+async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: Place) -> None:
+    """As on a busy machine: by the host's clock the wave takes longer than a driver waits for a robot's answer."""
+    domain = place.domain - 90
+    driver, world = place.new_driver("slow", domain=domain, home_on_start=True, fence={}), None
+    try:
+        world = await asyncio.to_thread(world_on, domain, "--pace", "0.45")
+        await asyncio.to_thread(driver.warm)
+        await asyncio.to_thread(driver.ask, "")
+        async with DriverClient("slow", place.folder / "slow.sock") as robot:
+            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            began_s = time.monotonic()
+            waved = await do(robot, HELLO)
+            assert waved.ok, (waved.reason, waved.message)
+            assert time.monotonic() - began_s > 15.0, "the world was not slow"
             await is_well(robot)
     finally:
         driver.end()

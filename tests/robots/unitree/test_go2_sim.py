@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import os
 import signal
 import subprocess
 import sys
@@ -30,22 +31,23 @@ SETTINGS = RobotConfig(model="go2", domain=DOMAIN, simulated=True, home_on_start
 pytestmark = pytest.mark.sim
 
 
-def start(*command: str) -> subprocess.Popen[str]:
-    """A process that says in one line of JSON that it is ready."""
-    process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True)
+def start(*command: str, camera: str = "") -> subprocess.Popen[str]:
+    """A process that says in one line of JSON that it is ready. `camera` off loads nothing of GL."""
+    env = {**os.environ, **({"MUJOCO_GL": camera} if camera else {})}
+    process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True, env=env)
     assert process.stdout is not None
     assert json.loads(process.stdout.readline())["ready"]
     return process
 
 
-def start_world(domain: int) -> subprocess.Popen[str]:
-    return start("-m", "agentrob.sim.server", "--domain", str(domain))
+def start_world(domain: int, *options: str, camera: str = "") -> subprocess.Popen[str]:
+    return start("-m", "agentrob.sim.server", "--domain", str(domain), *options, camera=camera)
 
 
 @pytest.fixture(scope="module")
 def world() -> Iterator[subprocess.Popen[str]]:
     """The simulated world as a process of its own."""
-    process = start_world(DOMAIN)
+    process = start_world(DOMAIN, "--pace", "4")  # nothing here depends on how long it takes
     yield process
     process.send_signal(signal.SIGTERM)
     process.wait(60)
@@ -129,7 +131,7 @@ run_driver("quadruped", settings, folder / "quadruped.sock", folder)
 async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_walked_again(tmp_path: Path) -> None:
     domain = DOMAIN + 10
     far, near = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (3.0, 0.3))
-    processes = [await asyncio.to_thread(start_world, domain)]
+    processes = [await asyncio.to_thread(start_world, domain, camera="off")]
     try:
         processes.append(await asyncio.to_thread(start, "-c", DRIVER, str(tmp_path), str(domain)))
         async with DriverClient("quadruped", tmp_path / "quadruped.sock") as robot:
@@ -144,7 +146,7 @@ async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_
                 assert not stopped.confirmed
                 assert "old" in stopped.message
                 assert time.monotonic() - killed_s < 10
-            processes.append(await asyncio.to_thread(start_world, domain))
+            processes.append(await asyncio.to_thread(start_world, domain, camera="off"))
             await until(robot, lambda state: state.age_s < 0.2 and state.homed)
             async with robot.lease("walker") as lease:
                 result = await robot.step(lease, near, 30)
