@@ -8,7 +8,7 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for robots half of the time: three at a time keep two cores busy. A simulated world has to keep pace.
+# Tests wait for robots half of the time: three at a time keep two cores busy.
 MANY := -n 3
 # Rooms whose tests start no board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
@@ -29,7 +29,7 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
