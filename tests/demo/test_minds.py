@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.load import load
+from agentrob.config.load import Config, load
+from agentrob.demo.run import Demo, DemoSettings
+from agentrob.errors import ConfigError
+from agentrob.process.dds_domain import PrivateDomain
 from tests.demo.running import AGENTROB
 
-pytestmark = pytest.mark.sim
 MIND = """
 [minds.clever]
 provider = "compatible"
@@ -27,6 +29,50 @@ def demo(data: Path, folder: Path, *args: str) -> subprocess.CompletedProcess[st
     return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False, cwd=folder, env=env)
 
 
+def written(data: Path, mind: str | None = None) -> Config:
+    """The configuration that a start of the demo writes, without the start."""
+    with Demo(DemoSettings(data, mind=mind)) as demo:
+        data.mkdir(exist_ok=True)
+        demo._domains = {name: PrivateDomain() for name in demo.robots}
+        return load(demo._write_config(8088, room_url=""))
+
+
+def minds_of(config: Config) -> set[str]:
+    return {robot.mind for robot in config.robots.values()}
+
+
+def test_the_mind_of_the_last_start_is_that_of_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data, with_minds, without = tmp_path / "demo", tmp_path / "a", tmp_path / "b"
+    with_minds.mkdir()
+    without.mkdir()
+    (with_minds / "agentrob.toml").write_text(MIND)
+    monkeypatch.chdir(with_minds)
+    with pytest.raises(ConfigError, match="unknown mind 'cleverer'; valid: rules, clever"):
+        written(data, "cleverer")
+    assert minds_of(written(data, "clever")) == {"clever"}
+    monkeypatch.chdir(without)
+    kept = written(data)
+    assert minds_of(kept) == {"clever"}
+    assert kept.minds["clever"].base_url == "http://127.0.0.1:9/v1"
+    (data / "agentrob.toml").write_text("broken [")
+    assert minds_of(written(data)) == {"rules"}
+    assert "is not valid TOML" in capsys.readouterr().err
+    assert (data / "agentrob.toml.broken").read_text() == "broken ["
+
+
+def test_an_unknown_mind_is_said_before_anything_starts(tmp_path: Path) -> None:
+    unknown = demo(tmp_path / "demo", tmp_path / "a", "--mind", "cleverer")
+    assert unknown.returncode == 1
+    assert unknown.stderr.splitlines()[-1].endswith(
+        f"unknown mind 'cleverer'; valid: rules; add [minds.NAME] to ./agentrob.toml or {tmp_path}/demo/agentrob.toml"
+    )
+    assert not list((tmp_path / "demo").glob("log/*"))
+
+
+@pytest.mark.sim
+@pytest.mark.slow
 def test_a_mind_that_is_chosen_once_is_kept_by_the_next_starts(tmp_path: Path) -> None:
     data, with_minds, without = tmp_path / "demo", tmp_path / "a", tmp_path / "b"
     with_minds.mkdir()

@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -17,8 +18,10 @@ from urllib.parse import urlsplit
 import httpx2
 import pytest
 
+from agentrob.demo.visitor import LIMIT_S
 from agentrob.process import host_lock
-from tests.demo.running import AGENTROB, RUNNING, RunningDemo, end_left, start_demo
+from tests import in_process
+from tests.demo.running import AGENTROB, RUNNING, START_S, RunningDemo, end_left, start_demo
 
 pytestmark = pytest.mark.sim
 
@@ -66,25 +69,77 @@ def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
     return ways
 
 
-def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(tmp_path: Path) -> None:
-    demo = start_demo(tmp_path / "data")
-    children = descendants(demo.process.pid)
-    assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
-    locks = locks_of({demo.process.pid, *children})
-    kinds = sorted(name.split("/")[0] for name in locks.values())
-    assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]
-    port = urlsplit(demo.url).port
-    began = time.monotonic()
-    os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
-    assert demo.process.wait(60) == 0
-    assert time.monotonic() - began < 3.0
-    assert not [c for c in children if Path(f"/proc/{c}").exists()]
-    assert not locks.keys() & abstract_sockets().keys()
-    with socket.socket() as s:
-        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        s.bind(("127.0.0.1", port))
-    assert (tmp_path / "data/agentrob.toml").exists(), "the data folder is kept"
-    assert str(tmp_path / "data") in "".join(demo.said), "and named"
+#: The data folder of a demo, and what `agentrob demo --post` said there.
+Posted = tuple[Path, subprocess.CompletedProcess[str]]
+SENTENCE = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
+
+
+@pytest.fixture(scope="module")
+def posted(tmp_path_factory: pytest.TempPathFactory) -> Posted:
+    data = tmp_path_factory.mktemp("demos") / "demo"  # found by the commands of a user whose data is there
+    command = [AGENTROB, "demo", "--post", SENTENCE, "--json", "--data", str(data)]
+    return data, subprocess.run(command, capture_output=True, text=True, timeout=START_S + LIMIT_S, check=False)
+
+
+@pytest.fixture(scope="module")
+def demo(posted: Posted) -> Iterator[RunningDemo]:
+    """The next demo with that data folder, in which somebody has changed accounts and robots."""
+    data, before = posted[0], len(RUNNING)
+    for change in (
+        ("board", "account", "add", "olga", "--role", "operator"),
+        ("board", "account", "change", "visitor", "--role", "member", "--suspend"),
+        ("board", "account", "change", "humanoid", "--suspend"),
+        ("board", "robot", "change", "quadruped", "--owner", "olga"),
+    ):
+        changed = board(data, *change)
+        assert changed.returncode == 0, changed.stderr
+    yield start_demo(data)
+    end_left(before)
+
+
+def board(data: Path, *words: str) -> in_process.Said:
+    return in_process.agentrob(data.parent, *words, "--config", str(data / "agentrob.toml"))
+
+
+def test_one_post_is_done_and_told_as_json(posted: Posted) -> None:
+    data, done = posted
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert told["status"] == "done"
+    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello", "get_front_image"]
+    assert all(s["outcome"] == "done" for s in told["steps"])
+    move, turn = told["steps"][:2]
+    assert move["asked"]["distance_m"] == 1.0
+    assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
+    assert turn["asked"]["degrees"] == 90
+    assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
+    ways = true_ways(data, "go2")
+    assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
+    assert ways[1][1] == pytest.approx(90, abs=4)
+    assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
+    assert 0 < told["timings_ms"]["seen"] < told["timings_ms"]["first_motion"] < told["timings_ms"]["done"]
+    assert told["topic_url"].startswith("http://127.0.0.1:")
+    assert "1.0" in told["reply_markdown"] or "1 m" in told["reply_markdown"]
+    assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
+
+
+def test_the_visitor_owns_the_demo(posted: Posted) -> None:
+    data = posted[0]
+    assert "visitor\thuman\tadmin\n" in board(data, "board", "account", "list").stdout
+    for robot in ("quadruped", "humanoid"):
+        assert "owner: visitor\n" in board(data, "board", "robot", "show", robot).stdout
+
+
+def test_a_restart_works_whatever_was_changed(demo: RunningDemo) -> None:
+    accounts = board(demo.data, "board", "account", "list").stdout
+    assert "visitor\thuman\tadmin\n" in accounts
+    assert "suspended" not in accounts
+    owned = board(demo.data, "board", "robot", "show", "quadruped").stdout
+    assert "owner: olga\n" in owned, "an owner whom somebody chose stays"
+    with httpx2.Client(timeout=60) as browser:
+        page = browser.get(demo.link)
+        assert browser.post(demo.link, data={"csrf": form_token(page.text)}).status_code == 303
+        assert browser.get(demo.url + "/admin/accounts").status_code == 200
 
 
 def test_a_second_demo_with_the_same_data_is_refused_in_one_line(demo: RunningDemo) -> None:
@@ -129,33 +184,6 @@ def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
         assert "visitor" in browser.get(demo.url).text
         stolen = thief.post(link, data={"csrf": form_token(thief.get(demo.url + "/sign-in").text)})
         assert stolen.status_code == 404
-
-
-def test_the_visitor_owns_the_demo_and_a_restart_works_whatever_was_changed(tmp_path: Path) -> None:
-    config = str(tmp_path / "data/agentrob.toml")
-    demo = start_demo(tmp_path / "data")
-    assert "visitor\thuman\tadmin\n" in demo.agentrob("board", "account", "list", "--config", config).stdout
-    for robot in ("quadruped", "humanoid"):
-        assert "owner: visitor\n" in demo.agentrob("board", "robot", "show", robot, "--config", config).stdout
-    for change in (
-        ("board", "account", "add", "olga", "--role", "operator"),
-        ("board", "account", "change", "visitor", "--role", "member", "--suspend"),
-        ("board", "account", "change", "humanoid", "--suspend"),
-        ("board", "robot", "change", "quadruped", "--owner", "olga"),
-    ):
-        changed = demo.agentrob(*change, "--config", config)
-        assert changed.returncode == 0, changed.stderr
-    end_left(RUNNING.index(demo))
-    again = start_demo(tmp_path / "data")
-    accounts = again.agentrob("board", "account", "list", "--config", config).stdout
-    assert "visitor\thuman\tadmin\n" in accounts
-    assert "suspended" not in accounts
-    owned = again.agentrob("board", "robot", "show", "quadruped", "--config", config).stdout
-    assert "owner: olga\n" in owned, "an owner whom somebody chose stays"
-    with httpx2.Client(timeout=60) as browser:
-        page = browser.get(again.link)
-        assert browser.post(again.link, data={"csrf": form_token(page.text)}).status_code == 303
-        assert browser.get(again.url + "/admin/accounts").status_code == 200
 
 
 def test_the_doctor_knows_the_robots_of_the_demo_that_runs_beside_it(demo: RunningDemo) -> None:
@@ -204,35 +232,6 @@ def test_without_a_demo_the_link_command_says_how_to_start_one(tmp_path: Path) -
     )
     assert done.returncode == 1
     assert "start one with: agentrob demo" in done.stderr
-
-
-def test_one_post_is_done_and_told_as_json(tmp_path: Path) -> None:
-    sentence = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
-    done = subprocess.run(
-        [AGENTROB, "demo", "--post", sentence, "--json", "--data", str(tmp_path / "data")],
-        capture_output=True,
-        text=True,
-        timeout=110,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    told = json.loads(done.stdout.splitlines()[-1])
-    assert told["status"] == "done"
-    assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello", "get_front_image"]
-    assert all(s["outcome"] == "done" for s in told["steps"])
-    move, turn = told["steps"][:2]
-    assert move["asked"]["distance_m"] == 1.0
-    assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
-    assert turn["asked"]["degrees"] == 90
-    assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
-    ways = true_ways(tmp_path / "data", "go2")
-    assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
-    assert ways[1][1] == pytest.approx(90, abs=4)
-    assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
-    assert 0 < told["timings_ms"]["seen"] < told["timings_ms"]["first_motion"] < told["timings_ms"]["done"]
-    assert told["topic_url"].startswith("http://127.0.0.1:")
-    assert "1.0" in told["reply_markdown"] or "1 m" in told["reply_markdown"]
-    assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
 
 
 def post_once(data: Path, sentence: str) -> dict[str, Any]:
@@ -290,3 +289,24 @@ def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     assert json.loads(done.stdout.splitlines()[-1])["status"] == "asks_back"
+
+
+def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(demo: RunningDemo) -> None:
+    """The last of this file: the demo that the others use ends."""
+    children = descendants(demo.process.pid)
+    assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
+    locks = locks_of({demo.process.pid, *children})
+    kinds = sorted(name.split("/")[0] for name in locks.values())
+    assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]
+    port = urlsplit(demo.url).port
+    began = time.monotonic()
+    os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
+    assert demo.process.wait(60) == 0
+    assert time.monotonic() - began < 3.0
+    assert not [c for c in children if Path(f"/proc/{c}").exists()]
+    assert not locks.keys() & abstract_sockets().keys()
+    with socket.socket() as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        s.bind(("127.0.0.1", port))
+    assert (demo.data / "agentrob.toml").exists(), "the data folder is kept"
+    assert str(demo.data) in "".join(demo.said), "and named"

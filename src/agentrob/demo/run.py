@@ -122,6 +122,7 @@ class Demo:
         self._check_robots()
         self._hold_data()
         try:
+            self._minds()
             self._start()
         except OSError as e:
             raise DemoError(f"cannot use the data folder {self.data}: {e}") from None
