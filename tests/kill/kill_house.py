@@ -260,10 +260,17 @@ class House:
             return db.execute(query, values).fetchone()
 
     def ends_told(self, post: dict[str, Any]) -> int:
-        """In how many versions of a status post an end was told: an end has paragraphs, a status has one."""
+        """In how many versions of a status post an end was told: an end has paragraphs, a status has one.
+
+        A version that only adds a late recording tells no other end.
+        """
         with closing(sqlite3.connect(f"file:{self.board_path}?mode=ro", uri=True, timeout=10.0)) as db:
-            older = db.execute("SELECT raw FROM post_versions WHERE post_id = ?", (int(post["id"]),)).fetchall()
-        return sum("\n\n" in raw for raw in (*(row[0] for row in older), post["raw"]))
+            older = db.execute(
+                "SELECT raw FROM post_versions WHERE post_id = ? ORDER BY version", (int(post["id"]),)
+            ).fetchall()
+        ends = [raw for raw in (*(row[0] for row in older), post["raw"]) if "\n\n" in raw]
+        late = len(ends) > 1 and "a recording" in ends[-1] and "a recording" not in ends[-2]
+        return len(ends) - late
 
 
 def check(house: House, asked: Asked) -> str:

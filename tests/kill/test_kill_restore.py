@@ -222,7 +222,7 @@ def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(hous
 def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_not_disturbed(
     house: House, kind: str, said: str
 ) -> None:
-    asked = house.ask(LONG_WALK)
+    asked = house.ask(f"{LONG_WALK} slowly")
     wait_for("the robot walks", lambda: house.moves(asked.began), 60.0)
     second = house.second(kind)
     assert house.moves(asked.began), "the first was disturbed, or the second came too late to disturb it"

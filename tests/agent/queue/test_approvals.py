@@ -229,7 +229,7 @@ async def test_law_4_what_changed_between_the_approval_and_the_motion_moves_noth
             case "stopped":
                 await asked.post("bob", f"@{ROBOT} stop")
             case "taken back":
-                await asked.post("alice", f"@{ROBOT} never mind")
+                await asked.final(await asked.post("alice", f"@{ROBOT} never mind"))
         await heard(asked, agent)
         let.set()
         final = await asked.final(post)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting import report as words
 from agentrob.language.messages import en, zh
+from agentrob.language.messages.catalog import say
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import (
     Account,
@@ -113,6 +114,14 @@ def test_law_3_sentences_made_of_people_s_words_mention_nobody_and_bring_no_mark
         assert not set(mentions(visible_text(told))) & {"quadruped", "humanoid", "bob"}
         assert "<" not in told
         assert "![" not in told
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_claim_of_another_agent_is_told_as_interrupted_once(language: str) -> None:
+    message = say("agent.interrupted.claim", language)
+    told = words.final(report("interrupted", message=message, plan=Plan(), command=replace(COMMAND, language=language)))
+    assert told.startswith(message)
+    assert told.count("**") == 2
 
 
 def test_a_stop_says_what_it_did_and_plainly_when_it_was_not_confirmed() -> None:

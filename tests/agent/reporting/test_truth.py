@@ -136,7 +136,7 @@ AFTER_BOTH = [
 #: Between the steps: every call before the second one, which then has not begun.
 BETWEEN = [
     Fault(pipeline, "permission", rest="not begun"),
-    Fault(execute, "within", rest="not begun"),
+    Fault(execute, "mandate_violation", rest="not begun"),
     Fault(EventStream, "prove", rest="not begun"),
     Fault(report, "running", rest="not begun"),
     Fault(StatusPost, "show", rest="not begun"),

@@ -30,7 +30,10 @@ def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
 
     class Handler(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
-            body = self.rfile.read(int(self.headers["Content-Length"]))
+            length = int(self.headers["Content-Length"])
+            body = self.rfile.read(length)
+            if len(body) < length:  # the sender was killed while it wrote
+                return
             got.put(({k.lower(): v for k, v in self.headers.items()}, body))
             self.send_response(left.pop(0) if len(left) > 1 else left[0])
             self.end_headers()

@@ -161,6 +161,8 @@ def _head(report: Report) -> str:
             return say("agent.failed", language, step=at) if begun else say("agent.failed.before", language)
         case CommandState.CANCELLED | CommandState.REFUSED if begun:
             return say(f"agent.{report.status}.at", language, step=at)
+        case CommandState.INTERRUPTED if report.message == say("agent.interrupted.claim", language):
+            return ""  # it names the state itself
         case CommandState.INTERRUPTED if any(r.outcome is Outcome.UNKNOWN for r in report.results):
             return say("agent.interrupted.unknown", language)
         case CommandState.STOPPED if report.message:
