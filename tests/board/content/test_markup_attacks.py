@@ -16,11 +16,11 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from agentrob.board.content.markdown import _CLEANER, _MARKDOWN, render
+from tests.board.web.browser_windows import CHROMIUM_ARGS
 
 pytestmark = pytest.mark.browser
 
 EVAL = Path(os.environ.get("AGENTROB_EVAL") or Path(__file__).parents[4] / "shared/eval")
-CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 
 OWN = [
     "<script>alert(1)</script>",
