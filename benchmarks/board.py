@@ -116,7 +116,7 @@ class Listener(Client):
         now = time.perf_counter()
         if not self.begun.done() and b"retry: " in data:
             self.begun.set_result(None)
-        self.heard += [now] * data.count(b"\nevent: post.")
+        self.heard += [now] * (b"\n" + data).count(b"\nevent: post.")
         self.more.set()
 
     async def until(self, count: int) -> None:

@@ -49,7 +49,7 @@ class Judgement(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _read_as_it_was_meant(cls, data: Any) -> Any:
+    def _normalise(cls, data: Any) -> Any:
         """Accept refusals in other spellings: another case, an unknown kind of harm, texts that are too long."""
         if not isinstance(data, dict):
             return data

@@ -106,7 +106,7 @@ def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
     match mention.kind:
         case EvidenceKind.LENGTH | EvidenceKind.ANGLE:
             measured = [r.measured[_AMOUNTS[mention.kind]] for r in results if _AMOUNTS[mention.kind] in r.measured]
-            return "" if any(_shown_as(mention.value, m) for m in measured) else "not measured"
+            return "" if any(_matches(mention.value, m) for m in measured) else "not measured"
         case EvidenceKind.SPEED:
             return "not measured"
         case EvidenceKind.NUMBER | EvidenceKind.TIMES:
@@ -122,7 +122,7 @@ def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
     return ""
 
 
-def _shown_as(said: float, measured: float) -> bool:
+def _matches(said: float, measured: float) -> bool:
     """Return whether it is the figure in the report, within one per cent."""
     return same(said, measured) or same(said, round(measured, 2))
 
@@ -137,11 +137,11 @@ def _stray_digit(text: str, mentions: Sequence[Evidence]) -> str:
 
 def _message(results: Sequence[ActionResult], language: Language) -> str:
     name = {"en": "English", "zh": "Chinese"}.get(language, f"the language {language!r} (ISO 639-1)")
-    done = [{"did": _deed(r), **_figure(r)} for r in results]
+    done = [{"did": _action(r), **_figure(r)} for r in results]
     return f"Write in {name}. All of this was done:\n{json.dumps(done, ensure_ascii=False)}"
 
 
-def _deed(result: ActionResult) -> str:
+def _action(result: ActionResult) -> str:
     """Return the action without its requested amount: only measurements are reported."""
     if result.primitive.op not in _MEASURED:
         return step_sentence(result.primitive, "en")

@@ -56,13 +56,13 @@ class ConfiguredModel:
         self._gate = asyncio.Semaphore(config.concurrency)
         self._opening = asyncio.Lock()
         self._provider: Provider | None = None
-        self._sees = True
+        self._accepts_images = True
 
     async def chat(self, system_prompt: str, user_message: str, spent: Sequence[Usage] = ()) -> Answer[str]:
-        heard, usage = await self._ask(Question(system_prompt, [UserMessage(user_message)]), spent)
-        if not heard.text.strip():
+        received, usage = await self._ask(Question(system_prompt, [UserMessage(user_message)]), spent)
+        if not received.text.strip():
             raise self._unusable("an empty answer", [usage])
-        return Answer(heard.text.strip(), self.name, (usage,))
+        return Answer(received.text.strip(), self.name, (usage,))
 
     async def answer(
         self,
@@ -79,15 +79,15 @@ class ConfiguredModel:
         for _ in range(1 + _REPAIRS):
             question = Question(system_prompt, conversation, output=output)
             try:
-                heard, usage = await self._ask(question, [*spent, *used], until)
+                received, usage = await self._ask(question, [*spent, *used], until)
             except ModelError as e:
                 raise _with_usage(e, used) from None
             used.append(usage)
-            given = [raw for _, name, raw in heard.calls if name == output.name]
-            value, problem = final_of(given, kind) if given else found_in(heard.text, kind)
+            given = [raw for _, name, raw in received.calls if name == output.name]
+            value, problem = final_of(given, kind) if given else found_in(received.text, kind)
             if value is not None:
                 return Answer(value, self.name, tuple(used))
-            said = str(given[-1]) if given else heard.text
+            said = str(given[-1]) if given else received.text
             conversation += [
                 ModelReply(said[:2_000] or "(nothing)"),
                 UserMessage(f"That cannot be used: {problem} Answer again."),
@@ -98,14 +98,14 @@ class ConfiguredModel:
         self, system_prompt: str, conversation: Sequence[Message], tools: Sequence[Tool], spent: Sequence[Usage] = ()
     ) -> Answer[ModelReply]:
         if self.config.answers == "tools":
-            heard, usage = await self._ask(Question(system_prompt, conversation, tools), spent)
-            calls = tuple(checked_call(call_id, name, raw, tools) for call_id, name, raw in heard.calls)
-            reply = ModelReply(heard.text.strip(), calls)
+            received, usage = await self._ask(Question(system_prompt, conversation, tools), spent)
+            calls = tuple(checked_call(call_id, name, raw, tools) for call_id, name, raw in received.calls)
+            reply = ModelReply(received.text.strip(), calls)
         else:
-            heard, usage = await self._ask(with_prompted_tools(system_prompt, conversation, tools), spent)
-            reply = prompted_reply(heard.text, len(conversation), tools)
-        if heard.cut or not (reply.text or reply.calls):
-            what = "the answer was cut off at max_output_tokens" if heard.cut else "an empty answer"
+            received, usage = await self._ask(with_prompted_tools(system_prompt, conversation, tools), spent)
+            reply = prompted_reply(received.text, len(conversation), tools)
+        if received.cut or not (reply.text or reply.calls):
+            what = "the answer was cut off at max_output_tokens" if received.cut else "an empty answer"
             raise self._unusable(what, [usage])
         return Answer(reply, self.name, (usage,))
 
@@ -139,16 +139,16 @@ class ConfiguredModel:
         last = replace(used[-1], failed="malformed")
         return ModelError("malformed", f"{self.name}: {why}", usage=[*used[:-1], last])
 
-    def _blind(self, fault: ModelError) -> ModelError:
+    def _stop_images(self, fault: ModelError) -> ModelError:
         """Stop sending pictures to a server that fails on one (llama.cpp without a projector)."""
-        if self._sees:
+        if self._accepts_images:
             _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
-        self._sees = False
+        self._accepts_images = False
         said = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
         return ModelError("rejected", said, final=True)
 
     def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
-        if images and not (self.config.images and self._sees):
+        if images and not (self.config.images and self._accepts_images):
             raise ModelError(
                 "rejected", f"{self.name} takes no images (minds.{self.name}.images is false, or it failed)"
             )
@@ -159,7 +159,7 @@ class ConfiguredModel:
         self, question: Question, spent: Sequence[Usage], until: float | None = None
     ) -> tuple[ProviderAnswer, Usage]:
         """Ask, with retries, until `until` by the monotonic clock, or for `total_s`. Each attempt reserves its cost."""
-        if not self._sees and question.has_images:
+        if not self._accepts_images and question.has_images:
             raise ModelError("rejected", f"{self.name} failed on a picture before and gets none any more")
         began = monotonic()
         until = began + self.config.total_s if until is None else until
@@ -174,14 +174,14 @@ class ConfiguredModel:
                     try:
                         provider = await self._opened()
                         reserve = await self._reserve(estimate, [*spent, self._lost(began, estimate, wasted)])
-                        heard = await self._once(provider, reserve, question)
-                        return heard, await self._settled(
-                            reserve, heard, began, attempt, self._lost(began, estimate, wasted)
+                        received = await self._once(provider, reserve, question)
+                        return received, await self._settled(
+                            reserve, received, began, attempt, self._lost(began, estimate, wasted)
                         )
                     except ModelError as e:
                         fault = e
                     if fault.kind == "server" and question.has_images:
-                        fault = self._blind(fault)
+                        fault = self._stop_images(fault)
                     wasted += fault.kind not in UNBILLED and fault.kind != "budget"
                     wait_s = retry_wait_s(attempt, self._chance(), fault.retry_after_s)
                     given_up = fault.kind == "timeout" and self.config.kind == "local"  # a retry would queue behind it
@@ -244,19 +244,19 @@ class ConfiguredModel:
         return await self._budget.reserve(sum(estimate), cost_of(*estimate, self.config.price) or 0.0, spent)
 
     async def _settled(
-        self, reserve: Reserve, heard: ProviderAnswer, began: float, attempts: int, lost: Usage
+        self, reserve: Reserve, received: ProviderAnswer, began: float, attempts: int, lost: Usage
     ) -> Usage:
         """Return what an answer cost, including failed attempts before it."""
         tokens, cost = reserve.tokens, reserve.cost
-        if heard.input_tokens is not None and heard.output_tokens is not None:
-            tokens = heard.input_tokens + heard.output_tokens
-            cost = cost_of(heard.input_tokens, heard.output_tokens, self.config.price) or 0.0
+        if received.input_tokens is not None and received.output_tokens is not None:
+            tokens = received.input_tokens + received.output_tokens
+            cost = cost_of(received.input_tokens, received.output_tokens, self.config.price) or 0.0
         await self._budget.settle(reserve, tokens, cost)
         return replace(
             lost,
-            model=heard.model,
-            input_tokens=heard.input_tokens,
-            output_tokens=heard.output_tokens,
+            model=received.model,
+            input_tokens=received.input_tokens,
+            output_tokens=received.output_tokens,
             counted_tokens=tokens + lost.counted_tokens,
             cost=None if lost.cost is None else cost + lost.cost,
             latency_ms=(monotonic() - began) * 1e3,

@@ -85,10 +85,10 @@ class Provider:
             parameters.output_object = OutputObjectDefinition(schema)
             if self._config.answers == "json_object":  # with the schema, which pydantic-ai does not send here
                 settings["extra_body"] = {"response_format": {"type": "json_object", "schema": schema}}
-        request = self._model, _theirs(question)
+        request = self._model, _to_pydantic(question)
         try:
             if self._config.kind == "hosted":
-                return self._heard(
+                return self._parsed(
                     await direct.model_request(*request, model_settings=settings, model_request_parameters=parameters)
                 )
             # As a stream, since closing that tells the server to stop computing.
@@ -97,7 +97,7 @@ class Provider:
             ) as stream:
                 async for _ in stream:
                     pass
-                return self._heard(stream.get())
+                return self._parsed(stream.get())
         except Exception as e:  # also a library's own surprise at what a server sent: it is that server's fault
             fault = self._fault(e)
         raise fault  # outside of the handlers: a chained traceback would show the library's request
@@ -120,7 +120,7 @@ class Provider:
         sdk = anthropic.AsyncAnthropic(api_key=_NO_KEY, base_url=url, max_retries=0, http_client=self._http)
         return AnthropicModel(self._config.model, provider=AnthropicProvider(anthropic_client=sdk))
 
-    def _heard(self, response: ModelResponse) -> ProviderAnswer:
+    def _parsed(self, response: ModelResponse) -> ProviderAnswer:
         calls = tuple((p.tool_call_id, p.tool_name, p.args) for p in response.parts if isinstance(p, ToolCallPart))
         text = "".join(p.content for p in response.parts if isinstance(p, TextPart))
         usage = response.usage
@@ -207,7 +207,7 @@ def _definition(tool: Tool, kind: Literal["function", "output"] = "function") ->
     return ToolDefinition(name=tool.name, description=tool.description, parameters_json_schema=schema, kind=kind)
 
 
-def _theirs(question: Question) -> list[ModelMessage]:
+def _to_pydantic(question: Question) -> list[ModelMessage]:
     found: list[ModelMessage] = []
     for message in question.conversation:
         if isinstance(message, ModelReply):
