@@ -78,7 +78,7 @@ BEFORE_MOTION = [
     agent("thought kept", JOURNAL + "once", "after", DONE, 1),
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
-    agent("claim noted in the journal", JOURNAL + "posted", "after", DONE, 1),
+    agent("claim noted in the journal", JOURNAL + "set_status_post", "after", DONE, 1),
     agent("first in line", "agent.queue.queue:CommandQueue.turn", "after", DONE, 1),
     agent("attempt not committed yet", JOURNAL + "_begin", "before", DONE, 1),
 ]

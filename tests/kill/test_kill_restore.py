@@ -17,7 +17,7 @@ from tests.kill.kill_process import wait_for
 THINKING, JOURNAL = "agentrob.agent.understanding.understand:", "agentrob.agent.store.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
 SCREENED = {"target": THINKING + "judge", "when": "after"}
-CLAIMED = {"target": JOURNAL + "posted", "when": "after"}
+CLAIMED = {"target": JOURNAL + "set_status_post", "when": "after"}
 WALKING = {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": 5}
 ENDED = {"target": JOURNAL + "_end", "when": "after"}
 ORDERS = (SCREENED, CLAIMED, WALKING, ENDED)

@@ -31,7 +31,7 @@ from agentrob.agent.media.recorder import Recorder, look_of
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
-from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.presence import Presence, reset_room
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.stop.known_robots import KnownRobots
@@ -119,10 +119,10 @@ class RobotAgent:
         self.owner = OwnerActions(
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
-        stage = forum if isinstance(forum, RobotPages) else None
-        self.presence = Presence(stage, driver, name, settings, lambda: self.queue.posts, self.owner) if stage else None
+        pages = forum if isinstance(forum, RobotPages) else None
+        self.presence = Presence(pages, driver, name, settings, lambda: self.queue.posts, self.owner) if pages else None
         seen_by = settings.room_camera
-        live, view = stage is not None and bool(seen_by), settings.recording.view
+        live, view = pages is not None and bool(seen_by), settings.recording.view
         self.recorder = Recorder(
             self.folder / "recordings",
             settings.recording,
@@ -130,7 +130,7 @@ class RobotAgent:
         )
         seen = self.recorder.see if view in ("auto", "room") else lambda _: None
         moving = lambda: self.queue.moving is not None  # noqa: E731
-        self.camera = Camera(stage, name, seen_by, moving, seen) if stage and seen_by else None
+        self.camera = Camera(pages, name, seen_by, moving, seen) if pages and seen_by else None
         self._journal: Journal | None = None
         self._pipeline: Pipeline | None = None
         self._me: Account | None = None
@@ -155,7 +155,7 @@ class RobotAgent:
             await self._start()
             async with asyncio.TaskGroup() as group:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
-                for work in (self._listen(), self.inbox.take_all(), pruning, *self._stage_work()):
+                for work in (self._listen(), self.inbox.take_all(), pruning, *self._display_tasks()):
                     group.create_task(work)
                 self.ready.set()
                 on_ready()
@@ -167,7 +167,7 @@ class RobotAgent:
         try:
             await self._start()
             self._accepting = False
-            helpers = [asyncio.create_task(work) for work in (self._listen(), *self._stage_work())]
+            helpers = [asyncio.create_task(work) for work in (self._listen(), *self._display_tasks())]
             self.ready.set()
             try:
                 await self.inbox.take_waiting()
@@ -328,7 +328,7 @@ class RobotAgent:
             self._on_end, owner=self.owner, clock_set=self._clock_set,
         )  # fmt: skip
 
-    def _stage_work(self) -> list[Coroutine[Any, Any, None]]:
+    def _display_tasks(self) -> list[Coroutine[Any, Any, None]]:
         return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]
 
     async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
@@ -404,7 +404,7 @@ class RobotAgent:
         self._notice(event.at)
         triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
-            self.known_robots.meet(event.post.author)
+            self.known_robots.note(event.post.author)
             triaged = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
             if triaged.route in (Route.STOP, Route.HALT):
                 self._stop(event, event.post.author, triaged)
@@ -485,20 +485,22 @@ class RobotAgent:
     def _stop(self, event: Event, author: Account | None, triaged: TriagedPost) -> None:
         assert self._me is not None
         if author is not None and obeyed(author, self._me) and may(author, "stop").decision is Decision.ALLOW:
-            self.stop_handler.heard(
+            self.stop_handler.handle(
                 event, author, triaged.language, halt=triaged.route is Route.HALT, taken=triaged.taken_as_stop
             )
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop without the forum, for an account that may. Returns how many commands it ended, and the stopping
         task."""
-        return self.stop_handler.pulled(by, posted_at)
+        return self.stop_handler.stop_now(by, posted_at)
 
     def _stop_reply(self, reply: StopReply) -> str:
         how = self.owner.how_to_release(reply.language)
-        text = words.stop_reply(reply.result, reply.language, reply.ended, reply.halted, reply.folded, how, reply.taken)
+        text = reply_text.stop_reply(
+            reply.result, reply.language, reply.ended, reply.halted, reply.folded, how, reply.taken
+        )
         by = self._clock_set()
-        return text if by is None else f"{text} {words.clock_set(by, reply.language)}"
+        return text if by is None else f"{text} {reply_text.clock_set(by, reply.language)}"
 
     async def _pressed(self, event: Event, me: Account) -> None:
         await self._compared()

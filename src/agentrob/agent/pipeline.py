@@ -25,7 +25,7 @@ from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
-from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, worded
@@ -169,7 +169,7 @@ class Pipeline:
         job = QueuedCommand(command)
         report = self._report(job, CommandState.FAILED, message=self._because(job, "journal"))
         card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
-        shown = Shown(words.final(report), card)
+        shown = Shown(reply_text.final(report), card)
         await self._allowed(partial(StatusPost(self.forum, command).claim, shown))
         self.on_end(report)
 
@@ -217,7 +217,7 @@ class Pipeline:
         """Post the first status. Return whether the claim is ours, and whether its end was posted before (law 6)."""
         command = job.command
         card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
-        shown = Shown(words.seen(command.language, command.trace_id), card)
+        shown = Shown(reply_text.seen(command.language, command.trace_id), card)
         written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
         job.note("seen", self.event_stream.now())
         now = written.post
@@ -232,7 +232,7 @@ class Pipeline:
             elif state == CommandState.RUNNING and not await self.journal.moved(command.post_id):
                 return False, False  # a journal that knows of no motion may be an old copy: the forum knows more
             job.status.adopt(now)
-        await self.journal.posted(command.post_id, now.id)
+        await self.journal.set_status_post(command.post_id, now.id)
         return True, False
 
     async def _allowed(
@@ -286,7 +286,7 @@ class Pipeline:
                 return self._report(
                     job,
                     CommandState.ANSWERED,
-                    message=words.disarmed(understood.question) or say("talk.question", language),
+                    message=reply_text.disarmed(understood.question) or say("talk.question", language),
                 )
             case Intent.ASK_BACK if assessment.verdict is not None:
                 return self._report(job, CommandState.REFUSED, verdict=assessment.verdict)
@@ -313,9 +313,9 @@ class Pipeline:
         try:
             state = await self.driver.state()
             more = self.owner.of_state(state, language) if self.owner else []
-            return "\n\n".join([words.state_text(state, len(self.queue) - 1, language), *more])
+            return "\n\n".join([reply_text.state_text(state, len(self.queue) - 1, language), *more])
         except RobotError as e:
-            return words.state_text(None, len(self.queue) - 1, language, str(e))
+            return reply_text.state_text(None, len(self.queue) - 1, language, str(e))
 
     async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
         """The report of a command that was ended from outside, before its motion or during it."""
@@ -328,7 +328,7 @@ class Pipeline:
             by = self.clock_set()
             sentences = [
                 say(f"agent.{why}", language, **limits),
-                *([words.clock_set(by, language)] if by is not None else []),
+                *([reply_text.clock_set(by, language)] if by is not None else []),
             ]
             return self._report(job, CommandState.EXPIRED, plan, message=" ".join(sentences))
         if why is EndReason.DENIED and execution is None and job.decided is not None:
@@ -353,7 +353,7 @@ class Pipeline:
         if not job.begun and (waiting := await self._pace(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
-            await self.approvals.wait(job, words.planned(plan, command.language, _goal(job)), verdict.reason)
+            await self.approvals.wait(job, reply_text.planned(plan, command.language, _goal(job)), verdict.reason)
         self.show_place(job)
         if not await self.queue.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
@@ -411,7 +411,7 @@ class Pipeline:
                 )
             self._show(job, say("agent.held", language, seconds=wait.seconds), CommandState.QUEUED)
             await self.queue.hold(job, wait.seconds)
-        self.queue.pace(job)
+        self.queue.mark_paced(job)
         return None
 
     async def _move(self, job: QueuedCommand, plan: Plan) -> str:
@@ -492,7 +492,7 @@ class Pipeline:
             and "seen" in job.timings_ms
             and (place := self.queue.place(job))
         ):
-            self._show(job, words.queued(job.command.language, place), CommandState.QUEUED, place=place)
+            self._show(job, reply_text.queued(job.command.language, place), CommandState.QUEUED, place=place)
 
     def _show(self, job: QueuedCommand, text: str, state: CommandState, **more: Any) -> None:
         card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
@@ -500,11 +500,11 @@ class Pipeline:
 
     def _show_step(self, job: QueuedCommand, plan: Plan, step: Primitive, number: int) -> None:
         language = job.command.language
-        doing = words.doing(step, language)
+        doing = reply_text.doing(step, language)
         if goal := _goal(job):
             text = say("visual.running", language, step=number + 1, doing=doing, goal=goal)
             return self._show(job, text, CommandState.RUNNING, step=number + 1, doing=doing)
-        text = words.running(language, number, plan.steps)
+        text = reply_text.running(language, number, plan.steps)
         self._show(job, text, CommandState.RUNNING, step=number + 1, steps=len(plan.steps), doing=doing)
 
     def _because(self, job: QueuedCommand, why: str) -> str:
@@ -529,7 +529,7 @@ class Pipeline:
         command, text, pictures, facts = job.command, *await self._composed(job, report)
         short = ""
         with self._beside(job, "end not shortened"):
-            short = words.short(report)
+            short = reply_text.short(report)
         at = len(report.plan.steps)
         card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
         images = [picture.data for picture in pictures if picture.attached]
@@ -537,7 +537,7 @@ class Pipeline:
         # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
         with self._beside(job, "plan not kept"):
             if report.status is CommandState.DONE and not report.goal:
-                await self.journal.did(command.post_id, report.plan)
+                await self.journal.set_plan(command.post_id, report.plan)
         close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
         try:
             ours = await self._allowed(close)
@@ -590,8 +590,8 @@ class Pipeline:
         def text(pictures: Sequence[Picture]) -> str:
             with self._beside(job, "report told as data"):
                 table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
-                return words.final(report, pictures, paragraphs, by_model, table, page)
-            return words.plain(report)
+                return reply_text.final(report, pictures, paragraphs, by_model, table, page)
+            return reply_text.plain(report)
 
         return text, pictures, facts
 

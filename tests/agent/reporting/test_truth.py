@@ -117,7 +117,7 @@ AFTER_BOTH = [
     Fault(Surroundings, "after", after=2),
     Fault(EventStream, "now", after=2),
     Fault(journal.Journal, "_end", DISK, 2),
-    Fault(journal.Journal, "did", LOST, 2),
+    Fault(journal.Journal, "set_plan", LOST, 2),
     Fault(journal.Journal, "finish", LOST, 2),
     Fault(Assessor, "summary", after=2),
     Fault(pipeline, "illustrate", after=2),

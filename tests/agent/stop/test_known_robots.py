@@ -50,7 +50,7 @@ async def test_law_13_who_writes_and_who_is_looked_up_is_known_and_people_are_no
     assert (set(known.names), forum.asked) == ({"humanoid"}, ["humanoid", "alice", "nobody"])
     known.look_up(["humanoid", "alice", "nobody"])
     assert len(tasks) == 1, "nor is anybody asked about again at once"
-    known.meet(Account("9", "humanoid", AccountKind.HUMAN))
+    known.note(Account("9", "humanoid", AccountKind.HUMAN))
     assert set(known.names) == set(), "it became a person's"
 
 

@@ -53,7 +53,7 @@ async def test_law_15_presses_of_the_button_count_too(scene: Scene) -> None:
 def test_law_15_no_third_stop_goes_untold_and_no_five_minutes_hear_of_two(gaps: list[int]) -> None:
     alarm = ModeratorAlert(MemoryForum.world().sign_in(ROBOT), ROBOT, ())
     ats = [START + timedelta(seconds=sum(gaps[: n + 1])) for n in range(len(gaps))]
-    rang = [at for at in ats if alarm.rings(at)]
+    rang = [at for at in ats if alarm.count_stop(at)]
     assert all(later - earlier > WITHIN for earlier, later in itertools.pairwise(rang))
     for n in range(STOPS - 1, len(ats)):
         if ats[n] - ats[n - STOPS + 1] <= WITHIN:

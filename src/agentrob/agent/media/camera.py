@@ -36,13 +36,13 @@ class Camera:
 
     def __init__(
         self,
-        stage: RobotPages,
+        pages: RobotPages,
         robot: str,
         url: str,
         moving: Callable[[], bool],
         seen: Callable[[bytes], None] = lambda _: None,
     ) -> None:
-        self._stage = stage
+        self._pages = pages
         self._robot = robot
         self._url = url
         self._moving = moving
@@ -71,7 +71,7 @@ class Camera:
             begun_s = time.monotonic()
             jpeg = await snapshot(http, self._url)
             self._seen(jpeg)
-            viewers = await self._stage.publish_frame(self._robot, jpeg)
+            viewers = await self._pages.publish_frame(self._robot, jpeg)
             if self._moving():
                 moved_s = time.monotonic()
             if viewers == 0 and time.monotonic() - moved_s > LINGER_S:

@@ -20,7 +20,7 @@ import structlog
 from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights_on
 from agentrob.agent.intake.triage import Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
-from agentrob.agent.reporting import report as words
+from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import ApprovalDecision
@@ -84,7 +84,7 @@ class Approvals:
         """Post that the command waits, for what and for whose approval."""
         rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
-        text = words.waits(understood, needed, rights, self.called, wait_s, job.command.language)
+        text = reply_text.waits(understood, needed, rights, self.called, wait_s, job.command.language)
         card = StatusCard(self.name, CommandState.WAITING, trace_id=job.command.trace_id, until=until_at.isoformat())
         with contextlib.suppress(ForumDenied, ForumNotFound):
             await job.status.ask(Shown(text, card))
@@ -101,7 +101,7 @@ class Approvals:
     # ---------------------------------------------------------------- hearing
     async def hear(self, post: Post, triaged: TriagedPost) -> None:
         """Count a post that approves or denies a command, or reply why it does not count. A post counts once."""
-        if await self.journal.counted(post.id):
+        if await self.journal.has_decision(post.id):
             return
         job, why = self._meant(post, triaged)
         if job is None and not triaged.fresh:

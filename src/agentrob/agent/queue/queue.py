@@ -150,7 +150,7 @@ class CommandQueue:
             job._changed.clear()
             await job._changed.wait()
 
-    def pace(self, job: QueuedCommand) -> None:
+    def mark_paced(self, job: QueuedCommand) -> None:
         job.paced = True
         self._moved_up()
 

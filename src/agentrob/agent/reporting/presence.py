@@ -34,14 +34,14 @@ class Presence:
 
     def __init__(
         self,
-        stage: RobotPages,
+        pages: RobotPages,
         driver: DriverClient,
         name: str,
         settings: RobotConfig,
         waiting: Callable[[], Sequence[str]],
         owner: OwnerActions | None = None,
     ) -> None:
-        self._stage = stage
+        self._pages = pages
         self._driver = driver
         self._name = name
         self._settings = settings
@@ -62,7 +62,7 @@ class Presence:
             card = await self.card()
             if card != shown or time.monotonic() - shown_s >= REFRESH_S:
                 try:
-                    await self._stage.publish_robot(self._name, card)
+                    await self._pages.publish_robot(self._name, card)
                     shown, shown_s = card, time.monotonic()
                 except ForumError as e:
                     _log.info("robot card not shown", robot=self._name, error=str(e))

@@ -51,7 +51,7 @@ class KnownRobots:
             except Exception as error:
                 _log.warning("the forum's robots are not known", error=repr(error)[:200])
 
-    def meet(self, account: Account) -> None:
+    def note(self, account: Account) -> None:
         """Record whether the author of a post, or an account that was looked up, is a robot."""
         name = account.name.lower()
         if account.kind is AccountKind.ROBOT_AGENT:
@@ -76,7 +76,7 @@ class KnownRobots:
         while self._waiting:
             try:
                 if (account := await self._forum.account(self._waiting[0])) is not None:
-                    self.meet(account)
+                    self.note(account)
             except Exception as error:
                 _log.info("an account is not known", account=self._waiting[0], error=repr(error)[:200])
             self._waiting.pop(0)

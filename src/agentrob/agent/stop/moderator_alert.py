@@ -27,26 +27,26 @@ class ModeratorAlert:
         self._robot = robot
         self._names = [name.lower().lstrip("@") for name in dict.fromkeys(names) if name]
         self._stops: deque[datetime] = deque(maxlen=STOPS)
-        self._rang_at: datetime | None = None
+        self._alerted_at: datetime | None = None
 
-    def rings(self, at: datetime) -> bool:
+    def count_stop(self, at: datetime) -> bool:
         """Count a stop that was accepted at `at`; return whether to alert."""
         self._stops.append(at)
         # The forum's clock may have been set back since: then there may be one alert too many.
-        quiet = self._rang_at is None or abs(at - self._rang_at) > WITHIN
+        quiet = self._alerted_at is None or abs(at - self._alerted_at) > WITHIN
         if not quiet or len(self._stops) < STOPS or abs(at - self._stops[0]) > WITHIN:
             return False
-        self._rang_at = at
+        self._alerted_at = at
         return True
 
     async def tell(self, topic_id: str | None, language: Language) -> None:
         """Post the alert in a topic, if there is one, and log it."""
         _log.warning("stopped again and again", robot=self._robot, stops=STOPS, minutes=WITHIN.seconds // 60)
-        if topic_id is None or self._rang_at is None:
+        if topic_id is None or self._alerted_at is None:
             return
         names = " ".join(f"@{name}" for name in self._names)
         text = say("agent.stop.third", language, count=STOPS, minutes=WITHIN.seconds // 60, names=names).strip()
         try:
-            await self._forum.reply(topic_id, text, key=f"alarm:{self._robot}:{self._rang_at.isoformat()}")
+            await self._forum.reply(topic_id, text, key=f"alarm:{self._robot}:{self._alerted_at.isoformat()}")
         except ForumError as e:
             _log.warning("moderators not told", robot=self._robot, error=str(e))

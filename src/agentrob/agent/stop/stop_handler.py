@@ -101,7 +101,7 @@ class StopHandler:
             return EndReason.CLOCK
         return EndReason.STOP
 
-    def heard(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
+    def handle(self, event: Event, author: Account, language: Language, halt: bool, taken: bool = False) -> None:
         """Handle a stop of the forum: end everything that was posted earlier and stop the robot, with nothing in
         between. `taken`: the post counts as a stop only because the robot moves or a command waits; its reply says
         so."""
@@ -113,14 +113,14 @@ class StopHandler:
         if post is not None:
             reply = StopReply(language, len(ended) + coming, halt, taken)
             self._spawn(self._stops.answer(post, stopping, reply))
-        self._ring(event.at, post.topic_id if post is not None else None, ended, language)
+        self._alert(event.at, post.topic_id if post is not None else None, ended, language)
 
-    def pulled(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:
+    def stop_now(self, by: str, posted_at: datetime | None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Handle a stop that did not come through the forum: end what was posted until now and until `posted_at`.
         Return how many commands it ended, and the task that stops the robot."""
         now = self._event_stream.now()
         ended, stopping = self._end_all(by, Stopped(max(now, posted_at or now), elapsed_s(), past=True), now)
-        self._ring(now, None, ended, "en")
+        self._alert(now, None, ended, "en")
         return len(ended), stopping
 
     def released(self, at: datetime) -> None:
@@ -166,8 +166,8 @@ class StopHandler:
         if self._saving is None or self._saving.done():
             self._saving = self._spawn(self._save(journal))
 
-    def _ring(self, at: datetime, topic: str | None, ended: list[QueuedCommand], language: Language) -> None:
-        if self._moderator_alert.rings(at):
+    def _alert(self, at: datetime, topic: str | None, ended: list[QueuedCommand], language: Language) -> None:
+        if self._moderator_alert.count_stop(at):
             topic = topic or next((job.command.topic_id for job in ended), None)
             self._spawn(self._moderator_alert.tell(topic, language))
 

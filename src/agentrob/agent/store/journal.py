@@ -210,11 +210,11 @@ class Journal(Rows):
         """Whether this post was ever claimed."""
         return await self._in_rows(self._one, "SELECT 1 FROM claim WHERE post = ?", (post_id,)) is not None
 
-    async def posted(self, post_id: str, status_post: str) -> None:
+    async def set_status_post(self, post_id: str, status_post: str) -> None:
         """Record that the status post of a claim is on the forum."""
         await self._in_rows(self._do, "UPDATE claim SET status_post = ? WHERE post = ?", (status_post, post_id))
 
-    async def did(self, post_id: str, plan: Plan) -> None:
+    async def set_plan(self, post_id: str, plan: Plan) -> None:
         """Record the plan of a command that is done."""
         kept = _PLAN.dump_json(plan).decode()
         await self._in_rows(self._do, "UPDATE claim SET plan = ? WHERE post = ?", (kept, post_id))
@@ -267,7 +267,7 @@ class Journal(Rows):
 
         return await self._in_rows(rows)
 
-    async def counted(self, post_id: str) -> bool:
+    async def has_decision(self, post_id: str) -> bool:
         """Whether this post approved or denied something."""
         return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
 
