@@ -24,7 +24,7 @@ from agentrob.minds.llm.chat import ToolResult, UserMessage
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of
-from agentrob.model import Capabilities, Decision, Direction, Mandate, Op, Outcome, Plan, Primitive, Verdict
+from agentrob.model import Capabilities, Decision, Direction, EndReason, Mandate, Op, Outcome, Plan, Primitive, Verdict
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
@@ -223,7 +223,7 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
         run_visual_task(driver, COMMAND, visual_task(model), hooks(ended=lambda: ended[0] if ended else None))  # type: ignore[arg-type]
     )
     await asyncio.wait_for(model.thinking.wait(), 60)
-    ended.append("stop")
+    ended.append(EndReason.STOP)
     async with asyncio.timeout(1):
         execution = await looking
     assert execution.status == "stopped"

@@ -16,7 +16,7 @@ from agentrob.language.messages.catalog import can_say
 from agentrob.minds.llm.errors import ErrorKind
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
-from agentrob.model import Account, Command, Intent, Understanding
+from agentrob.model import Account, Command, EndReason, Intent, Understanding
 
 COMMAND = Command("1", "1", "", Account("1", "alice"), "quadruped", "walk", "en", datetime.now(UTC), "t")
 READ = Understanding(Intent.COMMAND)
@@ -78,7 +78,7 @@ async def test_law_14_nobody_thinks_about_what_is_ended_and_nobody_waits_for_who
     thinking = asyncio.create_task(job.unless_ended(think()))
     await asyncio.wait_for(begun.wait(), 60)
     assert not thinking.done()
-    job.end("stop")
+    job.end(EndReason.STOP)
     assert await asyncio.wait_for(thinking, 60) is None
     begun.clear()
     assert await job.unless_ended(think()) is None

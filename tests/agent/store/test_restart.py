@@ -18,7 +18,7 @@ from agentrob.errors import ForumError, RobotUnreachable
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Account, AccountKind, Command, Plan, Role, StatusCard, StopResult, Understanding
+from agentrob.model import Account, AccountKind, Command, EndReason, Plan, Role, StatusCard, StopResult, Understanding
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
@@ -174,8 +174,8 @@ async def test_a_journal_of_an_earlier_version_is_read_and_can_keep_an_end(tmp_p
     db.close()
     journal = await Journal.open(tmp_path, ROBOT)
     assert [c.ended for c in await journal.open_claims()] == [None]
-    await journal.end(["7"], "stop")
-    await journal.end(["7"], "edited")
+    await journal.end(["7"], EndReason.STOP)
+    await journal.end(["7"], EndReason.EDITED)
     await journal.close()
     journal = await Journal.open(tmp_path, ROBOT)
     assert [c.ended for c in await journal.open_claims()] == ["stop"]
