@@ -29,8 +29,8 @@ _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 
 @dataclass(frozen=True, slots=True)
 class Viewer:
-    """Who sent a request; `account` is None when nobody is signed in. `csrf` goes into forms as the field `csrf`, and
-    into a meta tag for scripts, which send it as `X-CSRF-Token`. `secret` is the cookie's value or the bearer token."""
+    """The sender of a request; `account` is None if not signed in. `csrf` goes into forms as the field `csrf`, and into
+    a meta tag for scripts, which send it as `X-CSRF-Token`. `secret` is the cookie's value or the bearer token."""
 
     account: Account | None
     csrf: str

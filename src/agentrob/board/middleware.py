@@ -39,7 +39,7 @@ log = structlog.get_logger(__name__)
 
 
 class SecurityMiddleware:
-    """Refuses requests for another host, from another site or that are too large, before the app sees them."""
+    """Refuses requests that name another host, come from another site or are too large."""
 
     def __init__(self, app: ASGIApp, settings: BoardSettings) -> None:
         self.app = app
@@ -78,11 +78,11 @@ class SecurityMiddleware:
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
         if scope["path"] == "/healthz":
-            return  # probes ask by address, and the answer tells nothing
+            return  # probes use the IP address, and the response reveals nothing
         host = headers.get("host", "")
         name = host_name(headers)
         if name not in self.hosts and not (self.any_host and name):
-            # A page of another site whose name was made to point here could otherwise talk to a forum on loopback.
+            # DNS rebinding: a page of another site could otherwise reach a forum on loopback.
             raise BoardError(421, "unknown_host", f"this is not {host[:64]!r}", f"open {self.origin}")
         if scope["method"] not in _SAFE and "authorization" not in headers:
             self._check_origin(headers, host)
@@ -95,7 +95,7 @@ class SecurityMiddleware:
 
 
 def max_body(path: str) -> int:
-    """Bytes that a request to this path may have."""
+    """The largest body of a request to this path, in bytes."""
     if path.endswith(_WITH_PICTURES):
         return images.MAX_BYTES + _MULTIPART_ROOM
     return images.MAX_FRAME_BYTES if path.endswith("/frame") else MAX_BODY

@@ -1,4 +1,4 @@
-"""Caches the answers that many clients ask for: posts of a topic as JSON, and as the HTML of its page.
+"""Cache the responses that many clients request: posts of a topic as JSON, and as the HTML of its page.
 
 `TopicCache` keeps results made from the posts of a topic. Before each use it checks the version of that topic and of
 everything an admin can change, so a write to another topic does not clear it. `ResponseCache` is ASGI middleware: it
@@ -29,20 +29,20 @@ _HOT = re.compile(r"/api/v1/topics/\d{1,19}/posts")
 
 
 class TopicCache:
-    """What was made of topics' posts, least lately used first. `of` is for the event loop's thread."""
+    """Results made from topics' posts, in LRU order. Use it on the event loop's thread only."""
 
     def __init__(self, max_kept: int = MAX_KEPT) -> None:
         self._kept: OrderedDict[Hashable, tuple[Any, int, Any]] = OrderedDict()
         self._size, self._max = 0, max_kept
 
     def of(self, reader: Reader, topic_id: str, asked: Hashable, make: Callable[[], tuple[T, int]]) -> T:
-        """What `make` gives, and its size; or gave, when nothing that it can show has changed since.
+        """The result of `make`, which also returns its size; cached until something that it shows changes.
 
-        Whatever decides what somebody sees has to be in `asked`: who asks, and which boards they may read. Nothing in
-        it may be as long as who asks likes.
+        `asked` must contain everything that decides what the viewer sees: the account and its readable boards. No part
+        of it may have unbounded length.
         """
         key, version = (topic_id, asked), reader.topic_version(row_id(topic_id, "topic"))
-        if version[1] is None:  # its events are kept no more: nothing would tell this version from another
+        if version[1] is None:  # its events were pruned, so that versions cannot be told apart
             return make()[0]
         if (found := self._kept.get(key)) is not None and found[0] == version:
             self._kept.move_to_end(key)
@@ -63,7 +63,7 @@ class TopicCache:
 
 
 class ResponseCache:
-    """ASGI around the app: the same answer again, without asking anybody but the database's version."""
+    """ASGI middleware that repeats a response while the version of the database stays the same."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -103,9 +103,9 @@ class ResponseCache:
 
 
 def _question(scope: Scope) -> bytes:
-    """What is asked and by which credential, as `access.viewer` reads it, in 32 bytes however long it is.
+    """The cache key of a request, 32 bytes: path, query and credential, as `access.viewer` reads it.
 
-    Other headers and cookies decide nothing of the answer.
+    Other headers and cookies do not influence the response.
     """
     request, cookie = HTTPConnection(scope), scope["app"].state.services.settings.cookie
     parts = [scope["path"].encode(), scope["query_string"]]

@@ -105,7 +105,7 @@ def create_app(settings: BoardSettings) -> FastAPI:
 
 
 async def _background(parts: Services, me: str, told: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
-    """The background tasks, which run until cancelled. Of several processes only one has the duties."""
+    """The background tasks, which run until cancelled. Only one of several processes runs the duties."""
 
     async def duties(taken_over: bool) -> None:
         pruning = retention.keep_expiring_pictures(parts), retention.keep_pruning(parts)

@@ -19,10 +19,10 @@ NO_LIMITS = BoardLimitsConfig(posts=0, commands=0, uploads=0, sign_ups=0)
 
 @dataclass(frozen=True, slots=True)
 class BoardSettings:
-    """`database` is a SQLAlchemy URL, `base_url` what browsers see (no slash at its end; https makes cookies Secure).
+    """`database` is a SQLAlchemy URL, `base_url` what browsers see (without a final slash; https makes cookies Secure).
 
-    `sign_up`: anybody may make an account (as `member`). `public_read`: reading needs no sign-in. `trusted_proxies` may
-    say whose request it is. `encoder` makes what gives texts their vectors, for search by meaning.
+    `sign_up`: anybody may create an account (as `member`). `public_read`: reading needs no sign-in. `trusted_proxies`
+    may set the client's address. `encoder` creates the text encoder of semantic search.
     """
 
     database: str
@@ -42,13 +42,13 @@ class BoardSettings:
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
-        """Settings from `[board]`; what is not given lives in `data_dir`. Raises `ConfigError`."""
+        """Settings from `[board]`; defaults are in `data_dir`. Raises `ConfigError`."""
         host, port = board.address
         base_url = (board.base_url or url_of(host, port)).rstrip("/")
         parts = urlsplit(base_url)
         if parts.scheme not in ("http", "https") or not parts.netloc or parts.path or parts.query:
             raise ConfigError(f"board.base_url: {base_url!r} is not an address; valid: https://forum.example.org")
-        # A forum on loopback with a name of its own is behind a reverse proxy: the world reaches it.
+        # A forum on loopback with another base URL is behind a reverse proxy, so others can reach it.
         local = is_loopback(host) and is_loopback(parts.hostname or "")
         sign_up = local if board.sign_up is None else board.sign_up
         database = board.database or f"sqlite:///{data_dir / 'board' / 'board.sqlite3'}"
@@ -75,7 +75,7 @@ class BoardSettings:
 
     @property
     def shared(self) -> bool:
-        """Whether several processes may serve the database: they hear of each other through PostgreSQL."""
+        """Whether several processes may serve the database, which they coordinate through PostgreSQL."""
         return self.database.startswith("postgresql")
 
     @property
@@ -87,8 +87,8 @@ class BoardSettings:
 
     @property
     def cookie(self) -> str:
-        """The name of the session's cookie: with the port that browsers see in it, since they share cookies between
-        the ports of a host, and the same on all processes that serve one forum; bound to the host by https."""
+        """The name of the session cookie. It contains the port that browsers see, since they share cookies between the
+        ports of a host, and is the same on all processes of a forum. With https it is bound to the host."""
         parts = urlsplit(self.base_url)
         name = f"agentrob_{parts.port or (443 if self.secure else 80)}"
         return f"__Host-{name}" if self.secure else name

@@ -1,4 +1,4 @@
-"""Deletes old events, old idempotency keys and expired pictures of robots' cameras.
+"""Delete old events, old idempotency keys and expired pictures of robots' cameras.
 
 Posts, earlier texts, records of commands and the audit log are never deleted here.
 """

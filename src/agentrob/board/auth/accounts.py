@@ -158,8 +158,7 @@ def new_token(
     """Create a bearer token and return its secret, which is not stored. 422 for an unknown scope.
 
     Every token can read and stop; `write` allows posts and uploads, `admin` moderation and administration, as far as
-    the
-    account itself may.
+    the account itself may.
     """
     if not scopes or not set(scopes) <= set(SCOPES):
         raise BoardError(422, "bad_scopes", "unknown token scope", f"valid: {', '.join(SCOPES)}")

@@ -38,8 +38,7 @@ _ROBOT = (
 @dataclass(frozen=True, slots=True)
 class MaintenanceWindow:
     """When a robot is in maintenance: on `days` (every day if empty) from `start` to `end` in `zone`, which is on the
-    next
-    day if it is earlier; or, with `until`, from now to then. `note` is shown."""
+    next day if it is earlier; or, with `until`, from now to then. `note` is shown."""
 
     days: tuple[str, ...] = ()
     start: str = "00:00"

@@ -1,7 +1,7 @@
-"""Find and strip everything but pixels in picture files, by parsing their container formats (pure).
+"""Strip everything but pixels from picture files, by parsing their container formats (pure).
 
-Files are judged by what they may hold, not by what is known to be private: a place can stand in EXIF, XMP, a comment, a
-text chunk such as PNG's `Raw profile type exif`, a colour profile, a thumbnail, or behind the end of the picture.
+Chunks are kept by an allowlist: a location can be in EXIF, XMP, a comment, a text chunk such as PNG's `Raw profile type
+exif`, a colour profile, a thumbnail, or after the end of the picture.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 import struct
 from collections.abc import Iterator
 
-#: Pixels, how to show them, and nothing that a person or a camera can write into.
+#: Pixels and how to show them; nothing that a person or a camera can write text into.
 _PNG = frozenset(b"IHDR PLTE IDAT IEND tRNS gAMA cHRM sRGB sBIT bKGD pHYs acTL fcTL fdAT".split())
 _WEBP = frozenset((b"VP8 ", b"VP8L", b"ALPH", b"ANIM"))
 _WEBP_FRAME = frozenset((b"VP8 ", b"VP8L", b"ALPH"))
@@ -23,9 +23,9 @@ _GIF_LOOPS = (b"NETSCAPE2.0", b"ANIMEXTS1.0")
 
 
 def only(data: bytes, kind: str) -> bytes:
-    """The file without all that is more than pixels: the same bytes when there is nothing more.
+    """The file without anything but pixels; the same bytes if there is nothing else.
 
-    `kind` is JPEG, PNG, WEBP or GIF. `ValueError` (also `struct.error`, `IndexError`) for what is none.
+    `kind` is JPEG, PNG, WEBP or GIF. Raises `ValueError`, `struct.error` or `IndexError` for a malformed file.
     """
     return {"PNG": _png, "WEBP": _webp, "JPEG": _jpeg, "GIF": _gif}[kind](data)
 

@@ -28,9 +28,9 @@ _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp", "GIF":
 
 
 def check(data: bytes) -> tuple[Image, bytes]:
-    """The picture (without id) and its bytes without all that is more than pixels: place, owner, comments, profiles.
+    """The picture (without id) and its bytes without metadata: location, owner, comments, profiles.
 
-    Decodes all of it, so not on the event loop. 413 when too large, 415 for what is no JPEG, PNG, WebP or GIF.
+    Decodes the whole file, so not on the event loop. 413 if too large, 415 for another type.
     """
     if len(data) > MAX_BYTES:
         raise BoardError(413, "image_too_large", f"the image has {len(data)} bytes", f"at most {MAX_BYTES} bytes")
@@ -59,7 +59,7 @@ def check(data: bytes) -> tuple[Image, bytes]:
 
 
 def _check_moving(picture: Pillow.Image) -> bool:
-    """Whether it moves; 413 when that is too much, before any of it is decoded."""
+    """Whether it is animated; 413 if it has too many frames or pixels, before any of them is decoded."""
     frames = getattr(picture, "n_frames", 1) if picture.format in ("WEBP", "GIF") else 1
     width, height = picture.size
     if frames > MAX_FRAMES or (frames > 1 and frames * width * height > MAX_MOVING_PIXELS):
@@ -71,18 +71,16 @@ def _check_moving(picture: Pillow.Image) -> bool:
 
 
 def _check_frames(picture: Pillow.Image) -> None:
-    """Decode every frame. What a camera wrote into it cannot be taken out without spoiling it, so that is refused."""
+    """Decode every frame. Metadata of a camera cannot be removed from an animation without damage, so it is refused."""
     for number in range(getattr(picture, "n_frames", 1)):
         picture.seek(number)
         picture.load()
     if any(picture.info.get(k) for k in ("exif", "xmp")):
-        raise BoardError(
-            415, "bad_image", "that moving picture carries metadata of a camera", "one without EXIF and XMP"
-        )
+        raise BoardError(415, "bad_image", "that animation has metadata of a camera", "one without EXIF and XMP")
 
 
 def check_frame(data: bytes) -> None:
-    """Look at the head of a live picture only: it comes ten times a second and from the robot's own agent."""
+    """Check only the header of a live picture: it comes ten times a second, from the robot's own agent."""
     try:
         with _open(data, formats=("JPEG",)):
             return
@@ -110,7 +108,7 @@ def _is_plain(data: bytes, kind: str) -> bool:
 
 
 def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[int, int]]:
-    """Coded anew: upright, in the colours that every screen knows, with what is transparent."""
+    """The picture encoded again: upright, in sRGB, with its transparency."""
     upright = ImageOps.exif_transpose(picture)
     profile, transparent = upright.info.get("icc_profile"), upright.info.get("transparency")
     if profile and upright.mode in ("RGB", "CMYK"):
@@ -129,9 +127,9 @@ def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[in
 
 
 def keep(folder: Path, data: bytes) -> Path:
-    """Write the file, whole or not at all, and return it; its name is the hash. 503 when the disk cannot take it.
+    """Write the file atomically and return its path; its name is the hash. 503 if the disk cannot be written.
 
-    Until a picture of the database needs it, it may be taken away again (`moderation.take_away`).
+    Until a picture in the database refers to it, it may be deleted again (`moderation.take_away`).
     """
     path = path_of(folder, hashlib.sha256(data).hexdigest())
     if path.exists():
@@ -154,8 +152,8 @@ def keep(folder: Path, data: bytes) -> Path:
 
 @lru_cache(maxsize=64)
 def small(path: Path) -> bytes:
-    """A kept picture as a small WebP for pages. Decodes it, so not on the event loop; a few are remembered, none is
-    kept on disk. 404 when the file is gone."""
+    """A stored picture as a small WebP for pages. Decodes it, so not on the event loop; caches a few in memory. 404 if
+    the file is missing."""
     try:
         with Pillow.open(path) as picture:
             picture.draft("RGB", (SMALL, SMALL))
@@ -168,7 +166,7 @@ def small(path: Path) -> bytes:
 
 
 def gone() -> BoardError:
-    """A picture that the database knows, whose file is not there."""
+    """The error for a picture in the database whose file is missing."""
     return BoardError(404, "no_such_image", "the file of this picture is gone", "ask an admin: a backup may have it")
 
 

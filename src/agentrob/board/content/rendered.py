@@ -21,8 +21,8 @@ STOP_CHARS = 200
 
 @dataclass(frozen=True, slots=True)
 class Rendered:
-    """A text with what follows from it. `mentions` are accounts that it visibly names, `words` and `chars` what the
-    index of words gets; `stop`: it stops a robot that moves, `only_stop`: it says nothing else."""
+    """A text and what is derived from it. `mentions` are accounts that it visibly names, `words` and `chars` go to the
+    full-text index; `stop`: it stops a moving robot, `only_stop`: it says nothing else."""
 
     raw: str
     html: str
@@ -37,7 +37,7 @@ class Rendered:
 
 
 class Text:
-    """A body that is being rendered: first its names, then, when it is known which are accounts, everything else."""
+    """A body that is rendered in two steps: first its names; then, knowing which of them are accounts, the rest."""
 
     def __init__(self, raw: str) -> None:
         self._raw, self._parsed = raw, Parsed(raw)

@@ -22,27 +22,28 @@ from agentrob.language.complexity import parsing_us
 from agentrob.model import Account, AccountKind
 
 T = TypeVar("T")
-#: Rendered at once when parsing is estimated to take so many microseconds at most, and of so many characters.
+#: The estimated microseconds of parsing, and the characters, up to which a text is rendered at once.
 AT_ONCE_US, AT_ONCE_CHARS = 3_000, 2_000
-#: Shown as it was typed beyond. Prose of 64 KiB is estimated at a quarter of it.
+#: Above this estimate a text is shown as plain text. Prose of 64 KiB is estimated at a quarter of it.
 MOST_US = 1_500_000
-#: Different names after an @ that one text may have: each is looked up.
+#: The largest number of different mentions in a text; each is looked up.
 MAX_NAMES = 100
-#: Texts of one account that may wait for its first one, and accounts whose texts may wait.
+#: The number of waiting texts of one account, and of accounts with waiting texts.
 MAX_OF_ONE, MAX_ACCOUNTS = 4, 64
-#: For so long a text waits until it is its turn.
+#: Seconds that a text waits for its turn.
 PATIENCE_S = 10.0
 
 
 class Renderer:
-    """`accounts` says which of some names are accounts; it is asked on the event loop."""
+    """`accounts` returns which of some names are accounts; it is called on the event loop."""
 
     def __init__(self, accounts: Callable[[Collection[str]], Collection[str]]) -> None:
         self._accounts = accounts
         self._people, self._robots = _Lane("board-render"), _Lane("board-render-robots")
 
     async def render(self, raw: str, by: Account) -> Rendered:
-        """429 when too many texts of the account wait, 503 when too many do, 422 when it names too many."""
+        """429 if too many texts of the account wait, 503 if too many wait in all, 422 if the text has too many
+        mentions."""
         if len(raw) <= AT_ONCE_CHARS and parsing_us(raw, AT_ONCE_US) <= AT_ONCE_US:
             text = Text(raw)
             return text.rendered(self._known(text.names))
@@ -61,7 +62,7 @@ class Renderer:
 
 
 class _Lane:
-    """A process, and who waits for it: in the order in which they came, but of each account one text at a time."""
+    """A render process and its queue: first come, first served, but one text of each account at a time."""
 
     def __init__(self, name: str) -> None:
         self._process, self._thread = RenderProcess(), ThreadPoolExecutor(1, name)
@@ -94,7 +95,8 @@ class _Lane:
                 await self._turn.acquire()
         except TimeoutError:
             raise _overloaded() from None
-        # Whoever asked may go away meanwhile; the process still answers, and the next one must not read that answer.
+        # The caller may be cancelled meanwhile; the process still answers, and the next caller must not read that
+        # answer.
         working = asyncio.ensure_future(self._work(raw, known))
         working.add_done_callback(self._next)
         return await asyncio.shield(working)
@@ -102,7 +104,7 @@ class _Lane:
     def _next(self, done: asyncio.Future[Rendered]) -> None:
         self._turn.release()
         if not done.cancelled():
-            done.exception()  # whoever asked has it, if still there
+            done.exception()  # retrieved, so that asyncio does not log it
 
     async def _work(self, raw: str, known: Callable[[Collection[str]], Collection[str]]) -> Rendered:
         if parsing_us(raw, MOST_US) > MOST_US:

@@ -30,17 +30,17 @@ from agentrob.errors import BoardError
 from agentrob.model import Account, EventKind, Page
 
 SearchMode = Literal["words", "meaning"]
-#: More searches than this do not wait for the one that runs.
+#: The largest number of waiting searches.
 MAX_SEARCHES = 20
-#: A read that takes longer is given up, on PostgreSQL: the event loop waits for it.
+#: Seconds after which PostgreSQL cancels a read, since the event loop waits for it.
 READ_S = 2.0
 
 
 class Store:
-    """One open database. Made once per process by `server.create_app`; pages get it as `get_services(request).store`.
+    """One open database, created once per process by `server.create_app`.
 
     `published` is called on the event loop with the ids of new events, in order, after each commit; other processes
-    that serve the same database hear of it as from `process`. `reader` sees what the request that runs may see
+    that serve the same database know this one as `process`. `reader` sees what the current request may see
     (`auth.visibility`); `everything` sees all boards, so its callers must check rights themselves.
     """
 
@@ -99,8 +99,8 @@ class Store:
         mode: SearchMode = "words",
         tag: str | None = None,
     ) -> Page[StoredPost]:
-        """Posts with all the words, newest first, or most alike in meaning first. 404 for what this forum has not, 503
-        as for `beside`."""
+        """Posts with all the words, newest first, or by similar meaning, most similar first. 404 if this forum has no
+        such search, 503 as for `beside`."""
         return await self._aside(self._finder_by(mode), query, cursor, limit, board_id, tag)
 
     async def beside(self, read: Callable[..., T], *asked: Any) -> T:
@@ -113,7 +113,7 @@ class Store:
             raise BoardError(503, "overloaded", "too many searches are waiting", "try again in a moment", 2.0)
         self._pending_searches += 1
         try:
-            seeing = copy_context().run  # what whoever asks may see
+            seeing = copy_context().run  # keeps the readable boards of the request
             running = self._search_thread.submit(seeing, call, *asked)
             return await asyncio.wrap_future(running)
         finally:
@@ -187,13 +187,13 @@ class Store:
         return await self.writer.do(job, first=text.stop)
 
     async def remove(self, by: Account, post_id: str, reason: str = "") -> StoredPost:
-        """Hide a post for everybody; its author and moderators may (403). Again does nothing."""
+        """Hide a post, as its author or a moderator (else 403). Repeating it does nothing."""
         return await self.do(lambda t: writes.remove(t, by, post_id, reason))
 
     async def record(
         self, kind: EventKind, robot: str, by: Account | None, *, key: str | None = None, at_us: int | None = None
     ) -> StoredEvent:
-        """A robot event: stop, reset, watch. Its time is that of the call, however long writing takes."""
+        """Record an event of a robot, such as a stop. Its time is that of the call, however long writing takes."""
         happened_us = now_us() if at_us is None else at_us
         job: Job[StoredEvent] = lambda t: writes.record(t, kind, robot, by, key, happened_us)  # noqa: E731
         return await self.writer.do(job, first=kind is EventKind.ROBOT_STOP)
@@ -201,5 +201,6 @@ class Store:
     async def add_image(
         self, by: Account, file: Path, image: Image, key: str | None = None
     ) -> tuple[Image, bool] | None:
-        """Register a picture; False when the key had been used: then it is the old one. None: its file is gone."""
+        """Register a picture; False if the key was used before, with the earlier picture. None if its file is
+        missing."""
         return await self.do(lambda t: writes.add_image(t, by, file, image, key, self._limits.uploads))

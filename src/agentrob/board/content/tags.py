@@ -25,39 +25,40 @@ _KEPT = "LNM"  # letters, digits, and the marks that belong to letters
 
 @dataclass(frozen=True, slots=True)
 class Tag:
-    """A tag and how many topics have it, of those that are seen."""
+    """A tag and the number of visible topics that have it."""
 
     tag: str
     topics: int
 
 
 def plain(word: str) -> str:
-    """A word as a tag: `#Red Ball!` is `red-ball`; empty when no letter or digit is left."""
+    """A word as a tag: `#Red Ball!` becomes `red-ball`; empty if no letter or digit is left."""
     folded = unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", word[:200]).casefold())
     kept = "".join(c if unicodedata.category(c)[0] in _KEPT else " " for c in folded)
     return "-".join(kept.split())[:LENGTH].rstrip("-")
 
 
 def checked(words: Iterable[str]) -> tuple[str, ...]:
-    """The tags that words make, in their order, each once. 422 for a word that is too long, and for too many."""
+    """The tags of words, in their order, each once. 422 for a word that is too long, and for too many."""
     given = list(words)
     if any(len(word.strip()) > LENGTH for word in given):
         raise BoardError(422, "bad_tag", "a tag is too long", f"at most {LENGTH} characters")
     found = tuple(dict.fromkeys(tag for tag in map(plain, given) if tag))
     if len(found) > MOST:
-        raise BoardError(422, "too_many_tags", f"a topic has at most {MOST} tags", "the ones that say most")
+        raise BoardError(422, "too_many_tags", f"a topic has at most {MOST} tags", "use fewer tags")
     return found
 
 
 # -------------------------------------------------------------------- writing
 def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str], per_hour: int = 0) -> Topic:
-    """Other tags for a topic. Who began it may, while they may post there, and moderators, which is logged. 403, and
-    429 beyond `per_hour` changes."""
+    """Set the tags of a topic, as its author, who must be allowed to post there, or a moderator, which is logged. 403,
+    and
+    429 after `per_hour` changes."""
     reader = Reader(t.connection)
     topic = reader.topic(topic_id)
     may_post(by, reader.board(topic.board_id), topic)
     if not may_change(by, topic):
-        what = "only who began a topic and moderators choose its tags"
+        what = "only the author of a topic and moderators choose its tags"
         raise BoardError(403, "not_yours", what, "ask one of them")
     if set(found) != set(topic.tags):
         limits.record_change(t.connection, by, per_hour)
@@ -70,14 +71,14 @@ def change(t: Transaction, by: Account, topic_id: str, found: Sequence[str], per
 
 
 def may_change(by: Account, topic: Topic) -> bool:
-    """Whether somebody may choose a topic's tags, where they may post at all."""
+    """Whether an account may choose the tags of a topic, if it may post there."""
     watches = by.kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT)
     return by.id == topic.author.id or (by.role.rank >= Role.MODERATOR.rank and not watches)
 
 
 # -------------------------------------------------------------------- reading, beside the event loop
 def listed(reader: Reader) -> tuple[Tag, ...]:
-    """All tags of topics that are seen, those of most topics first."""
+    """All tags of visible topics, most used first."""
     t, tag, count = db.topics.c, db.topic_tags.c.tag, func.count()
     statement = select(tag, count.label("topics")).join(db.topics, t.id == db.topic_tags.c.topic_id).where(t.posts > 0)
     if (seen := reader.seen()) is not None:
@@ -87,7 +88,7 @@ def listed(reader: Reader) -> tuple[Tag, ...]:
 
 
 def posts(reader: Reader, tag: str, limit: int) -> tuple[StoredPost, ...]:
-    """The latest posts of topics with a tag, newest first, without what was removed."""
+    """The latest posts of topics with a tag, newest first, without removed ones."""
     p = db.posts.c
     topics = [int(topic.id) for topic in reader.topics(None, None, limit, tag).items]  # no other has a later post
     newest = select(p.id).where(p.topic_id.in_(topics), p.removed.is_(False)).order_by(p.id.desc()).limit(limit)

@@ -26,7 +26,7 @@ from agentrob.model import Account, Page
 if TYPE_CHECKING:
     from agentrob.board.content.store import Store
 
-#: More new posts of a topic than this are not counted; so many topics are looked through for what is new.
+#: The largest count of unread posts in a topic; the number of topics searched for unread posts.
 MOST, LOOKED_AT = 99, 1000
 #: Read positions kept in memory.
 MAX_KEPT = 50_000
@@ -58,7 +58,7 @@ _Key = tuple[int, int]  # account, topic
 
 @dataclass(frozen=True, slots=True)
 class UnreadCount:
-    """How many posts of others are new in a topic, at most `MOST` and one more, and the first of them."""
+    """The number of unread posts of others in a topic, at most `MOST` + 1, and the first of them."""
 
     count: int
     first: str
@@ -68,7 +68,7 @@ class UnreadCount:
 
 
 class ReadPositions:
-    """The marks of all accounts, as far as anybody asked. For the event loop's thread."""
+    """The read positions of accounts, cached. Use it on the event loop's thread only."""
 
     def __init__(self) -> None:
         self._known: dict[_Key, int] = {}
@@ -76,7 +76,7 @@ class ReadPositions:
         self._read_up_to: dict[int, int] = {}
 
     def showed(self, reader: Reader, account: Account | None, topic: Topic, post_id: str) -> None:
-        """A page showed a topic up to this post."""
+        """Record that a page showed a topic up to this post."""
         if account is None or not post_id:
             return
         key = int(account.id), int(topic.id)
@@ -84,7 +84,7 @@ class ReadPositions:
             self._known[key] = self._pending[key] = int(post_id)
 
     def news(self, reader: Reader, account: Account | None, topics: Collection[Topic]) -> dict[str, UnreadCount]:
-        """What is new for an account, by topic; those without anything new are left out."""
+        """The unread counts of an account, by topic; without topics that have none."""
         if account is None or not topics:
             return {}
         marks, found = self._of(reader, int(account.id), topics), dict[str, UnreadCount]()
@@ -100,8 +100,9 @@ class ReadPositions:
     def unread(
         self, reader: Reader, account: Account, cursor: str | None, limit: int, board_id: str | None = None
     ) -> Page[tuple[Topic, UnreadCount]]:
-        """Topics with something new, latest activity first, of the `LOOKED_AT` that were written in last, on one board
-        or on all. 404."""
+        """Topics with unread posts, latest activity first, among the `LOOKED_AT` most recent ones of one board or of
+        all.
+        404."""
         t, me = db.topics.c, int(account.id)
         latest = select(t.id, t.last_post_id).where(t.posts > 0, t.last_post_id > self._base(reader, me))
         if board_id is not None:
@@ -121,13 +122,13 @@ class ReadPositions:
         return Page(tuple((topic, news[topic.id]) for topic in topics if topic.id in news), more)
 
     async def topic_read(self, store: Store, account: Account, topic: Topic, up_to: int) -> None:
-        """The posts of a topic up to this one count as read; never fewer than before."""
+        """Mark the posts of a topic up to this one as read; never moves back."""
         await self._mark(store, int(account.id), lambda _: {int(topic.id): min(up_to, int(topic.last_post_id))})
 
     async def all_read(self, store: Store, account: Account, up_to: int, board_id: str | None = None) -> None:
-        """All posts up to this one count as read, on a board or on all; never fewer than before.
+        """Mark all posts up to this one as read, on a board or on all; never moves back.
 
-        Of a board in the topics that `unread` looks through.
+        On a board this covers the topics that `unread` searches.
         """
         if board_id is not None:
             base = self._base(store.reader, int(account.id))
@@ -144,7 +145,7 @@ class ReadPositions:
         self._read_up_to[me] = await store.do(job)
 
     async def _mark(self, store: Store, me: int, chosen: Callable[[Transaction], dict[int, int]]) -> None:
-        """Write marks of one account at once, by topic."""
+        """Write read positions of one account, by topic."""
 
         def job(t: Transaction) -> dict[int, int]:
             marks = chosen(t)
@@ -157,7 +158,7 @@ class ReadPositions:
                 self._known[me, topic] = max(post, self._known[me, topic])
 
     async def write(self, store: Store) -> None:
-        """Write what is new. What cannot be written now is kept for the next time."""
+        """Write changed positions. If that fails, they are kept for the next attempt."""
         pending, self._pending = self._pending, {}
         if not pending:
             return
@@ -173,12 +174,12 @@ class ReadPositions:
             self._pending = pending | self._pending
 
     def forget(self) -> None:
-        """Ask the database anew; what is not written yet is kept."""
+        """Drop cached positions except those that are not written yet."""
         self._known, self._read_up_to = dict(self._pending), {}
 
     # ---------------------------------------------------------------- pieces
     def _of(self, reader: Reader, me: int, topics: Iterable[Topic]) -> Mapping[str, int]:
-        """Up to which post each topic was read."""
+        """The last read post of each topic."""
         base = self._base(reader, me)
         if len(self._known) > MAX_KEPT:
             self.forget()
@@ -196,7 +197,7 @@ class ReadPositions:
 
 
 def _marks_of(t: Transaction, board_id: str, base: int, up_to: int) -> dict[int, int]:
-    """The topics of a board that were written in last, each with its mark when it is read up to a post."""
+    """The positions of the most recent topics of a board if everything up to a post is read."""
     c = db.topics.c
     some = select(c.id, c.last_post_id).where(c.board_id == board_id, c.last_post_id > base)
     rows = t.connection.execute(some.order_by(c.last_post_id.desc()).limit(LOOKED_AT))
@@ -204,8 +205,8 @@ def _marks_of(t: Transaction, board_id: str, base: int, up_to: int) -> dict[int,
 
 
 async def run_flush_loop(marks: ReadPositions, store: Store, shared: bool) -> None:
-    """Write what was read every few seconds, until cancelled; where the database is `shared` by several processes, see
-    what was read at the others as often."""
+    """Write read positions every few seconds, until cancelled. If several processes share the database, also drop the
+    cache, to see what was read at the others."""
     while True:
         await asyncio.sleep(WRITE_EVERY_S)
         await marks.write(store)

@@ -16,14 +16,14 @@ from agentrob.board.db.records import Image
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role
 
-#: How often a picture is written anew whose file is deleted meanwhile, since the same one of somebody else's went.
+#: Attempts to store a picture whose file is deleted meanwhile, because an identical one was deleted.
 TRIES = 5
 
 log = structlog.get_logger(__name__)
 
 
 def check_folder(store: Store) -> None:
-    """Say so where the newest picture is not in the folder: processes on several hosts must share it."""
+    """Log an error if the newest picture is not in the folder, which processes on several hosts must share."""
     i, folder = db.images.c, store.images_dir
     newest = select(i.sha256).where(i.gone_us.is_(None)).order_by(i.id.desc()).limit(1)
     row = store.everything.first(newest)
@@ -40,7 +40,7 @@ def may(by: Account | None) -> bool:
 
 
 async def take(store: Store, by: Account, data: bytes, key: str | None = None) -> tuple[Image, bool]:
-    """Keep a picture; whether it is new. 403, 413, 415, 429, 503."""
+    """Store a picture; return it and whether it is new. 403, 413, 415, 429, 503."""
     if not may(by):
         raise BoardError(403, "no_uploads", "only robot agents, operators and admins may upload", "ask an admin")
     image, data = await asyncio.to_thread(images.check, data)
@@ -48,11 +48,11 @@ async def take(store: Store, by: Account, data: bytes, key: str | None = None) -
         path = await asyncio.to_thread(images.keep, store.images_dir, data)
         if (taken := await store.add_image(by, path, image, key)) is not None:
             return taken
-    raise BoardError(503, "storage", "the picture was taken away again and again", "try again in a moment", 1.0)
+    raise BoardError(503, "storage", "the picture was deleted during each attempt", "try again in a moment", 1.0)
 
 
 async def file_of(store: Store, image: Image, digest: str) -> tuple[Path, os.stat_result]:
-    """Where the file of a picture is, and what it is. 404 when it is not there any more, 503 when it cannot be read."""
+    """The path and status of the file of a picture. 404 if it is missing, 503 if it cannot be read."""
     path = images.path_of(store.images_dir, digest)
     try:
         return path, await asyncio.to_thread(path.stat)

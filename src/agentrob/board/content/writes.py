@@ -30,7 +30,7 @@ from agentrob.model import Account, AccountKind, CommandState, EventKind, Role
 from agentrob.model.lifecycle import ACTIVE_STATES
 
 MAX_IMAGES = 32
-#: Of a topic whose author may not begin one: it is there for the stop in it.
+#: The title of a topic whose author may not start one: it exists only for the stop in it.
 STOP_TITLE = "Stop"
 Card = Mapping[str, Any]
 #: States of a status post that only report progress: an edit does not keep their text as a version. The text that asks
@@ -48,7 +48,7 @@ _ONE_POST_MORE = (
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """What somebody wants to post; `images` are ids, `reply_to` a post of the same topic."""
+    """A post to be written; `images` are ids, `reply_to` is a post of the same topic."""
 
     author: Account
     text: Rendered
@@ -60,8 +60,8 @@ class Draft:
 
 
 def create_topic(t: Transaction, board_id: str, title: str, draft: Draft, tags: Sequence[str] = ()) -> Written:
-    """A new topic and its first post. `tags` are checked ones. One that is taken only since it is a stop gets a fixed
-    title and no tags: nothing but the stop is said in it."""
+    """Create a topic and its first post; `tags` are checked. A topic accepted only because it is a stop gets a fixed
+    title and no tags, so that it says nothing else."""
     if old := _written_before(t, draft):
         return old
     board = Reader(t.connection).board(board_id)
@@ -86,8 +86,8 @@ def reply(t: Transaction, topic_id: str, draft: Draft) -> Written:
 
 
 def taken_as_any_other(t: Transaction, draft: Draft, board: Board, topic: Topic | None = None) -> bool:
-    """Whether a post is within what its author may do; False when it is taken all the same, since it says stop and
-    nothing else (law 15). Else 403 or 429; 404 where the author may not even look."""
+    """Whether the author may write this post; False if it is accepted only because it says stop and nothing else
+    (law 15). Else 403 or 429; 404 if the author may not read the board."""
     taken = False
     with _a_stop_is_taken(draft.text):
         may_post(draft.author, board, topic)
@@ -98,7 +98,7 @@ def taken_as_any_other(t: Transaction, draft: Draft, board: Board, topic: Topic 
 
 @contextmanager
 def _a_stop_is_taken(text: Rendered) -> Iterator[None]:
-    """Of what is asked within, only a 404 counts for a text that says stop and nothing else."""
+    """Ignore errors of the checks inside, except 404, for a text that says stop and nothing else."""
     try:
         yield
     except BoardError as e:
@@ -107,7 +107,7 @@ def _a_stop_is_taken(text: Rendered) -> Iterator[None]:
 
 
 def may_post(author: Account, board: Board, topic: Topic | None = None) -> None:
-    """403 where the author may not write, 404 where it may not even look. Robots answer wherever they were asked."""
+    """403 if the author may not write here, 404 if it may not read here. Robots may reply everywhere."""
     if author.role.rank < board.read_role.rank:
         raise not_found("topic", topic.id) if topic else not_found("board", board.id)
     if author.kind is AccountKind.ROBOT_AGENT:
@@ -121,7 +121,7 @@ def may_post(author: Account, board: Board, topic: Topic | None = None) -> None:
 
 
 def check_limits(t: Transaction, draft: Draft) -> None:
-    """429 when the author wrote or commanded too much in the last hour. Robots are exempt."""
+    """429 if the author posted or commanded too often in the last hour. Robots are exempt."""
     if draft.author.kind is AccountKind.ROBOT_AGENT:
         return
     limits.check_posts(t.connection, draft.author, draft.limits.posts)
@@ -141,8 +141,9 @@ def edit(
     card: Card | Literal["keep"] | None,
     per_hour: int = 0,
 ) -> StoredPost:
-    """A new text for the editor's own post. The old one is kept as a version, unless it was a robot's `PROGRESS`. 429
-    beyond `per_hour` changes."""
+    """Replace the text of the editor's own post. The old one is kept as a version, unless it was a robot's `PROGRESS`.
+    429
+    after `per_hour` changes."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.author.id != editor.id:
@@ -172,7 +173,7 @@ def edit(
 
 
 def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> StoredPost:
-    """Hide a post. Its author may, and moderators; again does nothing."""
+    """Hide a post, as its author or a moderator. Repeating it does nothing."""
     reader = Reader(t.connection)
     post = reader.post(post_id)
     if post.author.id != by.id:
@@ -194,7 +195,7 @@ def remove(t: Transaction, by: Account, post_id: str, reason: str = "") -> Store
 
 
 def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key: str | None, at_us: int) -> StoredEvent:
-    """Something that concerns a robot. Under a key used before it is the old event."""
+    """Record an event of a robot; with a key that was used before, return the earlier event."""
     values = {"robot": robot, "account_id": int(by.id) if by else None}
     if by and key and (old := _used(t.connection, by, f"{kind}:{robot}"[:40], key)):
         at_us = t.connection.execute(select(db.events.c.at_us).where(db.events.c.id == old)).scalar_one()
@@ -210,10 +211,10 @@ def record(t: Transaction, kind: EventKind, robot: str, by: Account | None, key:
 def add_image(
     t: Transaction, by: Account, file: Path, image: Image, key: str | None, per_hour: int = 0
 ) -> tuple[Image, bool] | None:
-    """An uploaded picture, and whether it is new. 429 when the account uploaded `per_hour` in the last hour.
+    """Register an uploaded picture; return it and whether it is new. 429 after `per_hour` uploads in the last hour.
 
-    None when its file was taken away since it was written: nobody takes one away during this transaction, nor, once
-    this is committed, later.
+    None if its file was deleted after it was written. No process deletes it during this transaction, nor after its
+    commit.
     """
     if key and (old := _used(t.connection, by, "image", key)):
         return Reader(t.connection).image(str(old))[0], False
@@ -251,7 +252,7 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
 
 
 def _only_progress(post: StoredPost) -> bool:
-    """Whether this is a robot's own status post of a command that goes on; people have no cards."""
+    """Whether this is a robot's status post of a command that is still in progress."""
     state = (post.card or {}).get("state")
     return post.author.kind is AccountKind.ROBOT_AGENT and state in PROGRESS
 
@@ -279,7 +280,7 @@ def _number(post_id: str | None) -> int | None:
 
 
 def _attach(connection: Connection, post_id: int, by: Account, images: Sequence[str]) -> None:
-    """Show pictures at the end of a post's own. Those that have expired count no more, but keep their places."""
+    """Append pictures to a post. Expired ones do not count, but keep their positions."""
     if not images:
         return
     columns, at = db.images.c, db.post_images.c
@@ -311,7 +312,7 @@ def _used(connection: Connection, by: Account, scope: str, key: str) -> int | No
 
 
 def _use_key(t: Transaction, by: Account, scope: str, key: str | None, ref: int) -> bool:
-    """Whether this is the first use of the key, which it is without one."""
+    """Whether this is the first use of the key; always true without one."""
     if key is None:
         return True
     if _used(t.connection, by, scope, key) is not None:

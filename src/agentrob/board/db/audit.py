@@ -31,7 +31,7 @@ class Entry:
 
 
 def note(connection: Connection, actor: str, action: str, target: str, **detail: Any) -> None:
-    """Add a row; what is empty is left out. Never a password, a token or a link."""
+    """Add a row; empty details are left out. Never pass a password, a token or a link."""
     told = {k: v for k, v in detail.items() if v not in (None, "", (), [])}
     row = {"at_us": now_us(), "actor": actor, "action": action, "target": target[:80], "detail": told}
     connection.execute(insert(db.audit).values(**row))
@@ -48,7 +48,7 @@ def page(
 
 
 def statement(before: int | None, limit: int, target: str | None = None) -> Any:
-    """Selects rows, newest first."""
+    """The statement that selects rows, newest first."""
     a = db.audit.c
     chosen = select(db.audit).order_by(a.id.desc()).limit(limit)
     if before is not None:

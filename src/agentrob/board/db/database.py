@@ -19,19 +19,19 @@ from agentrob.board.settings import BoardSettings
 from agentrob.errors import BoardError, RobotBusy
 from agentrob.process.host_lock import HostLock
 
-#: How long is waited for somebody who makes the same database.
+#: Seconds to wait for another process that creates the same database.
 LOCKED_S = 5.0
-#: How long is waited on PostgreSQL for somebody who changes the tables.
+#: Seconds to wait, on PostgreSQL, for another process that migrates the tables.
 MIGRATING_S = 60.0
-#: Locks of a PostgreSQL database, any numbers: who writes, who serves, and which of these does what only one may do.
+#: Advisory locks of a PostgreSQL database: of the writer, of the serving processes, and of the one with the duties.
 WRITING_LOCK, SERVING_LOCK, LEADING_LOCK = 4_107_002, 4_107_003, 4_107_004
 #: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
 MAX_SKEW_S = 2.0
-#: On this channel PostgreSQL tells whoever listens that somebody committed, as `<process> commit`.
+#: The PostgreSQL channel on which each commit is announced as `<process> commit`.
 CHANNEL = "agentrob_board"
-#: A writer that says nothing for so long in the middle of a transaction has died with its host: it keeps up nobody.
+#: Seconds after which PostgreSQL ends an idle transaction, as of a writer whose host died.
 SILENT_S = 10
-#: A server that is gone without a word is noticed within seconds; libpq's own words for it.
+#: Options of libpq with which a server that disappeared is noticed within seconds.
 _NOTICED = {
     "connect_timeout": "3", "keepalives_idle": "2", "keepalives_interval": "1", "keepalives_count": "3",
     "tcp_user_timeout": "3000",
@@ -63,7 +63,7 @@ def open_engine(settings: BoardSettings, *, writes: bool, process: str = "", pat
 
 
 def connect_args(settings: BoardSettings) -> dict[str, Any]:
-    """How the driver is to connect: patient with who writes, and not with a server that is gone."""
+    """Connection options of the driver: wait for other writers, but not for a server that is gone."""
     if settings.database.startswith("sqlite"):
         return {"check_same_thread": False, "timeout": settings.busy_timeout_s}
     if settings.shared:
@@ -73,7 +73,7 @@ def connect_args(settings: BoardSettings) -> dict[str, Any]:
 
 
 def connection_words(settings: BoardSettings) -> dict[str, Any]:
-    """What `psycopg` needs to connect to the same PostgreSQL database by itself."""
+    """The arguments with which `psycopg` connects to the same PostgreSQL database."""
     url = make_url(settings.database)
     words = url.get_dialect()().create_connect_args(url)[1]
     return connect_args(settings) | {k: v for k, v in words.items() if k != "context"}
@@ -89,7 +89,7 @@ def _set_up_sqlite(connection: Any, _record: object) -> None:
 
 
 def _patiently(connection: Any, statement: str) -> None:
-    """Run what SQLite does not wait for by itself, as when two make a database at once."""
+    """Run a statement for which SQLite does not wait by itself, as when two processes create a database."""
     until_s = time.monotonic() + LOCKED_S
     while True:
         try:
@@ -122,9 +122,8 @@ def _be_impatient(patience_s: float, connection: Any, _record: object) -> None:
 
 
 def _one_writer(patience_s: float, connection: Connection) -> None:
-    """As in SQLite: who writes waits for who writes. So events become visible in the order of their ids, nobody who
-    follows them misses one that was committed late, and what was asked before writing is still so when it is written:
-    keys, limits and counts hold across processes."""
+    """Let writers wait for each other, as in SQLite. So events become visible in the order of their ids, followers miss
+    none, and checks of keys, limits and counts still hold when the row is written, across processes."""
     connection.exec_driver_sql(
         f"SET LOCAL lock_timeout = '{int(patience_s * 1000)}ms'; "
         f"SET LOCAL idle_in_transaction_session_timeout = '{SILENT_S}s'; "
@@ -133,7 +132,7 @@ def _one_writer(patience_s: float, connection: Connection) -> None:
 
 
 def _tell_commit(process: str, connection: Connection) -> None:
-    """In the transaction: it is told when that is committed, and only then."""
+    """Announce the commit; PostgreSQL delivers it only if the transaction is committed."""
     connection.exec_driver_sql(f"NOTIFY {CHANNEL}, '{process} commit'")
 
 
@@ -172,7 +171,7 @@ def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -
 
 
 def check_version(settings: BoardSettings) -> bool:
-    """Whether there are tables; changes nothing. 409 when they are of another version than this one."""
+    """Whether there are tables; changes nothing. 409 if they are of another version."""
     if settings.database_path is not None and not settings.database_path.exists():
         return False  # connecting would make an empty file
     engine = open_engine(settings, writes=False)
@@ -191,7 +190,7 @@ def check_version(settings: BoardSettings) -> bool:
 
 
 def _revisions() -> tuple[Any, list[str]]:
-    """How alembic is set up, and all revisions, the newest first."""
+    """The configuration of alembic, and all revisions, newest first."""
     from alembic.config import Config
     from alembic.script import ScriptDirectory
 
@@ -201,14 +200,14 @@ def _revisions() -> tuple[Any, list[str]]:
 
 
 def serving_lock(settings: BoardSettings) -> HostLock:
-    """Held by the one process that serves a database on this host. `RobotBusy` when another one does."""
+    """The lock of the process that serves a database on this host. Raises `RobotBusy` if another one has it."""
     path = settings.database_path
     key = str(path.resolve()) if path else settings.database_shown
     return HostLock("board/" + hashlib.sha256(key.encode()).hexdigest()[:16], f"the database {key}")
 
 
 def _nobody_serves(connection: Connection) -> None:
-    """Until the end of the transaction; 409 when somebody does."""
+    """Take the serving lock until the end of the transaction; 409 if a process serves the database."""
     if not connection.execute(select(func.pg_try_advisory_xact_lock(SERVING_LOCK))).scalar_one():
         raise _older_version_serves()
 
@@ -226,7 +225,7 @@ def _older_version_serves() -> BoardError:
 
 
 def check_clock(before: float, there: float, after: float) -> None:
-    """503 when the database's clock, asked for between two looks at ours, surely differs by more than `MAX_SKEW_S`."""
+    """503 if the database's clock, read between two readings of ours, differs by more than `MAX_SKEW_S`."""
     ahead_s, behind_s = before - there, there - after
     if (skew_s := max(ahead_s, behind_s)) > MAX_SKEW_S:
         how = "ahead of" if skew_s == ahead_s else "behind"
@@ -240,7 +239,7 @@ def being_changed(settings: BoardSettings) -> BoardError:
 
 
 def unavailable(error: DBAPIError) -> BoardError:
-    """What a database that cannot be used now means for whoever asked: 503, try again."""
+    """The error for a database that cannot be used now: 503, try again."""
     text = str(error.orig)
     if isinstance(error, OperationalError) and any(w in text for w in ("locked", "busy", "lock timeout")):
         return BoardError(503, "busy", "the database is busy; nothing was written", "try again", retry_after_s=1.0)

@@ -123,7 +123,7 @@ class Reader:
         return self.connection.execute(statement, values).all()  # a server that was started again meanwhile
 
     def kept(self, key: Hashable, read: Callable[[], T]) -> T:
-        """What `read` gives, or gave since the last commit of anybody: then nothing can have changed."""
+        """The result of `read`, cached until the next commit by any process."""
         newest = self.version() if self._keeps else None
         if newest is None:
             return read()
@@ -135,7 +135,7 @@ class Reader:
         return found
 
     def version(self) -> int | None:
-        """A number that changes with every commit of another connection; None where there is no such thing."""
+        """A number that changes with every commit of another connection; None if the database has none."""
         if self.connection.dialect.name != "sqlite":
             return None
         raw: Any = self.connection.connection.dbapi_connection
@@ -145,7 +145,7 @@ class Reader:
             return None
 
     def topic_version(self, topic_id: int) -> tuple[int | None, int | None]:
-        """A mark that changes with whatever a page of this topic's posts shows.
+        """A version that changes with everything that a page of this topic's posts shows.
 
         Every change of a post adds an event in its topic, and every change of an account, a board or a picture that is
         not its owner's own adds to the audit log, in the same transaction.
@@ -161,7 +161,7 @@ class Reader:
         return row[0], row[1]
 
     def seen(self) -> frozenset[str] | None:
-        """The boards that are seen now; None for all that there are."""
+        """The boards that this reader may see now; None for all."""
         if self._sees is None:
             return None
         sees = self._sees()
@@ -173,7 +173,7 @@ class Reader:
 
     # ---------------------------------------------------------------- boards and topics
     def all_boards(self) -> tuple[Board, ...]:
-        """All there are, whoever asks."""
+        """All boards, regardless of the viewer."""
         return self.kept("boards", lambda: tuple(map(board_from, self.rows(_BOARDS))))
 
     def boards(self) -> tuple[Board, ...]:
@@ -194,7 +194,7 @@ class Reader:
     def topics(
         self, board_id: str | None, cursor: str | None = None, limit: int = 20, tag: str | None = None
     ) -> Page[Topic]:
-        """Latest activity first, of one board or of all, with a tag, without those whose posts are all removed."""
+        """Latest activity first, of one board or of all, with a tag; without topics whose posts are all removed."""
         t = db.topics.c
         statement = _TOPICS.where(t.posts > 0).order_by(t.last_post_id.desc()).limit(_limit(limit) + 1)
         if board_id is not None:
@@ -209,7 +209,7 @@ class Reader:
         return Page(tuple(map(topic_from, rows[:limit])), _cursor([r.last_post_id for r in rows], limit))
 
     def topics_by_id(self, ids: Sequence[int]) -> tuple[Topic, ...]:
-        """Those that are seen, in this order."""
+        """The visible ones, in this order."""
         rows, seen = self.rows(_TOPICS_BY_ID, ids=ids), self.seen()
         found = {r.id: topic_from(r) for r in rows if seen is None or r.board_id in seen}
         return tuple(found[i] for i in ids if i in found)
@@ -222,7 +222,7 @@ class Reader:
         return topic_from(row)
 
     def title_begun_by(self, post: StoredPost) -> str:
-        """The title of a topic when this is its first post, else nothing."""
+        """The title of the topic if this is its first post, else empty."""
         p = db.posts.c
         first = self.first(select(func.min(p.id)).where(p.topic_id == int(post.topic_id)))
         return self.topic(post.topic_id).title if first and str(first[0]) == post.id else ""
@@ -236,7 +236,7 @@ class Reader:
         return Page(self._posts(rows[:limit]), _cursor([r.id for r in rows], limit))
 
     def posts_by(self, author: Account, limit: int = 20) -> tuple[StoredPost, ...]:
-        """What an account wrote, newest first, without what was removed."""
+        """Posts of an account, newest first, without removed ones."""
         p = db.posts.c
         mine = and_(p.author_id == int(author.id), p.removed.is_(False))
         statement = _POSTS.where(mine).order_by(p.id.desc()).limit(_limit(limit))
@@ -247,7 +247,7 @@ class Reader:
     def latest_posts(
         self, cursor: str | None, limit: int, board_id: str | None = None, topic_id: str | None = None
     ) -> Page[StoredPost]:
-        """Newest first, of one board, one topic or of all, without what was removed."""
+        """Newest first, of one board, one topic or of all, without removed ones."""
         p, t = db.posts.c, db.topics.c
         statement = _POSTS.where(p.removed.is_(False)).order_by(p.id.desc()).limit(_limit(limit) + 1)
         if topic_id is not None:
@@ -319,7 +319,7 @@ class Reader:
         return Image(str(row.id), row.width, row.height, row.media_type), row.sha256
 
     def image_shown(self, image_id: str, viewer: Account | None) -> bool:
-        """Whether a post that is seen and not removed shows the image; its owner always sees it."""
+        """Whether a visible post that is not removed shows the image; its owner always sees it."""
         i, pi = db.images.c, db.post_images.c
         number = int(image_id)
         if viewer and self.first(select(i.id).where(i.id == number, i.account_id == int(viewer.id))):
@@ -330,7 +330,7 @@ class Reader:
         return self.first(shown.where(pi.image_id == number, db.posts.c.removed.is_(False)).limit(1)) is not None
 
     def image_robot(self, image_id: str) -> str | None:
-        """The robot whose agent uploaded the image: what its camera saw. None when a person did."""
+        """The robot whose agent uploaded the image; None if a person did."""
         robots = and_(db.images.c.id == int(image_id), db.accounts.c.kind == AccountKind.ROBOT_AGENT)
         query = select(db.accounts.c.name).join(db.images, db.images.c.account_id == db.accounts.c.id).where(robots)
         row = self.first(query)
@@ -342,7 +342,7 @@ class Reader:
         return account_from(row) if row else None
 
     def names(self, names: Collection[str]) -> frozenset[str]:
-        """Those of some names (lower case) that are accounts."""
+        """Which of these names (lower case) are accounts."""
         return frozenset(row.name for row in self.rows(_NAMES, names=list(names)))
 
     def robots(self) -> tuple[Account, ...]:
@@ -358,11 +358,11 @@ class Reader:
         return event_id(found.id, found.at_us) if found else BEFORE_ALL
 
     def known_event(self, wanted: str) -> int:
-        """The number of an event id, once it is sure that nothing can be missed by going on after it.
+        """The number of an event id, if no event can be missed by resuming after it.
 
-        404 for an event of another history: one that a backup put back over this one, or a lost disk, has undone. Its
-        number may belong to another event by now, but not its time. So is one that is not kept any more (`retention`).
-        `BEFORE_ALL` and bare numbers, the ids of boards before this one, are only held against the newest and oldest.
+        404 for an event of another history, as before a restored backup or a lost disk: its number may belong to
+        another event now, but not its time. 404 also for an event that was pruned (`retention`). `BEFORE_ALL` and bare
+        numbers, the ids of earlier versions, are only compared with the newest and oldest event.
         """
         number, _, tag = wanted.partition("-")
         if number.isascii() and number.isdigit() and len(number) < 19:

@@ -20,7 +20,7 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 def from_text(said: object) -> datetime | None:
-    """A time in ISO 8601 with its zone; None for all else, also for those of years that pages cannot show."""
+    """A time from ISO 8601 with a zone; None for anything else, also for years that pages cannot show."""
     try:
         at = datetime.fromisoformat(said) if isinstance(said, str) else None
         return at.astimezone(UTC) if at is not None and at.tzinfo is not None else None
@@ -40,7 +40,7 @@ def from_us(us: int) -> datetime:
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """A category; `id` is its slug. The roles are the least ones that read, post and command here."""
+    """A category; `id` is its slug. The roles are the lowest ones that may read, post and command here."""
 
     id: str
     name: str
@@ -90,12 +90,12 @@ class Image:
 
     @property
     def shrinks(self) -> bool:
-        """Whether pages show a smaller one in its place."""
+        """Whether pages show a smaller version."""
         return not self.moving and max(self.width, self.height) > SMALL
 
     @property
     def small(self) -> str:
-        """What pages show: a smaller one of a large picture."""
+        """The path of what pages show: a smaller version of a large picture."""
         return f"{self.path}/small" if self.shrinks else self.path
 
 
@@ -140,7 +140,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class StoredEvent:
-    """Something that happened, in order. `post` is the post as it is now, not as it was then."""
+    """An event, in order. `post` is the post as it is now, not as it was then."""
 
     id: str
     kind: EventKind
@@ -152,7 +152,7 @@ class StoredEvent:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A post that was written; `created` is False when its key had been used before: then it is the old post."""
+    """A written post; `created` is False if its key was used before, with the earlier post."""
 
     topic: Topic
     post: StoredPost

@@ -22,10 +22,11 @@ from agentrob.errors import BoardError
 
 T = TypeVar("T")
 Job = Callable[["Transaction"], T]
-#: More jobs than this are not taken into one transaction, nor any more after so many seconds: the first of them waits
-#: for all.
+#: The largest number of jobs in a transaction, and the seconds after which it takes no more, since the first job waits
+#: for
+#: all.
 MAX_BATCH, MAX_BATCH_S = 64, 0.02
-#: More than this waiting means that the disk cannot follow; then the forum says so, but takes a stop (law 15).
+#: With more waiting jobs than this the disk is too slow: the forum refuses all writes but stops (law 15).
 MAX_WAITING = 2000
 
 log = structlog.get_logger(__name__)
@@ -33,7 +34,7 @@ log = structlog.get_logger(__name__)
 
 @dataclass(slots=True)
 class Transaction:
-    """What a job gets: the connection, and the list of the ids of event rows that it wrote."""
+    """The argument of a job: the connection, and the ids of the event rows that it wrote."""
 
     connection: Connection
     event_ids: list[int] = field(default_factory=list)
@@ -41,7 +42,7 @@ class Transaction:
 
 @dataclass(slots=True)
 class _Waiting:
-    """`job` is None for one that only proves that jobs are taken."""
+    """A waiting job; `job` is None for a proof that jobs are run."""
 
     job: Job[Any] | None
     first: bool
@@ -54,7 +55,7 @@ class _Waiting:
 class Writer:
     """`published` is called on the event loop with the ids of the events of each commit, in order.
 
-    Jobs that come `first`, as stops do, wait for the one that runs and for no other, and are committed at once.
+    Jobs that come `first`, as stops do, wait only for the one that runs, and are committed at once.
     """
 
     def __init__(self, engine: Engine, published: Callable[[list[int]], None]) -> None:
@@ -73,7 +74,7 @@ class Writer:
         return await self._wait(job, first)  # type: ignore[no-any-return]
 
     async def prove(self) -> None:
-        """Go the way of a job that comes first, and write nothing. Raises `BoardError` as `do` does."""
+        """Pass through the queue like a job that comes first, without writing. Raises `BoardError` as `do`."""
         await self._wait(None, first=True)
 
     async def _wait(self, job: Job[Any] | None, first: bool) -> Any:
@@ -89,7 +90,7 @@ class Writer:
         return await waiting.future
 
     def close(self) -> None:
-        """Finish what waits, then end the thread."""
+        """Finish the waiting jobs, then end the thread."""
         with self._more:
             self._closed = True
             self._more.notify()
@@ -111,7 +112,7 @@ class Writer:
             self._answer(batch, event_ids)
 
     def _something_waits(self) -> bool:
-        """Wait until it does; False when the writer is closed and nothing is left."""
+        """Wait for a job; False if the writer is closed and nothing is left."""
         with self._more:
             self._more.wait_for(lambda: self._first or self._rest or self._closed)
             return bool(self._first or self._rest)
@@ -124,7 +125,7 @@ class Writer:
         return taken
 
     def _commit(self, batch: list[_Waiting]) -> list[int]:
-        """Run what waits as one transaction, into `batch`; the ids of its events."""
+        """Run waiting jobs as one transaction, adding them to `batch`; return the ids of its events."""
         event_ids: list[int] = []
         with self.engine.connect() as connection:
             whole = connection.begin()
@@ -139,14 +140,14 @@ class Writer:
         return event_ids
 
     def _next(self, batch: list[_Waiting], until_s: float) -> _Waiting | None:
-        """The next job of this transaction; None when it is to be committed."""
+        """The next job of this transaction; None to commit it."""
         if self._first:
             return self._first.popleft()
         enough = len(batch) >= MAX_BATCH or time.monotonic() > until_s or any(waiting.first for waiting in batch)
         return self._rest.popleft() if self._rest and not (batch and enough) else None
 
     def _run_one(self, waiting: _Waiting, connection: Connection) -> list[int]:
-        """One job in a savepoint of its own; the ids of its events."""
+        """Run one job in a savepoint; return the ids of its events."""
         if waiting.job is None:
             return []
         transaction = Transaction(connection)
@@ -182,6 +183,6 @@ class Writer:
 
 
 def _in_transaction(connection: Connection) -> bool:
-    """Whether the database still is where we think it is."""
+    """Whether the database is still in our transaction."""
     raw: Any = connection.connection.dbapi_connection
     return bool(getattr(raw, "in_transaction", True))

@@ -136,7 +136,7 @@ class Cluster:
             await asyncio.sleep(AGAIN_S)
 
     async def _again(self) -> AsyncConnection[Any]:
-        """Another connection. While there is none nobody waits for the database."""
+        """Open another connection."""
         try:
             connection = await self._listening()
         except Exception as e:
@@ -171,7 +171,7 @@ class Cluster:
                 await self._hear(connection, what)
 
     async def _prove(self, connection: AsyncConnection[Any]) -> None:
-        """Ask what is new, and whether the clocks agree and somebody has the duties."""
+        """Check for new events, the skew of the clocks, and that a process has the duties."""
         before = time.time()
         async with asyncio.timeout(PATIENCE_S):
             asked = await connection.execute(_PROOF, {"leads": self.leads, "me": self.me})
@@ -197,7 +197,7 @@ class Cluster:
             log.warning("board.not_understood", said=said[:200], error=str(e))
 
     async def _look_around(self, connection: AsyncConnection[Any], what: str = "", robot: str = "") -> None:
-        """What other processes were told and shown, of one robot or of all."""
+        """Load the state that other processes shared, of one robot or of all."""
         which = " WHERE robot = %s" if robot else ""
         words = [robot] if robot else []
         if what != "frame":

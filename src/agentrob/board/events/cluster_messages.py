@@ -129,7 +129,7 @@ class ClusterMessenger:
             self._events.popleft()
 
     async def _tell_viewers(self, connection: AsyncConnection[Any]) -> None:
-        """Those who look, again and again; and once that nobody does any more."""
+        """Share the number of viewers repeatedly, and once more when it becomes zero."""
         looking = {robot.name: robot.viewers for robot in self._presence.robots() if robot.viewers}
         if looking == self._looking and time.monotonic() - self._renewed_s < RENEW_S:
             return

@@ -171,8 +171,8 @@ class Hub:
 
     async def prove_writing(self, prove: Callable[[], Awaitable[None]]) -> None:
         """Prove again and again, until cancelled, that a stop in a post would be written: from this loop through the
-        writer
-        and back (`prove`). Each proof counts from when it was due, so that a blocked event loop proves nothing."""
+        writer and back (`prove`). Each proof counts from when it was due, so that a blocked event loop proves
+        nothing."""
         self._written_s, well = time.monotonic(), True
         while not self.closed:
             due_s = time.monotonic() + PROOF_S

@@ -31,8 +31,7 @@ SHOWING_S = 1.0
 @dataclass(slots=True)
 class RobotPresence:
     """The state of one robot. `seen_at` is None until its agent publishes something; `card_s`, `frame_s` and
-    `called_s`,
-    when its agent was last told of viewers, are monotonic. `call` is the timer that tells it again.
+    `called_s`, when its agent was last told of viewers, are monotonic. `call` is the timer that tells it again.
 
     `viewers` are those of this process, `elsewhere` those of other processes.
     """

@@ -55,7 +55,7 @@ _ONE = text(_POSTS + "WHERE p.id = :id")
 
 
 class EmbeddingIndex:
-    """The vectors in memory, by rising id of post. What may be seen is not known here: whoever asks must look."""
+    """The vectors in memory, by ascending id of post. Callers must check which posts are visible."""
 
     def __init__(self, encoder: TextEncoder) -> None:
         self.encoder = encoder
@@ -81,7 +81,7 @@ class EmbeddingIndex:
             self._lengths[at] = max(1.0, float(np.linalg.norm(row.astype(np.float32))))
 
     def _grow(self) -> None:
-        """Room for one more. Not in place: who compares meanwhile has the old ones."""
+        """Make room for one more, in new arrays, so that a running comparison keeps the old ones."""
         if self._count == len(self._ids):
             more = self._count // 2
             self._ids = np.concatenate([self._ids, np.zeros(more, np.int64)])

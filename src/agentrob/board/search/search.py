@@ -23,11 +23,11 @@ from agentrob.language.complexity import nfkc
 from agentrob.model import Page
 
 T = TypeVar("T")
-#: Characters and words of a query that count.
+#: The largest number of characters and words of a query.
 MAX_QUERY, MAX_WORDS = 200, 12
-#: Seconds after which a search is given up: some words stand in so many posts that none has them all.
+#: Seconds after which a search is cancelled, as for words that are in very many posts.
 MOST_S = 1.0
-#: Steps of SQLite's machine between two looks at the clock.
+#: Instructions of SQLite's virtual machine between two checks of the clock.
 STEPS = 20_000
 _LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 
@@ -43,14 +43,14 @@ def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = N
 
 
 def bounded(reader: Reader, read: Callable[..., T], *asked: Any) -> T:
-    """What `read` gives for what is asked, or 503 when it takes longer than `MOST_S`."""
+    """The result of `read`, or 503 if it takes longer than `MOST_S`."""
     with given_up(reader):
         return read(reader, *asked)
 
 
 @contextmanager
 def given_up(reader: Reader) -> Iterator[None]:
-    """Ends a statement that takes longer than `MOST_S`: 503 with what to do."""
+    """Cancel a statement that takes longer than `MOST_S`, with a 503."""
     end_s = time.monotonic() + MOST_S
     raw: Any = reader.connection.connection.dbapi_connection
     watched = reader.connection.dialect.name == "sqlite"
@@ -76,10 +76,9 @@ def find(
     board_id: str | None = None,
     tag: str | None = None,
 ) -> Page[StoredPost]:
-    """Posts with all the words, of one board or of all, of topics with a tag, newest first, without removed ones and
-    those on boards that are not seen.
+    """Visible posts with all the words, of one board or of all, of topics with a tag, newest first.
 
-    A query without any word finds nothing. Raises `BoardError` 422, 503.
+    A query without a word finds nothing. Raises `BoardError` 422, 503.
     """
     words = terms(query)
     if not words:
@@ -91,7 +90,7 @@ def find(
 
 
 def boards_seen(reader: Reader, board_id: str | None) -> list[str]:
-    """Where whoever asks may look: on one board, or on all that they see."""
+    """The boards to search: one, or all that the viewer may see."""
     seen = reader.seen()
     boards = [b.id for b in reader.all_boards()] if seen is None else sorted(seen)
     return [board for board in boards if board_id in (None, board)]
@@ -104,7 +103,7 @@ def in_order(reader: Reader, ids: Sequence[int]) -> tuple[StoredPost, ...]:
 
 
 def terms(query: str) -> list[str]:
-    """The words of a query; what stands between double quotes is one."""
+    """The words of a query; a phrase in double quotes counts as one."""
     plain = nfkc(query.replace("\0", ""))[:MAX_QUERY]
     found = (quoted or word for quoted, word in re.findall(r'"([^"]*)"|([^\s"]+)', plain))
     return [word for word in found if any(c.isalnum() for c in word)][:MAX_WORDS]
@@ -130,12 +129,12 @@ def _by_looking(reader: Reader, words: Sequence[str], where: Where, most: int) -
 
 # -------------------------------------------------------------------- showing
 def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
-    """The part of a text where it is found, in pieces; the second of each says whether it is a word looked for."""
+    """The part of a text with the words of a query, in pieces, each with whether it is such a word."""
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
         return ((unmarked(raw[:length]), False),)
     pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
-    # Of a long post only the part where it is found: pages are made on the event loop, which a stop needs too.
+    # Only the relevant part of a long post, since pages are rendered on the event loop, which a stop needs too.
     found = pattern.search(raw)
     begin = max(0, found.start() - length) if found else 0
     plain = unmarked(raw[begin : begin + 3 * length])
@@ -160,13 +159,13 @@ def unmarked(raw: str) -> str:
 
 
 def _beginning(word: str) -> str:
-    """A pattern of where a word begins as it was written: in `photo` nobody looked for `to`."""
+    """A pattern that matches a word only at its beginning: `to` does not match in `photo`."""
     written = word.strip("@") or word
     return ("" if not written[0].isascii() else r"(?<![A-Za-z0-9\u00c0-\u024f])") + re.escape(written)
 
 
 def checked(query: str) -> str:
-    """What somebody searches for; 422 when it is too long."""
+    """The query without white space around it; 422 if it is too long."""
     if len(query) > MAX_QUERY:
-        raise BoardError(422, "long_query", "that is too much to search for", f"at most {MAX_QUERY} characters")
+        raise BoardError(422, "long_query", "the query is too long", f"at most {MAX_QUERY} characters")
     return query.strip()

@@ -22,9 +22,9 @@ from agentrob.errors import BoardError
 from agentrob.model import Page
 from agentrob.semantic.encoder import MIN_SIMILARITY, EncoderError
 
-#: Posts that are found at most: what comes after so many has little to do with the query.
+#: The largest number of results; later ones have little to do with the query.
 MOST = 100
-#: Posts about which the database is asked at a time.
+#: The number of posts in one query of the database.
 _ASKED = 400
 _BOARDS = bindparam("boards", expanding=True, type_=String)
 _VISIBLE = (
@@ -42,7 +42,7 @@ def find(
     board_id: str | None = None,
     tag: str | None = None,
 ) -> Page[StoredPost]:
-    """Posts alike in meaning, most alike first, of one board or of all that are seen, of topics with a tag when one is
+    """Posts with a similar meaning, most similar first, of one board or of all visible ones, of topics with a tag if
     given. Raises `BoardError` 422, 503."""
     begin = from_cursor(cursor) if cursor else 0
     end = min(begin + limit, MOST)
@@ -64,7 +64,7 @@ def find(
 
 
 def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]:
-    """The places of what is alike enough, some at a time. Of what is equally alike the newest comes first."""
+    """The positions of sufficiently similar posts, in batches, most similar first, then newest first."""
     places = np.flatnonzero(alike >= MIN_SIMILARITY)
     if len(places) > _ASKED:  # nearly always the first of them are all that is needed
         nearest = np.argpartition(-alike[places], _ASKED)
@@ -79,7 +79,7 @@ def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]
 def _visible(
     reader: Reader, ids: Sequence[int], versions: Sequence[int], boards: Sequence[str], tag: str | None
 ) -> list[int]:
-    """Those that may be seen and still are of that version, in their order."""
+    """Which of these posts are visible and still have that version, in their order."""
     ids_in: BindParameter[int] = bindparam("ids", expanding=True)
     statement = text(_VISIBLE + ("" if tag is None else TAGGED)).bindparams(ids_in, _BOARDS)
     values = {"ids": list(ids), "boards": list(boards)} | ({} if tag is None else {"tag": tag})

@@ -18,7 +18,7 @@ from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Checkbox, Line, PageForm, Text
-from agentrob.board.web.templating import go
+from agentrob.board.web.templating import redirect
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
 
@@ -107,7 +107,7 @@ class InviteForm(PageForm):
 @router.get("/admin")
 async def start(viewer: ReadingViewer) -> Response:
     forms.admin_of(viewer)
-    return go("/admin/accounts")
+    return redirect("/admin/accounts")
 
 
 @router.get("/admin/accounts")
@@ -190,7 +190,7 @@ async def _change_account(
             await erase_content(services, by.name, name)
         case _:
             raise BoardError(404, "no_such_page", "this address does not exist")
-    return go(page)
+    return redirect(page)
 
 
 def _accounts(
@@ -230,7 +230,7 @@ async def add_board(
         await services.store.do(lambda t: management.add_board(t.connection, by.name, board))
     except BoardError as e:
         return _boards(request, viewer, e)
-    return go("/admin/boards")
+    return redirect("/admin/boards")
 
 
 @router.post("/admin/boards/{board_id}")
@@ -243,7 +243,7 @@ async def change_board(
         await services.store.do(lambda t: management.change_board(t.connection, by.name, board_id, **fields))
     except BoardError as e:
         return _boards(request, viewer, e)
-    return go("/admin/boards")
+    return redirect("/admin/boards")
 
 
 def _boards(request: Request, viewer: Viewer, error: BoardError | None = None) -> Response:
@@ -279,7 +279,7 @@ async def change_robot(
         await services.store.do(lambda t: management.change_robot(t.connection, by.name, name, **changes))
     except BoardError as e:
         return _robot(request, viewer, name, e, form.closed)
-    return go(f"/admin/robots/{name}")
+    return redirect(f"/admin/robots/{name}")
 
 
 def _check_owner(services: Services, by: Account, name: str) -> None:
@@ -309,7 +309,7 @@ async def invite(
     try:
         if form.revoke:
             await do(lambda t: management.revoke_invite(t.connection, by.name, form.revoke))
-            return go("/admin/invites")
+            return redirect("/admin/invites")
         role, uses, days = forms.one_of(Role, form.role), forms.number(form.uses), forms.number(form.days)
         path = await do(lambda t: management.invite(t.connection, by.name, role, uses, days, by))
     except BoardError as e:

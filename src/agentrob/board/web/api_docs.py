@@ -10,14 +10,14 @@ from fastapi import APIRouter, FastAPI, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.access import AnyViewer
-from agentrob.board.web.templating import piece, show
+from agentrob.board.web.templating import render_fragment, render_page
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """A call of the API. `answers` are those that succeed; `problems` are the statuses that it can refuse with."""
+    """An operation of the API. `answers` are the successful responses, `problems` the statuses of errors."""
 
     method: str
     path: str
@@ -31,21 +31,21 @@ class Operation:
 
 @router.get("/docs")
 async def api_docs(request: Request, viewer: AnyViewer) -> Response:
-    """For everybody, like the document itself."""
+    """Public, like the document itself."""
     state = request.app.state
     if not hasattr(state, "api_reference"):  # takes long enough to delay a stop on the event loop
         state.api_reference = await asyncio.to_thread(_reference, request.app)
-    return show(request, viewer, "api.html", {"reference": state.api_reference}, here="api")
+    return render_page(request, viewer, "api.html", {"reference": state.api_reference}, here="api")
 
 
 def _reference(app: FastAPI) -> str:
     document = app.openapi()
     data = {"tags": document["tags"], "operations": operations_by_tag(document)}
-    return piece("api_reference.html", data | {"schemas": document["components"]["schemas"]})
+    return render_fragment("api_reference.html", data | {"schemas": document["components"]["schemas"]})
 
 
 def operations_by_tag(document: dict[str, Any]) -> dict[str, list[Operation]]:
-    """The operations of an OpenAPI document, in its order, by their tag."""
+    """The operations of an OpenAPI document by tag, in the order of the document."""
     found: dict[str, list[Operation]] = {tag["name"]: [] for tag in document["tags"]}
     for path, methods in document["paths"].items():
         for method, operation in methods.items():

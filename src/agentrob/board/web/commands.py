@@ -14,7 +14,7 @@ from agentrob.board.robots.command_view import command_view
 from agentrob.board.services import AppServices
 from agentrob.board.web import forms
 from agentrob.board.web.forms import KeyedForm, Line
-from agentrob.board.web.templating import go, own_path, show, with_receipt
+from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
@@ -25,7 +25,7 @@ async def command(
 ) -> Response:
     """`post_id` is the post with the command. The same as JSON: `/api/v1/commands/{post_id}`."""
     if (asked := commands.answered(services.store.reader, post_id)) is not None:
-        return go(f"/c/{asked}")
+        return redirect(f"/c/{asked}")
     post, told = commands.records_of(services.store.reader, post_id)
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
@@ -37,7 +37,7 @@ async def command(
         r.name for r in services.store.reader.robots() if r.name in post.mentions and r.name not in ended
     ]
     template = "command_views.html" if part == "views" else "command.html"
-    return show(request, viewer, template, data, here="home")
+    return render_page(request, viewer, template, data, here="home")
 
 
 class DecisionForm(KeyedForm):
@@ -56,4 +56,6 @@ async def approve(
     by, yes = form.sender(viewer), form.do == "approve"
     key = form.idempotency_key(post_id, form.robot, str(yes))
     await approvals.say(services, by, post_id, form.robot, yes, key)
-    return go(with_receipt(own_path(form.back, f"/c/{post_id}"), viewer, "approve" if yes else "deny", form.robot))
+    return redirect(
+        with_receipt(own_path(form.back, f"/c/{post_id}"), viewer, "approve" if yes else "deny", form.robot)
+    )

@@ -1,6 +1,6 @@
-"""Atom feeds of the site, a board, a topic and a robot: the latest posts, for whoever may read them.
+"""Atom feeds of the site, a board, a topic, a tag and a robot: the latest posts that the viewer may read.
 
-A feed reader signs in as any program does, with `Authorization: Bearer <token>`; where the forum is public it need not.
+A feed reader signs in with `Authorization: Bearer <token>`, except where the forum is public.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from agentrob.board.db.records import StoredPost, Topic
 from agentrob.board.search import search
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web.forms import Line, PageForm, post_number
-from agentrob.board.web.templating import error_text, go, show
+from agentrob.board.web.templating import error_text, redirect, render_page
 from agentrob.errors import BoardError
 from agentrob.model import Page
 
@@ -58,14 +58,14 @@ async def search_page(
     data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
     data |= {"by": by, "modes": services.store.search_modes, "boards": services.store.reader.boards()}
     data |= {"board": board, "tag": tags.plain(tag)}
-    return show(request, viewer, "search.html", data, status=status, here="search")
+    return render_page(request, viewer, "search.html", data, status=status, here="search")
 
 
 @router.get("/latest")
 async def latest(request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None) -> Response:
     page = services.store.reader.latest_posts(after, 30)
     data = {"latest": _with_topics(services, page.items), "next": page.next, "feed": "/feed.atom"}
-    return show(request, viewer, "latest.html", data, here="latest")
+    return render_page(request, viewer, "latest.html", data, here="latest")
 
 
 def _with_topics(services: Services, posts: tuple[StoredPost, ...]) -> list[tuple[Topic, StoredPost]]:
@@ -87,13 +87,13 @@ async def notifications_page(
         "reasons": notifications.REASONS,
         "first_page": not after,
     }
-    return show(request, viewer, "notifications.html", data, here="notifications")
+    return render_page(request, viewer, "notifications.html", data, here="notifications")
 
 
 @router.get("/notifications/count")
 async def count(request: Request, viewer: ReadingViewer) -> Response:
-    """The number at the bell."""
-    return show(request, viewer, "bell.html", {})
+    """The number of unread notifications."""
+    return render_page(request, viewer, "bell.html", {})
 
 
 @router.post("/notifications/seen")
@@ -101,7 +101,7 @@ async def seen(services: AppServices, viewer: AnyViewer, form: SentUpTo) -> Resp
     account, up_to = form.sender(viewer), post_number(form.up_to)
     if up_to is not None:
         await services.store.do(lambda t: notifications.mark_seen(t, account, up_to))
-    return go("/notifications")
+    return redirect("/notifications")
 
 
 # ------------------------------------------------------------------ unread topics
@@ -113,7 +113,7 @@ async def unread(request: Request, services: AppServices, viewer: ReadingViewer,
     page = services.marks.unread(store.reader, account, after, TOPICS)
     data: dict[str, Any] = {"topics": [topic for topic, _ in page.items], "next": page.next, "newest": newest}
     data |= {"news": {topic.id: new for topic, new in page.items}, "names": services.store.reader.board_names()}
-    return show(request, viewer, "unread.html", data, here="latest")
+    return render_page(request, viewer, "unread.html", data, here="latest")
 
 
 @router.post("/unread/all-read")
@@ -121,4 +121,4 @@ async def all_read(services: AppServices, viewer: AnyViewer, form: SentUpTo) -> 
     account, up_to = form.sender(viewer), post_number(form.up_to)
     if up_to is not None:
         await services.marks.all_read(services.store, account, up_to)
-    return go("/unread")
+    return redirect("/unread")

@@ -27,7 +27,7 @@ from agentrob.board.content import tags, uploads
 from agentrob.board.content.images import MAX_BYTES
 from agentrob.board.db.records import Image
 from agentrob.board.services import Services, get_services
-from agentrob.board.web.templating import error_text, show
+from agentrob.board.web.templating import error_text, render_page
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
 
@@ -206,13 +206,13 @@ def admin_page(
 ) -> Response:
     """A page of administration, with the error if there was one. `tab` marks its part."""
     frame = {"tab": tab, "problem": error_text(error), **_CHOICES, **data}
-    return show(request, viewer, template, frame, status=error.status if error else 200, here="admin")
+    return render_page(request, viewer, template, frame, status=error.status if error else 200, here="admin")
 
 
 def secret_page(request: Request, viewer: Viewer, back: str, what: str, secret: str) -> Response:
     """Show a secret once. A path is shown as a URL."""
     shown = get_services(request).settings.base_url + secret if secret.startswith("/") else secret
     data = {"tab": "", "what": what, "secret": shown, "back": back}
-    response = show(request, viewer, "admin_secret.html", data, here="admin")
+    response = render_page(request, viewer, "admin_secret.html", data, here="admin")
     response.headers["Cache-Control"] = "no-store"
     return response

@@ -12,7 +12,7 @@ from agentrob.board.access import AnyViewer, ReadingViewer
 from agentrob.board.admin import moderation
 from agentrob.board.services import AppServices
 from agentrob.board.web.forms import Checkbox, Line, PageForm
-from agentrob.board.web.templating import go, show
+from agentrob.board.web.templating import redirect, render_page
 from agentrob.model import Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -38,7 +38,7 @@ SentForm = Annotated[ModerationForm, Form()]
 async def moderate_topic(request: Request, services: AppServices, viewer: ReadingViewer, topic_id: str) -> Response:
     access.has_role(access.account_of(viewer), Role.MODERATOR)
     store = services.store
-    return show(
+    return render_page(
         request, viewer, "moderate.html", {"topic": store.reader.topic(topic_id), "boards": store.reader.boards()}
     )
 
@@ -48,7 +48,7 @@ async def lock_topic(services: AppServices, viewer: AnyViewer, topic_id: str, fo
     by, store = form.sender(viewer, Role.MODERATOR), services.store
     store.reader.topic(topic_id)
     await store.do(lambda t: moderation.lock(t, by, topic_id, form.locked, form.short_reason))
-    return go(f"/t/{topic_id}")
+    return redirect(f"/t/{topic_id}")
 
 
 @router.post("/t/{topic_id}/move")
@@ -57,14 +57,16 @@ async def move_topic(services: AppServices, viewer: AnyViewer, topic_id: str, fo
     store.reader.topic(topic_id)
     board_id = store.reader.board(form.board).id
     await store.do(lambda t: moderation.move(t, by, topic_id, board_id, form.short_reason))
-    return go(f"/t/{topic_id}")
+    return redirect(f"/t/{topic_id}")
 
 
 @router.get("/p/{post_id}/moderate")
 async def moderate_post(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     access.has_role(access.account_of(viewer), Role.MODERATOR)
     post, versions, hidden_by = moderation.hidden(services.store.reader, post_id)
-    return show(request, viewer, "moderate_post.html", {"post": post, "versions": versions, "hidden_by": hidden_by})
+    return render_page(
+        request, viewer, "moderate_post.html", {"post": post, "versions": versions, "hidden_by": hidden_by}
+    )
 
 
 @router.post("/p/{post_id}/moderate")
@@ -75,4 +77,4 @@ async def change_post(services: AppServices, viewer: AnyViewer, post_id: str, fo
         await store.do(lambda t: moderation.show(t, by, post_id, form.short_reason))
     else:
         await store.remove(by, post_id, form.short_reason)
-    return go(f"/p/{post_id}")
+    return redirect(f"/p/{post_id}")

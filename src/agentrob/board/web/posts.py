@@ -22,7 +22,7 @@ from agentrob.board.robots import view as robot_view
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed, PageForm, PostForm, Text
-from agentrob.board.web.templating import error_page, error_text, go, show
+from agentrob.board.web.templating import error_page, error_text, redirect, render_page
 from agentrob.errors import BoardError
 from agentrob.model import Account
 
@@ -43,7 +43,7 @@ class PreviewForm(PageForm):
 @router.get("/p/{post_id}")
 async def post(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     store = services.store
-    return go(path_of(store, store.reader.post(post_id), request.query_params.get("done", "")))
+    return redirect(path_of(store, store.reader.post(post_id), request.query_params.get("done", "")))
 
 
 @router.get("/p/{post_id}/fragment")
@@ -58,7 +58,7 @@ async def fragment(
     hidden = robot_view.hidden_cameras(services, viewer.account, [found])
     data |= {"hidden": hidden, "owners": robot_view.owners(services, [found])}
     data |= {"asking": approvals.in_thread(services, [found], viewer.account), "key": forms.nonce()}
-    return show(request, viewer, "post.html", data)
+    return render_page(request, viewer, "post.html", data)
 
 
 @router.get("/p/{post_id}/raw")
@@ -72,7 +72,7 @@ async def history(request: Request, services: AppServices, viewer: ReadingViewer
     store = services.store
     found = store.reader.post(post_id)
     versions = () if found.removed else store.reader.versions(post_id)
-    return show(request, viewer, "history.html", {"post": found, "versions": versions})
+    return render_page(request, viewer, "history.html", {"post": found, "versions": versions})
 
 
 @router.get("/p/{post_id}/edit")
@@ -98,7 +98,7 @@ async def edit(request: Request, services: AppServices, viewer: AnyViewer, post_
         if is_locked_out(viewer) or e.status == 404:
             return await error_page(request, e, draft=typed.draft)
         return _edit(request, viewer, services.store.reader.post(post_id), typed, e)
-    return go(path_of(services.store, changed))
+    return redirect(path_of(services.store, changed))
 
 
 def _edit(
@@ -106,19 +106,19 @@ def _edit(
 ) -> Response:
     typed = replace(typed, problem=error_text(error))
     data = {"post": found, "typed": typed, "key": forms.nonce(), "may_upload": uploads.may(viewer.account)}
-    return show(request, viewer, "edit.html", data, status=error.status if error else 200)
+    return render_page(request, viewer, "edit.html", data, status=error.status if error else 200)
 
 
 @router.get("/p/{post_id}/remove")
 async def remove_form(request: Request, services: AppServices, viewer: ReadingViewer, post_id: str) -> Response:
     access.account_of(viewer)
-    return show(request, viewer, "remove.html", {"post": services.store.reader.post(post_id)})
+    return render_page(request, viewer, "remove.html", {"post": services.store.reader.post(post_id)})
 
 
 @router.post("/p/{post_id}/remove")
 async def remove(services: AppServices, viewer: AnyViewer, post_id: str, form: Annotated[PageForm, Form()]) -> Response:
     store = services.store
-    return go(path_of(store, await store.remove(form.sender(viewer), post_id)))
+    return redirect(path_of(store, await store.remove(form.sender(viewer), post_id)))
 
 
 # ------------------------------------------------------------------ while somebody writes
@@ -128,7 +128,7 @@ async def preview(
 ) -> Response:
     """The text as it would be shown, and whether a robot would answer it on that board; stores nothing."""
     shown = await previewed(services, Composed(draft=form.body), form.sender(viewer), form.board)
-    return show(request, viewer, "preview.html", {"typed": shown})
+    return render_page(request, viewer, "preview.html", {"typed": shown})
 
 
 async def previewed(services: Services, typed: Composed, by: Account, board_id: str = "") -> Composed:

@@ -20,7 +20,7 @@ from agentrob.board.robots.view import RobotView
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import ButtonForm, PageForm
-from agentrob.board.web.templating import go, own_path, show, with_receipt
+from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind
 
@@ -31,14 +31,14 @@ _LATEST = 10
 HEARD_TRIES, HEARD_S = 15, 0.1
 SentForm = Annotated[PageForm, Form()]
 Press = Callable[[Services, str, Account], Awaitable[object]]
-#: Answers among which the last picture is looked for.
+#: The number of replies in which the last picture is searched.
 _LOOK_BACK = 50
 
 
 @router.get("/robots")
 async def robots(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
     data = {"robots": robot_view.robots(services)}
-    return show(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
+    return render_page(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
 
 
 @router.get("/robots/{name}")
@@ -54,7 +54,9 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(services, view, viewer)
     data["releases"] = actions.may_release(services, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
-    return show(request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots")
+    return render_page(
+        request, viewer, "robot.html", data | {"feed": f"/robots/{account.name}/feed.atom"}, here="robots"
+    )
 
 
 @router.get("/robots/{name}/fragment")
@@ -64,7 +66,7 @@ async def robot_fragment(
     view = robot_view.robot(services, name)[1]
     data = {"robot": view, "releases": actions.may_release(services, view.name, viewer.account)}
     template = "robot_lock.html" if part == "lock" else "robot_facts.html"
-    return show(request, viewer, template, data | _about(services, view, viewer))
+    return render_page(request, viewer, template, data | _about(services, view, viewer))
 
 
 @router.post("/robots/{name}/stop")
@@ -88,7 +90,7 @@ async def emergency_stop(
 def _stop_sent(request: Request, viewer: Viewer, name: str, action: str, form: ButtonForm) -> Response:
     if request.headers.get("x-live"):
         return Response(status_code=204)
-    return go(with_receipt(own_path(form.back, f"/robots/{name}"), viewer, action, name))
+    return redirect(with_receipt(own_path(form.back, f"/robots/{name}"), viewer, action, name))
 
 
 @router.get("/robots/{name}/release")
@@ -116,7 +118,7 @@ def _confirm(request: Request, viewer: Viewer, name: str, action: str, heading: 
     services = get_services(request)
     actions.check_owner(services, name, access.account_of(viewer))
     data = {"robot": robot_view.robot(services, name)[1], "action": action, "heading": heading}
-    return show(request, viewer, "robot_owner.html", data, here="robots")
+    return render_page(request, viewer, "robot_owner.html", data, here="robots")
 
 
 async def _press(services: Services, viewer: Viewer, name: str, form: PageForm, action: str, press: Press) -> Response:
@@ -125,15 +127,15 @@ async def _press(services: Services, viewer: Viewer, name: str, form: PageForm, 
     await press(services, name, form.sender(viewer))
     for _ in range(HEARD_TRIES):
         if presence.robot(name).card.get("told") != before:
-            return go(f"/robots/{name}")
+            return redirect(f"/robots/{name}")
         await asyncio.sleep(HEARD_S)
-    return go(with_receipt(f"/robots/{name}", viewer, action, name))
+    return redirect(with_receipt(f"/robots/{name}", viewer, action, name))
 
 
 @router.post("/robots/{name}/reset")
 async def reset(services: AppServices, viewer: AnyViewer, name: str, form: SentForm) -> Response:
     await actions.reset(services, name, form.sender(viewer))
-    return go(with_receipt(f"/robots/{name}", viewer, "reset", name))
+    return redirect(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 
 @router.get("/u/{name}")
@@ -143,11 +145,11 @@ async def person(request: Request, services: AppServices, viewer: ReadingViewer,
     if found is None:
         raise BoardError(404, "no_such_account", f"there is no account {name[:64]!r}")
     if found.kind is AccountKind.ROBOT_AGENT:
-        return go(f"/robots/{found.name}")
+        return redirect(f"/robots/{found.name}")
     mine = viewer.account is not None and viewer.account.id == found.id
     latest = _latest(store, found)
     data = {"account": found, "mine": mine, "latest": latest}
-    return show(request, viewer, "account.html", data, here="me" if mine else "")
+    return render_page(request, viewer, "account.html", data, here="me" if mine else "")
 
 
 # ------------------------------------------------------------------ pieces
@@ -161,8 +163,8 @@ def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[
 
 
 def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
-    """What the forum itself knows of a robot: its owner, and the posts that wait (some for an approval), as far as they
-    are to be seen."""
+    """What the forum knows of a robot: its owner, its queue and the commands that wait for approval, as far as the
+    viewer may see them."""
     posts = {post.id: post for post in services.store.reader.posts_by_id([int(i) for i in view.line])}
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
     robots = [actions.known_robot(services, view.name)]
@@ -172,5 +174,5 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
 
 
 def _last_picture(posts: Sequence[StoredPost]) -> tuple[StoredPost, Image] | None:
-    """The last picture that a robot put into an answer: of its photos the first, which stand before the drawings."""
+    """The latest photo in a robot's replies. Photos come before plots."""
     return next(((post, image) for post in posts for image in post.images if not image.moving), None)

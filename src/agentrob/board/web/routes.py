@@ -1,4 +1,4 @@
-"""All pages of the board. Only the templates know what they look like; they work without scripts."""
+"""The router of all pages. They work without scripts."""
 
 from __future__ import annotations
 

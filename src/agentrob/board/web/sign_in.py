@@ -12,7 +12,7 @@ from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Line, PageForm
-from agentrob.board.web.templating import error_text, go, own_path, show
+from agentrob.board.web.templating import error_text, own_path, redirect, render_page
 from agentrob.errors import BoardError
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -40,7 +40,7 @@ SentPassword = Annotated[PasswordForm, Form()]
 @router.get("/sign-in")
 async def sign_in_form(request: Request, viewer: AnyViewer, next: str = "/") -> Response:
     if viewer.account:
-        return go(own_path(next))
+        return redirect(own_path(next))
     return _sign_in_page(request, viewer, up=False, path=own_path(next))
 
 
@@ -64,7 +64,7 @@ async def sign_up(request: Request, services: AppServices, viewer: AnyViewer, fo
 @router.post("/sign-out")
 async def sign_out(services: AppServices, viewer: AnyViewer, form: SentForm) -> Response:
     access.check_form(viewer, form.csrf)
-    response = go("/sign-in")
+    response = redirect("/sign-in")
     await access.sign_out(services, viewer, response)
     return response
 
@@ -162,10 +162,10 @@ def _page(
     here: str = "sign-in",
 ) -> Response:
     data |= {"problem": error_text(error)}
-    return show(request, viewer, template, data, status=error.status if error else 200, here=here)
+    return render_page(request, viewer, template, data, status=error.status if error else 200, here=here)
 
 
 def _signed_in(services: Services, session: str, path: str = "/") -> Response:
-    response = go(path)
+    response = redirect(path)
     access.set_session(response, services, session)
     return response

@@ -1,4 +1,4 @@
-"""Puts a template and data together into a page and serves the static files."""
+"""Render templates as pages, and serve the static files."""
 
 from __future__ import annotations
 
@@ -68,12 +68,12 @@ _HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _
 
 # ------------------------------------------------------------------ what templates call
 def static_url(name: str) -> str:
-    """The address of a static file, with the hash of its content in it."""
+    """The URL of a static file, which contains the hash of its content."""
     return f"/static/{_HASHES[name]}/{name}"
 
 
 def stamp(at: datetime) -> str:
-    """`21 Nov 2026, 09:31 UTC`; scripts replace it by the reader's own time."""
+    """`21 Nov 2026, 09:31 UTC`; scripts replace it by the viewer's local time."""
     return f"{at.astimezone(UTC):%-d %b %Y, %H:%M} UTC"
 
 
@@ -82,24 +82,24 @@ def iso(at: datetime) -> str:
 
 
 def word(value: object) -> str:
-    """A state as a bare word that may stand in a class name."""
+    """A state reduced to letters, for use in a CSS class."""
     return re.sub(r"[^a-z_]", "", str(value))[:24]
 
 
 def tone(name: str) -> int:
-    """One of five colours, always the same one for a name."""
+    """One of five colours, always the same for a name."""
     return sum(name.encode()) % 5
 
 
 def excerpt(raw: str) -> str:
-    """The first words of a post, without the marks of Markdown. Takes no longer for a long post than for a short one:
-    pages with many of them are made on the event loop, which the stop button needs too."""
+    """The first words of a post, without Markdown. Takes constant time, since pages are rendered on the event loop,
+    which the stop button needs too."""
     text = unmarked(raw[:EXCERPT_FROM])
     return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
-    """A card as a robot's agent sent it, with every field of the type that a page relies on."""
+    """A card from a robot's agent, with every field converted to the type that pages expect."""
     values = {f.name: card.get(f.name) for f in fields(StatusCard)}
     robot = str(values["robot"] or "")
     return StatusCard(
@@ -139,7 +139,7 @@ _TEMPLATES = _environment()
 
 
 # ------------------------------------------------------------------ answers
-def show(
+def render_page(
     request: Request, viewer: Viewer, template: str, data: Mapping[str, Any], *, status: int = 200, here: str = ""
 ) -> HTMLResponse:
     """A page for this viewer. `here` marks the part of the navigation it belongs to."""
@@ -158,7 +158,7 @@ def show(
 
 
 def _unread(reader: Reader, viewer: Viewer) -> int:
-    """The number at the bell, counted once between two commits."""
+    """The number of unread notifications, counted once between two commits."""
     account = viewer.account
     if account is None or account.suspended:
         return 0
@@ -166,19 +166,19 @@ def _unread(reader: Reader, viewer: Viewer) -> int:
 
 
 def render_feed(data: Mapping[str, Any]) -> str:
-    """An Atom feed. Characters that no XML may have are left out."""
+    """An Atom feed, without characters that XML does not allow."""
     return _NOT_XML.sub("", _TEMPLATES.get_template("feed.xml").render(data))
 
 
-def piece(template: str, data: Mapping[str, Any]) -> str:
-    """A part of a page, safe to put into one as it is."""
+def render_fragment(template: str, data: Mapping[str, Any]) -> str:
+    """A part of a page as safe HTML."""
     return Markup(_TEMPLATES.get_template(template).render(data))  # made by a template that escapes
 
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """That a button was pressed, shown on the page that follows. `action` is stop, estop, approve, deny, release, home
-    or reset."""
+    """Confirms on the next page that a button was pressed. `action` is stop, estop, approve, deny, release, home or
+    reset."""
 
     action: str
     robot: str
@@ -186,8 +186,8 @@ class Receipt:
 
 
 def with_receipt(path: str, viewer: Viewer, action: str, robot: str) -> str:
-    """The path of the following page with a receipt that only this viewer's session can have made: no link from
-    elsewhere makes a page say that a robot was stopped."""
+    """The path of the next page with a receipt that is sealed for this viewer's session, so that no foreign link can
+    make a page say that a robot was stopped."""
     told = f"{action}.{robot}.{int(time.time())}"
     return f"{path.partition('?')[0]}?done={told}.{_seal(viewer, told)}"
 
@@ -204,13 +204,13 @@ def _seal(viewer: Viewer, told: str) -> str:
     return hmac.digest(viewer.secret.encode(), f"receipt:{told}".encode(), "sha256").hex()[:32]
 
 
-def go(path: str) -> RedirectResponse:
-    """Send the browser on with a GET."""
+def redirect(path: str) -> RedirectResponse:
+    """Redirect the browser to a path with GET."""
     return RedirectResponse(path, 303, headers={"Cache-Control": "no-store"})
 
 
 def own_path(path: object, otherwise: str = "/") -> str:
-    """`path` when it leads to this forum, so that nobody is sent elsewhere by a link to us."""
+    """`path` if it is a path of this forum, else `otherwise`, so that no link to us leads to another site."""
     text = str(path or "")
     safe = re.fullmatch(r"/(?![/\\])[^\x00-\x20\\\x7f]*", text) and len(text) <= 500
     return quote(text, safe="/?&=#%:@,;+~.-_!$'()*") if safe else otherwise
@@ -220,7 +220,7 @@ HEADINGS = {
     401: "Please sign in",
     403: "This is not allowed",
     404: "Not found",
-    405: "This address takes no such request",
+    405: "This address does not accept this request",
     409: "That is taken",
     413: "That is too long",
     422: "Something is missing",
@@ -230,38 +230,42 @@ HEADINGS = {
 }
 HINTS = {
     401: "You are signed out. Sign in, then try again.",
-    403: "If it should be, ask an administrator of this forum.",
+    403: "If you need access, ask an administrator of this forum.",
     404: "It may have been moved or mistyped. The boards are a good place to look.",
     500: "It is not your fault, and it was written to the log. Try again in a moment.",
     503: "Try again in a moment.",
 }
-#: What the framework says shortly.
-_DETAILS = {"not_found": "there is nothing at this address", "method_not_allowed": "this address is for something else"}
+#: Replaces the short messages of the framework.
+_DETAILS = {
+    "not_found": "there is no page at this address",
+    "method_not_allowed": "this address does not accept this request",
+}
 
 
 async def error_page(request: Request, error: HttpError, draft: str = "") -> Response:
-    """What a browser sees when something cannot be done: what it was, and what to do. Signed out: to the sign-in page.
+    """The page of an error: what went wrong and what to do. Redirects to the sign-in page if that is all that is
+    missing.
 
-    `draft` is a text that was being posted, shown so that it is not lost.
+    `draft` is a text that was being posted; it is shown so that it is not lost.
     """
     status = error.status
     if status == 401 and not draft and request.method in ("GET", "HEAD"):
         path = request.url.path + (f"?{request.url.query}" if request.url.query else "")
-        return go(f"/sign-in?next={quote(own_path(path), safe='')}")
+        return redirect(f"/sign-in?next={quote(own_path(path), safe='')}")
     try:
         viewer = await access.viewer(request)
     except BoardError:
         viewer = Viewer(account=None, csrf="", secret="")
     data = {"status_code": status, "heading": HEADINGS.get(status, "This did not work"), "draft": draft}
     data |= {"detail": sentence(_DETAILS.get(error.code) or str(error)), "hint": sentence(hint_of(error))}
-    response = show(request, viewer, "error.html", data, status=status)
+    response = render_page(request, viewer, "error.html", data, status=status)
     if error.retry_after_s is not None:
         response.headers["Retry-After"] = str(max(1, math.ceil(error.retry_after_s)))
     return response
 
 
 def hint_of(error: HttpError) -> str:
-    """What to do about an error, for people: hints that are for programs are replaced."""
+    """What to do about an error, for people; hints for programs are replaced."""
     if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
         return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
     if error.status == 401 and error.code != "wrong_password":
@@ -275,12 +279,12 @@ def error_text(error: HttpError | None) -> str:
 
 
 def sentence(text: str) -> str:
-    """With a capital letter and a full stop."""
+    """The text with a capital letter and a full stop."""
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")
 
 
 def static_file(version: str, name: str) -> Response:
-    """A static file; kept for a year when asked for under its own hash. Raises `BoardError` 404."""
+    """A static file; cacheable for a year if requested with its hash. Raises `BoardError` 404."""
     if name not in _STATIC:
         raise BoardError(404, "no_such_file", "there is no such file")
     kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"

@@ -23,7 +23,7 @@ from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed, PageForm, Text
 from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
-from agentrob.board.web.templating import error_page, error_text, go, piece, show
+from agentrob.board.web.templating import error_page, error_text, redirect, render_fragment, render_page
 from agentrob.errors import BoardError
 from agentrob.model import Page
 
@@ -33,7 +33,7 @@ Data = dict[str, Any]
 
 #: Topics on one page of a tag.
 TOPICS = 20
-#: How long the author of the newest post is told that no robot answers it.
+#: How long the author of the newest post is shown why no robot answers it.
 JUST_NOW = timedelta(minutes=10)
 
 
@@ -43,7 +43,7 @@ class TagsForm(PageForm):
 
 @dataclass(frozen=True, slots=True)
 class ShownPosts:
-    """The posts, safe to put into a page, the cursor of the next page, the ids of the first and the last of them."""
+    """The posts of a page as safe HTML, the cursor of the next page, and the ids of the first and last post."""
 
     html: str
     next: str | None
@@ -58,7 +58,7 @@ async def home(request: Request, services: AppServices, viewer: ReadingViewer, a
     data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(services)}
     topics = services.store.reader.topics(None, after)
     data |= {"topics": topics, "news": _news(services, viewer, topics.items), "feed": "/feed.atom"}
-    return show(request, viewer, "home.html", data, here="home")
+    return render_page(request, viewer, "home.html", data, here="home")
 
 
 @router.get("/b/{board_id}")
@@ -77,7 +77,7 @@ async def board(
         "feed": f"/b/{board_id}/feed.atom",
         "news": _news(services, viewer, topics.items),
     }
-    return show(request, viewer, "board.html", data, here="home")
+    return render_page(request, viewer, "board.html", data, here="home")
 
 
 @router.get("/b/{board_id}/new")
@@ -106,7 +106,7 @@ async def create_topic(
         if is_locked_out(viewer) or e.code == "no_such_board":
             return await error_page(request, e, draft=typed.draft)
         return _new_topic(request, viewer, board_id, typed, e)
-    return go(written.topic.path)
+    return redirect(written.topic.path)
 
 
 @router.get("/t/{topic_id}")
@@ -119,7 +119,7 @@ async def topic(
     reply_to: str = "",
     quote: str = "",
 ) -> Response:
-    """`reply_to` and `quote` are posts that are to be answered: then the form says so and has what is quoted."""
+    """`reply_to` and `quote` are posts to reply to; `quote` also puts the quoted text into the form."""
     typed = Composed()
     if (answered := reply_to or quote) and viewer.account:
         post = services.store.reader.post(answered)
@@ -144,14 +144,14 @@ async def reply(request: Request, services: AppServices, viewer: AnyViewer, topi
         if is_locked_out(viewer) or e.code == "no_such_topic":
             return await error_page(request, e, draft=typed.draft)
         return _topic(request, viewer, topic_id, None, typed, e)
-    return go(path_of(store, written.post))
+    return redirect(path_of(store, written.post))
 
 
 # ------------------------------------------------------------------ tags
 @router.get("/tags")
 async def tag_list(request: Request, services: AppServices, viewer: ReadingViewer) -> Response:
     found = await services.store.beside(tags.listed)
-    return show(request, viewer, "tags.html", {"found": found}, here="latest")
+    return render_page(request, viewer, "tags.html", {"found": found}, here="latest")
 
 
 @router.get("/tags/{tag}")
@@ -162,7 +162,7 @@ async def tag_page(
     if not named:
         raise not_found("tag", tag)
     if named != tag:
-        return go(f"/tags/{named}")
+        return redirect(f"/tags/{named}")
     page = await services.store.beside(Reader.topics, None, after, TOPICS, named)
     data: dict[str, Any] = {
         "tag": named,
@@ -170,7 +170,7 @@ async def tag_page(
         "names": services.store.reader.board_names(),
         "feed": f"/tags/{named}/feed.atom",
     }
-    return show(request, viewer, "tag.html", data | {"news": _news(services, viewer, page.items)}, here="latest")
+    return render_page(request, viewer, "tag.html", data | {"news": _news(services, viewer, page.items)}, here="latest")
 
 
 @router.get("/t/{topic_id}/tags")
@@ -192,14 +192,14 @@ async def choose_tags(
         if e.status not in (422, 429):
             raise
         return _choose(request, viewer, topic, form.tags, e)
-    return go(topic.path)
+    return redirect(topic.path)
 
 
 def _choose(request: Request, viewer: Viewer, topic: Topic, typed: str, error: BoardError | None = None) -> Response:
     if not tags.may_change(access.account_of(viewer), topic):
         raise BoardError(403, "not_yours", "only the author of a topic and moderators choose its tags")
     data = {"topic": topic, "typed": typed, "problem": error_text(error)}
-    return show(request, viewer, "topic_tags.html", data, status=error.status if error else 200)
+    return render_page(request, viewer, "topic_tags.html", data, status=error.status if error else 200)
 
 
 # ------------------------------------------------------------------ pieces
@@ -214,7 +214,7 @@ def _new_topic(
     }
     data["acting"] = reach.acting_on(board_id, services)
     data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
-    return show(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
+    return render_page(request, viewer, "new_topic.html", data, status=error.status if error else 200, here="home")
 
 
 def _topic(
@@ -246,11 +246,11 @@ def _topic(
     data["news"] = services.marks.news(services.store.reader, viewer.account, (found,)).get(found.id)
     data["may_tag"] = viewer.account is not None and tags.may_change(viewer.account, found)
     services.marks.showed(services.store.reader, viewer.account, found, shown.last)  # from now on it is read
-    return show(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
+    return render_page(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
 
 
 def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: ShownPosts) -> str:
-    """Why no robot answers what this viewer has just posted at the end of the topic; empty otherwise."""
+    """Why no robot will answer the post that this viewer has just written at the end of the topic; else empty."""
     if viewer.account is None or shown.next or not shown.last:
         return ""
     newest = services.store.reader.post(shown.last)
@@ -278,7 +278,7 @@ def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str |
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
         data["owners"] = robot_view.owners(services, page.items)
         data |= {"asking": approvals.in_thread(services, page.items, viewer.account), "key": forms.nonce()}
-        html = piece("topic_posts.html", data)
+        html = render_fragment("topic_posts.html", data)
         ids = [post.id for post in page.items]
         return ShownPosts(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
