@@ -42,7 +42,7 @@ def test_a_battery_is_held_against_the_owners_level(percent: float | None, statu
         ("idle", "ok", ""),
         ("damping", "bad", "remote"),
         ("fallen", "bad", "stand up"),
-        ("walking", "bad", "Somebody else"),
+        ("walking", "bad", "Another program or remote moves it"),
         ("lying", "warning", "stand"),
         ("unknown", "warning", "10 cm"),
     ],
@@ -130,7 +130,7 @@ def test_a_robot_is_chosen_by_name_or_by_kind_and_its_network_may_be_said() -> N
     name, real = doctor.chosen("g1", config, "eth1", None)
     assert (name, real.model, real.interface, real.domain, real.simulated) == ("g1", "g1", "eth1", 0, False)
     assert doctor.chosen("g1", config, None, 7)[1].simulated
-    with pytest.raises(ConfigError, match="there are"):
+    with pytest.raises(ConfigError, match="installed robots: fake, g1, go2"):
         doctor.chosen("unicorn", config, None, None)
     with pytest.raises(ConfigError, match="0 to 230"):
         doctor.chosen("go2", config, None, 999)
