@@ -81,7 +81,7 @@ def test_a_forum_that_has_begun_is_safe_by_default_and_is_not_begun_again(shell:
     assert shell.settings.limits.posts > 0
     chief = local_admin.find_account(shell.settings, "chief")
     assert (chief.role, chief.kind) == (Role.ADMIN, AccountKind.HUMAN)
-    with pytest.raises(AgentRobError, match="exists already"):
+    with pytest.raises(AgentRobError, match="already exists"):
         shell.run("init", "--admin", "other")
     assert "password" not in shell.config.read_text()
 
