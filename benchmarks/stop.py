@@ -52,7 +52,6 @@ import httpx2
 from agentrob.board.auth.accounts import new_session
 from agentrob.board.db.database import open_engine
 from agentrob.demo.run import VISITOR, Demo, DemoSettings
-from agentrob.demo.visitor import FINAL
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, Post, Role
 from agentrob.process.signals import sigterm_interrupts
@@ -239,7 +238,7 @@ class Scene:
         while time.monotonic() < end_s:
             self.demo.check()
             for post in (await self.forum.posts(command.topic_id)).items:
-                if post.reply_to == command.id and post.card and post.card.state in FINAL:
+                if post.reply_to == command.id and post.card and post.card.is_final:
                     return str(post.card.state)
             await asyncio.sleep(0.1)
         raise TimeoutError(f"no final answer to post {command.id} within {WAIT_S:.0f} s")

@@ -27,5 +27,5 @@ def test_a_domain_that_somebody_uses_is_not_chosen(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
     with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(PrivateDomain()) as domain:
         assert domain.number == 232
-        with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are taken"):
+        with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are in use"):
             PrivateDomain()

@@ -172,7 +172,7 @@ def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: B
     over.set()
     assert process.returncode == 0, said
     assert json.loads(told)["n"] == 1
-    assert "ended after 1 of 6" in said
+    assert "interrupted after 1 of 6" in said
 
 
 def test_only_the_first_rows_are_read_where_a_limit_says_so(tmp_path: Path, brain: Brain) -> None:

@@ -19,12 +19,12 @@ from typing import Any
 import httpx2
 import pytest
 
+from agentrob.model.lifecycle import FINAL_STATES
 from agentrob.process.child import Child, terminate_all
 
 FILES = Path(__file__).parent / "older_files"
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 DONE, KILLED, WAITING = "9", "11", ("12", "15")
-FINAL = {"done", "refused", "failed", "interrupted", "stopped", "expired"}
 
 
 @dataclass
@@ -94,7 +94,7 @@ def older(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OlderForum]:
 def settled(older: OlderForum) -> dict[str, str]:
     """The states once no command is under way any more."""
     deadline = time.monotonic() + 60
-    while (states := older.states()) and not set(states.values()) <= FINAL:
+    while (states := older.states()) and not set(states.values()) <= FINAL_STATES:
         assert time.monotonic() < deadline, f"{states}; the agent's last line: {older.agent_log.read_text()[-500:]}"
         time.sleep(0.1)
     return states

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from agentrob.agent.intake import event_stream
-from agentrob.agent.reporting.report import _row
+from agentrob.agent.reporting.report import measured
 from agentrob.board.robots.command_view import _step
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.language.goal import Aim, Goal, Subgoal
@@ -122,7 +122,7 @@ async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_
         assert (record["steps"][0]["measured"], record["steps"][0]["unmeasured"]) == ({}, why)
         assert _step(record["steps"][0]).measured == f"unknown: {why.replace('_', ' ')}"
     results = [ActionResult(Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Outcome.STOPPED, unmeasured=why)]
-    assert said[1] in "".join(_row(1, results[0], "zh"))
+    assert said[1] in measured(results[0], "zh")
     assert f'"measured": "unknown: {why}"' in result_message(results[0], None, {})
     near = Goal((Subgoal(Aim.APPROACH, "ball"),))
     assert contradiction(near, "done", "I walked 5 m", results) == "", "nobody can deny what nobody measured"

@@ -156,8 +156,8 @@ def test_the_page_of_a_post_is_found(board: RunningBoard) -> None:
     for n in range(6):
         op.post(f"/topics/{topic}/posts", json={"body": str(n)})
     store = board.services.store.everything
-    for post in store.reader.posts(topic, None, 50).items:
-        page = store.reader.posts(topic, store.reader.cursor_before(post.id, 3), 3)
+    for post in store.posts(topic, None, 50).items:
+        page = store.posts(topic, store.cursor_before(post.id, 3), 3)
         assert post.id in [p.id for p in page.items]
 
 

@@ -39,7 +39,7 @@ async def _call(name: str, arguments: Any) -> dict[str, Any]:
     await forum.reply(topic.post.topic_id, "x" * 2_000, key="1")
     server, accounts = server_of(world, "alice")
     accounts.remember("carol", SECRET)
-    said = await asyncio.wait_for(server._said(_Context(), name, arguments), 60)  # type: ignore[arg-type]
+    said = await asyncio.wait_for(server._envelope(_Context(), name, arguments), 60)  # type: ignore[arg-type]
     await accounts.close()
     await server.close()
     return said.structure()
