@@ -1,21 +1,21 @@
-# AgentRob. Every target sets up what it needs in .venv by itself.
-#   make demo               a forum, a simulated Go2 and its agent; prints the address to open
+# AgentRob. Every target installs its requirements into .venv first.
+#   make demo               start a forum, a simulated Go2 and its agent; prints the address to open
 #   make demo ARGS='--post "@quadruped wave" --json'
-#   make test               what every change must pass
+#   make test               the tests that every change must pass
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
 #   make test-long          all slow tests at their full size: kill points, floods, live forums, peers, benchmarks
-#   make check              format, lint, types, contracts, and the tests that start no board, robot or agent
+#   make check              format, lint, types, contracts, and the tests that run without a board, robot or agent
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for robots half of the time: three at a time keep two cores busy.
+# Tests wait for robots half of the time, so three workers keep two cores busy.
 MANY := -n 3
-# Rooms whose tests start no board, robot or agent.
+# Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
 SLICE ?= 1/12
-# A slice may have no test of one kind, which pytest calls an error (5).
+# A slice may contain no tests of one kind; pytest then exits with 5.
 OR_NONE := || [ $$? = 5 ]
-# Tests start Python by the hundred; without compiled files each would compile all that it imports.
+# Tests start hundreds of Python processes; without compiled files each would compile all of its imports.
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-slice test-long check quick lint format lock setup setup-dev setup-slow clean
@@ -54,7 +54,7 @@ lint: setup-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-# Side by side: types alone take a core for a minute when nothing of them is cached.
+# In parallel: without a cache, mypy alone takes a core for a minute.
 check: setup-dev
 	@scripts/model-double
 	@$(MAKE) --no-print-directory -j 2 --output-sync=target lint quick
