@@ -1,10 +1,10 @@
-"""Contact sheets of all gestures of both simulated robots, eight pictures each, to be looked at.
+"""Make contact sheets of all gestures of both simulated robots, eight pictures each.
 
 .venv/bin/python scripts/gesture_sheets.py [go2|g1] [NAME ...]
 
-They go to docs/images/gestures-*.png. The gestures run as the robots' services play them, in full physics. The camera
-looks from where the room's overview looks, moved near. Prints for each how long it took, how upright the body stayed
-and how far it was moved.
+Writes docs/images/gestures-*.png. The robots' services play the gestures in full physics. The camera has the direction
+of the room's overview, but is closer. For each gesture it prints the duration, how upright the body stayed and how far
+it moved.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ ACTIONS = {gesture.name.replace(" ", "-"): id_ for id_, gesture in GESTURES.item
 
 @dataclass
 class Stage:
-    """One robot alone on the floor. `calls` are what a gesture consists of, each answered before the next."""
+    """One robot alone on the floor. `calls` returns the calls of a gesture; each is answered before the next."""
 
     world: World
     body: Any
@@ -57,7 +57,7 @@ class Stage:
     height_m: float
 
     def play(self, name: str) -> list[Array]:
-        """The poses of the whole model, one a period, from begin to end."""
+        """The poses of the whole model, one per period, from beginning to end."""
         self.world.reset()
         self.service.reset()
         poses: list[Array] = []
@@ -91,7 +91,7 @@ def stage(robot: str) -> Stage:
 
 
 def near(stage: Stage, name: str) -> View:
-    """From the direction of the room's overview camera, a little lower; further away where it leaves the floor."""
+    """A view from the direction of the room's overview camera, a little lower; further away for the backflip."""
     flies = name == "backflip"
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE

@@ -1,8 +1,8 @@
-"""A picture of each shipped world with both robots at their starts, as the room's own camera sees it.
+"""Make a picture of each shipped world, with both robots at their start, from the room's own camera.
 
     .venv/bin/python scripts/world_pictures.py [FILE ...]
 
-They go to docs/images/world-*.jpg. With files of your own: pictures of those.
+Writes docs/images/world-*.jpg. With FILE arguments it makes pictures of those worlds instead.
 """
 
 from __future__ import annotations
