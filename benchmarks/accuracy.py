@@ -1,10 +1,10 @@
-"""How exactly a robot moves and turns against the simulator's true pose, by the driver's own loop in simulated time.
+"""Measure how accurately the driver's control loop moves and turns a robot, against the simulator's true pose.
 
     python benchmarks/accuracy.py [--robot g1] [--runs 10] [--seed 0] [--lag 0.04] [--only move] [--mps 0.4]
 
-Each robot goes as fast as its driver lets it by default: the Go2 0.5 m/s and 45°/s, the G1, which sees nothing around
-it, 0.2 m/s and 28.6°/s. Full physics and the sensors' noise (2 mm, 0.2°, 0.3 % scale), without DDS: `--lag` seconds
-stand for the way from odometry to command. Prints a table, and the shares within 5 cm and 4° over all runs.
+Each robot moves at its driver's default limits: the Go2 0.5 m/s and 45°/s, the G1, which has no range sensors, 0.2 m/s
+and 28.6°/s. Simulated time, full physics and sensor noise (2 mm, 0.2°, 0.3 % scale), without DDS: `--lag` is the delay
+in seconds from odometry to command. Prints a table, and the shares within 5 cm and 4° over all runs.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ GAITS = {"go2": (Go2, go2.Go2, go2.GAIT), "g1": (G1, g1.G1, g1.GAIT)}
 
 
 def gait_of(kind: str, mps: float | None) -> Gait:
-    """As the driver has it in simulation; at another speed when one is given."""
+    """The driver's gait in simulation, with another speed if one is given."""
     _, driver, gait = GAITS[kind]
     limits = driver.describe(RobotConfig(model=kind, simulated=True)).limits
     return gait.at_most(mps or limits.speed_mps, math.radians(limits.turn_dps))
 
 
 class SimulatedBody:
-    """A robot in simulated time, as `agentrob.robots.control.step_runner.Body`."""
+    """A robot in simulated time that implements `agentrob.robots.control.step_runner.Body`."""
 
     def __init__(self, kind: str, seed: int, lag_s: float) -> None:
         self.body = GAITS[kind][0]()
@@ -89,7 +89,7 @@ class SimulatedBody:
             self._yaw = self.body.yaw_rad
 
     def truth(self) -> tuple[float, float, float]:
-        """Forward and left from the start in metres, degrees turned."""
+        """Metres forward and to the left of the start, and degrees turned."""
         dx, dy = self.body.xy_m - np.array(self._start[:2])
         c, s = math.cos(self._start[2]), math.sin(self._start[2])
         return c * dx + s * dy, -s * dx + c * dy, math.degrees(self._turned)
@@ -121,8 +121,8 @@ def one(robot: SimulatedBody, step: Primitive, gait: Gait) -> Run:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robot", choices=sorted(GAITS), default="go2")
-    parser.add_argument("--only", choices=[str(Op.MOVE), str(Op.TURN)], help="only these rows")
-    parser.add_argument("--mps", type=float, help="as fast as this at most, instead of the driver's limit")
+    parser.add_argument("--only", choices=[str(Op.MOVE), str(Op.TURN)], help="measure only these rows")
+    parser.add_argument("--mps", type=float, help="speed limit, instead of the driver's")
     parser.add_argument("--runs", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--lag", type=float, default=0.04)

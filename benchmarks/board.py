@@ -1,12 +1,12 @@
-"""How fast the embedded forum is: topics as JSON and as pages, replies, events, with few and with very many posts.
+"""Measure the speed of the embedded forum: topics as JSON and as pages, replies, events, with few and many posts.
 
     python benchmarks/board.py [--posts 1000] [--seconds 5] [--listeners 200]
     python benchmarks/board.py --posts 1000000
 
-The board is a process of its own (SQLite, limits of posts, commands and uploads on) with its database in a temporary
-folder; this process makes the load, on the same cores. Every request signs in, by token or by session, and is checked
-for its right. Topics have 20 posts each; the 50 newest are the hot ones that are read. `CPU` is the server's own, by
-request. Figures are of this machine at this moment: what else ran on it stands in the first line.
+The board runs in its own process (SQLite, with limits of posts, commands and uploads) with its database in a temporary
+folder; this process generates the load, on the same cores. Every request is authenticated, by token or by session, and
+authorized. Topics have 20 posts each; the 50 newest are the hot ones that are read. `CPU` is the server's processor
+time per request. Figures depend on the machine and its load, which the first line shows.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ HTML = (
 )
 PER_TOPIC, HOT = 20, 50
 WRITES_PER_S, WRITERS = 50.0, 4
-#: By another account than the one that replies; posts of all topics come in turns, as on a forum.
+#: The author is not the account that replies; posts of all topics alternate, as on a forum.
 SEED = (
     """INSERT INTO topics (id, board_id, title, author_id, created_us, last_post_id, last_post_us, posts, locked)
        WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :topics)
@@ -70,7 +70,7 @@ SEED = (
 
 # -------------------------------------------------------------------- the load
 class Client(asyncio.Protocol):
-    """A bare HTTP/1.1 connection, so that little of what is measured is the client."""
+    """A minimal HTTP/1.1 connection, to keep the client's share of the time small."""
 
     def __init__(self, port: int, credential: str) -> None:
         self.port, self.head = port, f"Host: 127.0.0.1:{port}\r\n{credential}\r\n"
@@ -103,7 +103,7 @@ class Client(asyncio.Protocol):
 
 
 class Listener(Client):
-    """An open event stream that notes when each event of a post came."""
+    """An open event stream that records when each event of a post arrived."""
 
     async def listen(self) -> Listener:
         self.heard, self.more = list[float](), asyncio.Event()
@@ -127,13 +127,13 @@ class Listener(Client):
 
 @dataclass
 class Server:
-    """The board's process: where it listens, and what it has used."""
+    """The board's process: its address, and the resources it has used."""
 
     port: int
     pid: int
     token: str
     session: str
-    listening: list[str]  # tokens of others: no account may have more than 50 streams
+    listening: list[str]  # tokens of other accounts: an account may have 50 streams
     topics: int
 
     def api(self) -> Client:
@@ -163,7 +163,7 @@ def row(name: str, figure: str, took_s: list[float], cpu_ms: float | None = None
 
 
 async def load(name: str, server: Server, clients: list[Client], requests: list[list[bytes]], seconds: float) -> None:
-    """Each client sends its requests one after the other, again and again."""
+    """Each client repeats its requests, one after the other."""
     end, took = time.perf_counter() + seconds, list[float]()
 
     async def one(client: Client, mine: list[bytes]) -> None:
@@ -180,7 +180,7 @@ async def load(name: str, server: Server, clients: list[Client], requests: list[
 
 
 async def writing(server: Server, seconds: float) -> float:
-    """Replies at a steady rate by several writers, half of them in hot topics; how many in a second there were."""
+    """Write replies at a steady rate with several writers, half of them in hot topics; return the rate per second."""
     chance, numbers = random.Random(5), count()
     start = time.perf_counter()
 
@@ -196,7 +196,7 @@ async def writing(server: Server, seconds: float) -> float:
 
 
 async def events(server: Server, listeners: int, posts: int) -> None:
-    """From the moment a reply is sent until each listener, and the last one, has read of it."""
+    """Measure the time from sending a reply until each listener, and the last one, has received it."""
     writer = await server.api().open()
     request = writer.request("POST", "/api/v1/topics/1/posts", {"body": RAW})
     listening: list[Listener] = []
@@ -242,7 +242,7 @@ async def measure(server: Server, seconds: float, listeners: int) -> None:
 
 # -------------------------------------------------------------------- the board
 def seed(settings: BoardSettings, posts: int) -> int:
-    """Fills an empty board; how many topics."""
+    """Fill an empty board; return the number of topics."""
     topics = max(1, posts // PER_TOPIC)
     values = {"topics": topics, "posts": topics * PER_TOPIC, "per": PER_TOPIC, "raw": RAW, "html": HTML}
     with sqlite3.connect(str(settings.database_path)) as connection:
@@ -273,7 +273,7 @@ def serving(folder: str, posts: int) -> Iterator[Server]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--posts", type=int, default=1000, help="how many posts there are")
+    parser.add_argument("--posts", type=int, default=1000, help="number of posts")
     parser.add_argument("--seconds", type=float, default=5.0, help="how long each load lasts")
     parser.add_argument("--listeners", type=int, default=200)
     given = parser.parse_args()

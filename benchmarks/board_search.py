@@ -1,10 +1,10 @@
-"""How fast the forum's search is, newest first, English and Chinese: by the index itself and over HTTP.
+"""Measure the speed of the forum's search, newest first, in English and Chinese: in the index and over HTTP.
 
     python benchmarks/board_search.py [--posts 1000000] [--trials 40] [--folder FOLDER] [--database URL] [--vectors N]
 
-Posts are made of words as rare and as common as in real text (Zipf), and written straight into the tables. A folder, or
-a PostgreSQL database, that has them already is used again. Then so many vectors are compared as a search by meaning
-does, with what a query and posts cost where its model is installed. Figures are of this machine at this moment.
+Posts have word frequencies as in real text (Zipf), and are written directly into the tables. A folder, or a PostgreSQL
+database, that already has them is used again. Then N vectors are compared as in a search by meaning; if its model is
+installed, the cost of a query and of posts is measured too. Figures depend on the machine and its load.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ CHINESE = (
 )
 ENGLISH = ["robot", "walk", "forward", "back", "turn", "left", "right", "stop", "metre", "wave", "photo", "red", "ball"]
 ENGLISH += ["window", "door", "battery", "charge", "done", "failed", "please", "look", "here", "slow", "fast", "today"]
-#: What is searched for: the commonest words, rare ones, several, phrases, and what nothing has.
+#: The queries: the most common words, rare ones, several, phrases, and words that occur nowhere.
 QUERIES = {
     "a common word": "robot",
     "a rare word": "word4000",
@@ -68,7 +68,7 @@ QUERIES = {
 
 
 def texts(count: int, seed: int = 7) -> Iterator[str]:
-    """Posts of about 20 words, half of them with some Chinese; word N is about as rare as its number is high."""
+    """Posts of about 20 words, half of them with some Chinese; the higher its number, the rarer a word."""
     draw = random.Random(seed)
     words = [*ENGLISH, *(f"word{n}" for n in range(5000))]
     runs = ["机器人", "前进", "左转", "停止", "走路", *(CHINESE[n : n + 2] for n in range(0, len(CHINESE) - 1, 2))]
@@ -92,7 +92,7 @@ def fill(settings: BoardSettings, posts: int) -> None:
         rows = ((n, "talk", f"topic {n}", author, n, n, n, 50) for n in range(1, topics + 1))
         columns = "id, board_id, title, author_id, created_us, last_post_id, last_post_us, posts"
         connection.executemany(f"INSERT OR IGNORE INTO topics ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
-        left = islice(enumerate(texts(posts), 1), there, None)  # goes on where it was ended
+        left = islice(enumerate(texts(posts), 1), there, None)  # continues where an earlier run ended
         while some := list(islice(left, 20_000)):
             made = ((n, 1 + n % topics, author, said, f"<p>{said}</p>", n, "[]") for n, said in some)
             columns = "id, topic_id, author_id, raw, html, created_us, mentions, version, removed"
@@ -106,7 +106,7 @@ def fill(settings: BoardSettings, posts: int) -> None:
 
 
 def fill_postgres(settings: BoardSettings, posts: int) -> None:
-    """The same posts; their index made after them, as an update of an old forum does."""
+    """Write the same posts, then build their index, as an update of an old forum does."""
     engine = create_engine(settings.database)
     with engine.connect() as connection:
         there = connection.execute(text("SELECT count(*) FROM posts")).scalar_one()
@@ -166,7 +166,7 @@ def by_index(settings: BoardSettings, trials: int) -> None:
 
 
 def by_meaning(vectors: int, trials: int) -> None:
-    """Comparing alone, on vectors of chance, which are as long to compare as any."""
+    """Measure comparison alone, on random vectors, which take as long to compare as real ones."""
     made = np.random.default_rng(7).integers(-127, 128, (10_000, SIZE), np.int8)
     meanings = EmbeddingIndex(Encoder())
     for n in range(vectors):
@@ -246,8 +246,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--posts", type=int, default=1_000_000)
     parser.add_argument("--trials", type=int, default=40)
-    parser.add_argument("--folder", type=Path, help="where the forum is kept; a temporary one otherwise")
-    parser.add_argument("--database", default="", help="the URL of a PostgreSQL database; SQLite otherwise")
+    parser.add_argument("--folder", type=Path, help="folder of the forum (default: a temporary one)")
+    parser.add_argument("--database", default="", help="URL of a PostgreSQL database (default: SQLite)")
     parser.add_argument("--vectors", type=int, default=100_000)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

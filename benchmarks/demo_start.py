@@ -1,6 +1,8 @@
-"""From `make demo` until the page answers, and until a post would: packages cached, a new data folder each time.
+"""Measure the time from `make demo` until the page answers, and until the welcome is printed.
 
-.venv/bin/python benchmarks/demo_start.py [RUNS]
+    .venv/bin/python benchmarks/demo_start.py [RUNS]
+
+Packages are cached; each run uses a new data folder.
 """
 
 from __future__ import annotations

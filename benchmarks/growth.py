@@ -1,13 +1,12 @@
-"""What grows while one agent carries out many commands: rows, files, bytes on disk, memory, threads and open files.
+"""Measure growth while one agent carries out many commands: rows, files, disk, memory, threads and open files.
 
     nice -n 15 python benchmarks/growth.py [--commands 10000] [--every 500] [--together 3]
 
-Agent, driver (a fake robot whose time runs as fast as it can) and embedded forum (SQLite) are each a process of its
-own, as they are in use; this process writes the posts, and reads the others' memory in /proc.
-So that what is kept reaches its limit early, the agent keeps 100 commands and 2 MB of recordings, the forum 1,000
-events, and both look every few seconds instead of once an hour. What is kept for a time whatever its number (claims and
-events for days, the engine's rows for an hour) is let go of at once here: the run is shorter than that. Posts are kept
-for ever, so the forum's own file grows with them.
+Agent, driver (a fake robot whose clock runs as fast as possible) and embedded forum (SQLite) each run in their own
+process, as in use; this process writes the posts, and reads the memory of the others from /proc.
+To reach the limits early, the agent keeps 100 commands and 2 MB of recordings, the forum 1,000 events, and both prune
+every few seconds instead of once an hour. Data with a minimum age (claims and events: days, the engine's rows: an hour)
+is deleted without it here, since the run is shorter. Posts are kept for ever, so the forum's own file grows with them.
 """
 
 from __future__ import annotations
@@ -49,9 +48,9 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.process import run_driver
 
 ROBOT, EVENTS, LIMIT_S = "quadruped", 1000, 120.0
-#: How often the agent and the forum let go of what is kept too long; a line may see what came since.
+#: How often the agent and the forum prune; a line may include data that arrived since.
 PRUNED_EVERY_S = 5.0
-#: How soon the robot's page shows a change: commands come faster here than anywhere, and the page's are most requests.
+#: How soon the robot's page shows a change: with this many commands, most requests would be for the page.
 SHOWN_EVERY_S = 2.0
 _spawned = multiprocessing.get_context("spawn")
 
@@ -102,7 +101,7 @@ def _agent(settings: RobotConfig, folder: Path, url: str, token: str, told: Conn
 
 @contextmanager
 def _running(work: Callable[..., None], *args: Any) -> Iterator[int]:
-    """A process; its id. It is ended afterwards."""
+    """Run a process, yield its id, and end it afterwards."""
     process = _spawned.Process(target=work, args=args, daemon=True)
     process.start()
     assert process.pid is not None
@@ -137,13 +136,13 @@ def _counts(path: Path, *tables: str) -> list[int]:
 
 
 def _memory(pid: int) -> int:
-    """What a process takes for itself in MB: what it shares with files on disk is left out."""
+    """The memory of a process in MB, without pages shared with files on disk."""
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     return int(next(line for line in lines if line.startswith("RssAnon")).split()[1]) // 1024
 
 
 def _of(folder: Path) -> tuple[int, int, float]:
-    """Files, those of them that are records of commands, and MB."""
+    """The number of files, the number of command records among them, and MB."""
     files, records, size = 0, 0, 0
     for path in folder.rglob("*"):
         with suppress(FileNotFoundError):
@@ -168,8 +167,8 @@ def _line(folder: Path, pids: tuple[int, int, int], sent: int, done: int, each_s
 
 
 def _command(number: int) -> str:
-    """Mostly gestures, which have no pictures; every 10th a turn, of which the path is drawn, and every 50th a walk, of
-    which there is an animation as well."""
+    """Mostly gestures, which have no pictures; every 10th command is a turn, whose path is drawn, and every 50th a
+    walk, which also has an animation."""
     if number % 50 == 0:
         return f"@{ROBOT} walk 1 metre {'forward' if number % 100 else 'backward'}"
     if number % 10 == 0:
@@ -183,7 +182,7 @@ async def _measure(options: argparse.Namespace, url: str, token: str, folder: Pa
 
     async def listen(after: str) -> None:
         while True:
-            with suppress(ForumUnreachable):  # a machine so busy that the forum falls silent
+            with suppress(ForumUnreachable):  # on a very busy machine the forum may fall silent
                 async for event in alice.stream(after):
                     after, post = event.id or after, event.post
                     if post is not None and post.reply_to and is_final(post.card):
@@ -217,7 +216,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--commands", type=int, default=10_000)
     parser.add_argument("--every", type=int, default=500)
-    parser.add_argument("--together", type=int, default=3, help="so many commands are open at once")
+    parser.add_argument("--together", type=int, default=3, help="number of commands open at once")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # the other processes are ended too
     settings = _settings()

@@ -1,10 +1,10 @@
-"""How long from a post to its status and to the first motion: a real board, agent and driver process, a fake robot.
+"""Measure the time from a post to its status and to the first motion, with a real board, agent and driver process.
 
     python benchmarks/latency.py [--posts 1000]
 
-Each post is written when the one before has its final answer. The fake robot moves in no time, and nothing limits how
-often is posted; so this measures our own way only. Times count from the moment at which the board accepted the post, by
-the board's clock; all processes share this machine.
+Each post is written after the previous one has its final answer. The fake robot moves instantly and there are no rate
+limits, so this measures only our own processing. Times count from when the board accepted the post, by the board's
+clock; all processes share this machine.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ rates = {{ commands_per_hour = 0, cooldown_s = 0 }}
 
 
 async def measure(forum: Forum, folder: Path, posts: int) -> dict[str, list[float]]:
-    """Post `posts` times; milliseconds per post until the status was visible here, and until the first motion."""
+    """Post `posts` times; return milliseconds per post until the status was visible here and until the first motion."""
     found: dict[str, list[float]] = {"seen": [], "first_motion": [], "done": []}
     after, _ = await forum.now()
     events = forum.stream(after)

@@ -1,13 +1,13 @@
-"""What one turn of the loop takes of our own, where a model steers a robot by its camera.
+"""Measure our own share of the time of one turn when a model steers a robot by its camera.
 
     python benchmarks/loop.py [--turns 100] [--camera 640x480]
 
-The model is a server on loopback, in a process of its own, that answers at once; the robot is a fake one in its driver
-process, with a camera of 640 x 480 as the simulated Go2's (pictures beyond 1024 pixels are made smaller, which counts
-as ours). A turn is a question with two pictures, the call checked, post, rights, limits and mandate judged anew, a step
-and a picture through the driver, and the result told. It is wall time; left out are the model's own time, measured by
-the server, and that of the robot and its camera, measured where the driver calls them
-(with them the looks of the guard while a step goes on). The rest of the driver is counted.
+The model is a server on loopback, in its own process, that answers immediately; the robot is a fake one in its driver
+process, with a camera of 640 x 480 like the simulated Go2's (scaling down pictures beyond 1024 pixels counts as ours).
+A turn is a question with two pictures, the check of the call, of post, rights, limits and mandate, a step and a picture
+through the driver, and the returned result. Times are wall times without the model's own time, measured by the
+server, and without that of the robot and its camera, measured where the driver calls them
+(including the guard's checks during a step). The rest of the driver is counted.
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ SETTINGS = {
 
 
 class TimedDriver(DriverClient):
-    """Counts the seconds in which the robot and its camera were at work, as the driver's process measured them: the
-    way there and back, the guard before and after, and the picture on its way are ours."""
+    """Counts the seconds that the robot and its camera took, as measured in the driver's process. The transfer both
+    ways, the guard before and after, and the transfer of the picture count as ours."""
 
     spent_s = 0.0
 
@@ -83,7 +83,7 @@ class TimedDriver(DriverClient):
 
 
 class Began(NamedTuple):
-    """When a question was begun, and what the robot and this process had taken until then."""
+    """When a question began, and the time that the robot and this process had used until then."""
 
     at_s: float
     robot_s: float
@@ -91,7 +91,7 @@ class Began(NamedTuple):
 
 
 class TimedEyes(FallbackModel):
-    """Notes when each question to the model begins: from one to the next is a turn."""
+    """Records when each question to the model begins; a turn is the time from one to the next."""
 
     def __init__(self, model: ConfiguredModel, driver: TimedDriver) -> None:
         super().__init__([model])
@@ -106,7 +106,7 @@ class TimedEyes(FallbackModel):
 
 
 async def _measure(port: int, turns: int, socket: Path, folder: Path) -> tuple[list[float], list[float]]:
-    """Seconds of our own in each turn, in which the server's time still is, and of the processor in this process."""
+    """Seconds of our own in each turn (still including the server's time), and processor seconds of this process."""
     world = MemoryForum.world()
     author = world.sign_in("alice", role=Role.OPERATOR)
     post = (await author.create_topic("robots", "A topic", f"@{ROBOT} turn towards the door", key="k")).post
