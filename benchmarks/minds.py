@@ -1,10 +1,10 @@
-"""What minds take of our own: per post that is read, per turn with a picture, and how soon the CLI is there.
+"""Measure our own share of the time of minds: per post, per turn with a picture, and at the start of the CLI.
 
     python benchmarks/minds.py [--turns 200]
 
-The model is a server on loopback, in a process of its own, that answers at once; its own time is in a row of its own
-(it is in the others too, and small). HTTP, libraries, budgets on disk, prompts, checks and the encoding of pictures are
-ours and counted.
+The model is a server on loopback, in its own process, that answers immediately; its time has a separate row (it is
+small, and included in the other rows). HTTP, libraries, budgets on disk, prompts, checks and the encoding of pictures
+count as ours.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""RPC round trips and 20 Hz commands, beside raw publish/subscribe on the same wire.
+"""Measure RPC round trips and 20 Hz commands, compared with raw publish/subscribe on the same network.
 
     python benchmarks/rpc.py [--calls 2000] [--walks 6]
 
@@ -8,10 +8,10 @@ Everything is measured between processes on the loopback, on one DDS domain, wit
   RPC, service    the SDK's client, as our driver uses it, calls the simulated `motion_switcher`: answered at once
   RPC, world      the same client calls `sport` (BalanceStand): answered by the thread that computes the physics
   raw 20 Hz       a loop that writes every 50 ms; when a second process receives it
-  driver 20 Hz    our driver walks the Go2 forward and back; when a bystander on the robot's domain receives each Move
+  driver 20 Hz    our driver walks the Go2 forward and back; when a second reader on the domain receives each Move
 
-Jitter is how far an interval between two arrivals is from 50 ms; whoever receives goes before all others where the
-system allows it, as the robot's computer is not the busy one. Each is measured quietly, beside one busy process, and
+Jitter is the deviation of the interval between two arrivals from 50 ms. The receiver gets the highest priority that
+the system allows, since the robot's own computer would not be busy. Each is measured idle, beside one busy process, and
 beside one for each core. Wanted: RPC p50 at most 0.6 ms, and 20 Hz jitter p99 at most 10 ms beside a busy process.
 """
 
@@ -56,7 +56,7 @@ OURSELVES = (sys.executable, __file__)
 SETTLE_S = 1.0  # until two processes have found each other on DDS
 THERE = Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0)
 BACK = Primitive(Op.MOVE, Direction.BACKWARD, distance_m=2.0)
-Row = tuple[str, list[float]]  # what, and its times in ms
+Row = tuple[str, list[float]]  # name, and times in ms
 
 
 def message(number: int) -> Any:
@@ -66,7 +66,7 @@ def message(number: int) -> Any:
 
 # ---------------------------------------------------------------------- the other processes
 def echo(domain: int) -> None:
-    """Send back what comes, until standard input ends."""
+    """Echo each message, until standard input ends."""
     node = Node(domain, "lo")
     back = node.writer("rt/benchmark/back", Request_, RESPONSES)
     _reader = node.reader("rt/benchmark/there", Request_, back.write)
@@ -75,9 +75,9 @@ def echo(domain: int) -> None:
 
 
 def listen(domain: int, topic: str) -> None:
-    """Print when each message came (seconds of the monotonic clock), once standard input ends.
+    """Print the arrival time of each message (seconds of the monotonic clock), once standard input ends.
 
-    It stands for the robot's computer, which is not the busy one: it goes before all others where the system allows.
+    It represents the robot's computer, which would not be busy, so it gets the highest priority that the system allows.
     """
     with contextlib.suppress(PermissionError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
@@ -96,7 +96,7 @@ def listen(domain: int, topic: str) -> None:
 
 @contextlib.contextmanager
 def beside(*arguments: str | int) -> Iterator[Callable[[], str]]:
-    """This file as another process; the function ends it and returns what it printed."""
+    """Run this file as another process; the yielded function ends it and returns its output."""
     process = subprocess.Popen(
         [*OURSELVES, *map(str, arguments)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -111,13 +111,13 @@ def beside(*arguments: str | int) -> Iterator[Callable[[], str]]:
 
 
 def run(*arguments: str | float) -> str:
-    """What this file prints as another process that ends by itself."""
+    """Run this file as another process that ends by itself, and return its output."""
     return subprocess.run([*OURSELVES, *map(str, arguments)], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 @contextlib.contextmanager
 def busy(count: int) -> Iterator[None]:
-    """So many processes that compute all the time."""
+    """Keep this number of processes busy."""
     spinning = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
     try:
         yield
@@ -128,7 +128,7 @@ def busy(count: int) -> Iterator[None]:
 
 
 def ping(domain: int, calls: int) -> None:
-    """Print how many milliseconds each echo took."""
+    """Print the milliseconds of each echo."""
     node, came = Node(domain, "lo"), threading.Event()
     there = node.writer("rt/benchmark/there", Request_, RESPONSES)
     _reader = node.reader("rt/benchmark/back", Request_, lambda _: came.set())
@@ -144,7 +144,7 @@ def ping(domain: int, calls: int) -> None:
 
 
 def tick(domain: int, seconds: float) -> None:
-    """Write every 50 ms."""
+    """Write a message every 50 ms."""
     node = Node(domain, "lo")  # kept: what it holds ends with it
     writer = node.writer("rt/benchmark/even", Request_, REQUESTS)
     time.sleep(SETTLE_S)
@@ -178,7 +178,7 @@ def raw_jitter(domain: int, seconds: float) -> list[float]:
 
 def driver_jitter(domain: int, socket: Path, walks: int) -> list[float]:
     with beside("--listen", domain, "rt/api/sport/request") as end:
-        # two metres there and back: one plan each, so that it always has room
+        # two metres there and back, one plan each, so that it always has room
         results = [r for _ in range(walks) for r in run_plan("bench", Plan((THERE, BACK)), "benchmark", socket=socket)]
         came = json.loads(end())
     assert all(result.path for result in results), [result.message for result in results]

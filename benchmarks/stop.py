@@ -1,26 +1,26 @@
-"""How long from an accepted stop to zero velocity commanded: all processes of the demo, a simulated Go2 over DDS.
+"""Measure the time from an accepted stop to zero velocity: all processes of the demo, a simulated Go2 over DDS.
 
     python benchmarks/stop.py [--trials 200] [--condition quiet …] [--json]
 
-A trial: a post makes the robot walk, and within 0.7 s of its first command of velocity a stop is posted. Time counts
-from the moment at which the board accepted the stop, by the board's clock. It ends on DDS, outside the driver: when a
-bystander on the robot's domain (a second reader of `rt/api/sport/request`, in this process) has received StopMove, or
-Move with zero velocity, after which no other velocity came. That is the command; how soon the body rests is another
-figure. The bystander is one reader more for the driver to serve and shares the machine, so the figures are rather too
-long than too short. All processes are on one host; the board's wall clock is brought to this process's monotonic one
-each time. No trial is left out; a command that ends otherwise than stopped ends the benchmark.
+In each trial a post makes the robot walk, and a stop is posted within 0.7 s of the first velocity command. Time counts
+from when the board accepted the stop, by the board's clock. It ends on DDS, outside the driver: when a second reader of
+`rt/api/sport/request` on the robot's domain, in this process, has received StopMove, or Move with zero velocity, and no
+other velocity afterwards. This measures the command, not how soon the body rests. The second reader costs the driver
+and the machine time, so the figures are too long rather than too short. All processes run on one host; the board's wall
+clock is converted to this process's monotonic clock each time. All trials count; a command that does not end as stopped
+ends the benchmark.
 
 Conditions:
-  quiet    nothing else happens
-  flood    another account writes talk into another thread: 50 posts a second that the board accepts; fewer is a miss
-  hostile  24 accounts write posts, edits and previews of 32 to 64 KiB that cost a Markdown parser much, and posts with
-           1,500 mentions, each as fast as it is answered. Stops come by post and by button in turn, and time counts
-           from before the request is sent: what holds up a stop holds it up before the board has accepted it
+  quiet    no other load
+  flood    another account writes talk into another thread: 50 accepted posts a second; fewer is a miss
+  hostile  24 accounts write posts, edits and previews of 32 to 64 KiB that are expensive for a Markdown parser, and
+           posts with 1,500 mentions, as fast as the board answers. Stops alternate between post and button, and time
+           counts from before the request is sent, since delays occur before the board has accepted the stop
   camera   the command begins with a photo and the walk waits for it; pictures are drawn without GL, so they take long
-  disk     the agent can write no file any more while the robot walks, nor into those that are there (RLIMIT_FSIZE 0;
-           EFBIG instead of ENOSPC: a full disk itself takes most writes of the journal, whose write-ahead log is used
-           again). It can again 50 ms after the zero, or no command would end. A stop is written into the journal once:
-           one that the journal does not know in the end could not be written. A last stop shows that others are
+  disk     while the robot walks, the agent can neither create nor extend files (RLIMIT_FSIZE 0; EFBIG instead of
+           ENOSPC: a full disk accepts most writes of the journal, whose write-ahead log is reused). The limit is lifted
+           50 ms after the zero, since no command could end otherwise. A stop is written to the journal once, so a stop
+           that is missing there in the end could not be written. A last stop shows that others are written
   frozen   no stop is posted: the agent is frozen (SIGSTOP) while the robot walks; counts from the signal
 """
 
@@ -63,25 +63,25 @@ from unitree_sdk2py.idl.unitree_api.msg.dds_ import Request_, Response_
 
 ROBOT = "quadruped"
 CONDITIONS = ("quiet", "flood", "hostile", "camera", "disk", "frozen")
-#: What p99 must not exceed: a stop post, and an agent that is gone (the lease of 1 s, and half a second to notice).
+#: Limits of p99: for a stop, and for an agent that is gone (the lease of 1 s, and half a second to notice).
 LIMIT_MS = {"frozen": 1500.0}
 STOP_LIMIT_MS = 200.0
 STOP_MOVE, MOVE, GET_IMAGE = 1003, 1008, 1001
 WAIT_S = 30.0
-#: Beyond this place or heading (true ones) the room is put back before the next trial.
+#: Beyond this true position or heading the room is reset before the next trial.
 STRAY_M, STRAY_DEG = 0.8, 25.0
 FLOOD_PER_S = 50.0
-#: So many posts are under way at once at most; and of the wanted rate so much must be reached.
+#: The number of concurrent posts, and the share of the wanted rate that must be reached.
 FLOOD_WRITERS, FLOOD_SHARE = 8, 0.98
 HOSTILE_ACCOUNTS, HOSTILE_WITHIN_S = 24, 60.0
 HOSTILE_POSTS = Path(__file__).parent / "instruments" / "hostile_posts.py"
-#: For so long after the zero the disk stays full; and so many of all stops must have been refused by it.
+#: How long after the zero the disk stays full, and the share of stops that must fail to be written.
 FULL_S, FULL_SHARE = 0.05, 0.95
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """`what`: go, zero, asked (for a picture), picture; `at_s` by the monotonic clock."""
+    """A message on DDS. `what`: go, zero, asked (for a picture), picture; `at_s` by the monotonic clock."""
 
     at_s: float
     what: str
@@ -89,21 +89,21 @@ class Heard:
 
 @cache
 def node(domain: int) -> Node:
-    """This process's participant: a domain can be joined once only, and the next condition may use the same."""
+    """This process's participant: a process can join a domain only once, and the next condition may use the same."""
     return Node(domain, "lo")
 
 
 class Wire:
-    """Overhears what the driver and the robot say to each other on DDS."""
+    """Records the messages between the driver and the robot on DDS."""
 
     def __init__(self, domain: int) -> None:
         self.heard: list[Heard] = []
         self._more = threading.Condition()
-        bystander = node(domain)
+        observer = node(domain)
         self._readers: tuple[Any, ...] = (
-            bystander.reader("rt/api/sport/request", Request_, self._sport),
-            bystander.reader("rt/api/videohub/request", Request_, lambda r: self._video(r, "asked")),
-            bystander.reader("rt/api/videohub/response", Response_, lambda r: self._video(r, "picture")),
+            observer.reader("rt/api/sport/request", Request_, self._sport),
+            observer.reader("rt/api/videohub/request", Request_, lambda r: self._video(r, "asked")),
+            observer.reader("rt/api/videohub/response", Response_, lambda r: self._video(r, "picture")),
         )
 
     def close(self) -> None:
@@ -127,7 +127,7 @@ class Wire:
             self._more.notify_all()
 
     async def wait(self, what: str, mark: int, after_s: float = -math.inf, times: int = 1) -> None:
-        """Until `what` was heard so often after the first `mark` things and a moment; `TimeoutError` after `WAIT_S`."""
+        """Wait for `times` messages `what` after `after_s`, without the first `mark`; `TimeoutError` after `WAIT_S`."""
 
         def there() -> bool:
             return sum(h.what == what and h.at_s >= after_s for h in self.heard[mark:]) >= times
@@ -137,10 +137,10 @@ class Wire:
                 return self._more.wait_for(there, WAIT_S)
 
         if not await asyncio.to_thread(wait):
-            raise TimeoutError(f"{what!r} was not heard on DDS within {WAIT_S:.0f} s")
+            raise TimeoutError(f"{what!r} was not received on DDS within {WAIT_S:.0f} s")
 
     def zero_s(self, mark: int, after_s: float) -> float:
-        """When the first zero after a moment came, or, where velocities came after that, the first zero after those."""
+        """The time of the first zero after `after_s` that no other velocity follows."""
         found = math.inf
         for heard in self.heard[mark:]:
             if heard.at_s >= after_s and heard.what == "zero":
@@ -152,13 +152,13 @@ class Wire:
 
 @dataclass(slots=True)
 class Row:
-    """What came of one condition."""
+    """The result of one condition."""
 
     condition: str
     limit_ms: float
     found_ms: list[float] = field(default_factory=list)
     note: str = ""
-    #: Why the condition was not what it says; then its times say nothing.
+    #: Why the condition did not hold, which makes its times meaningless.
     void: str = ""
 
     def figures(self) -> dict[str, Any]:
@@ -170,12 +170,12 @@ class Row:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """The nearest rank: the smallest value that this share of all does not exceed."""
+    """The percentile by nearest rank."""
     return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
 
 
 class Scene:
-    """A running demo, the wire of its robot, and a person who posts."""
+    """A running demo, the DDS messages of its robot, and a person who posts."""
 
     def __init__(self, demo: Demo, forum: Forum) -> None:
         self.demo, self.forum = demo, forum
@@ -187,8 +187,8 @@ class Scene:
         self.wire = Wire(self.domain)
         self.agent = next(child for child in demo.children if child.name == f"agent-{ROBOT}").process
         self._posts = 0
-        self.late = 0  # stops that came only after what they should have come before
-        self.unwritten = 0  # stops that the journal could not keep
+        self.late = 0  # stops that took effect after the event that they should have preceded
+        self.unwritten = 0  # stops that could not be written to the journal
 
     @classmethod
     @contextlib.asynccontextmanager
@@ -204,7 +204,7 @@ class Scene:
             await forum.close()
 
     async def walk(self, first: str = "") -> Post:
-        """Post a command: to and fro, so that it stays in the middle of the room."""
+        """Post a walk, alternately forward and backward, so that the robot stays in the middle of the room."""
         async with httpx2.AsyncClient(trust_env=False, timeout=10) as http:
             truth = (await http.get(f"{self.demo.room_url}/truth")).json()["robots"]["go2"]
             if math.hypot(truth["x_m"], truth["y_m"]) > STRAY_M or abs(truth["yaw_deg"]) > STRAY_DEG:
@@ -215,17 +215,17 @@ class Scene:
         return (await self.forum.create_topic("robots", f"Trial {self._posts}", text, key=f"walk-{self._posts}")).post
 
     async def walking(self, mark: int) -> None:
-        """Until the robot walks: another time each trial, from the first command of velocity to 0.7 s later."""
+        """Wait until the robot walks: from the first velocity command to 0.7 s later, varying by trial."""
         await self.wire.wait("go", mark, times=1 + self._posts % 15)
 
     async def stop(self, command: Post) -> tuple[Post, float]:
-        """Post a stop; with when the board accepted it, by the monotonic clock."""
+        """Post a stop; return it with the time when the board accepted it, by the monotonic clock."""
         post = (await self.forum.reply(command.topic_id, "stop", key=f"stop-{command.id}")).post
         return post, post.created_at.timestamp() - (time.time() - time.monotonic())
 
     @property
     def posts(self) -> int:
-        """How many commands were posted."""
+        """The number of commands posted."""
         return self._posts
 
     async def press(self) -> None:
@@ -244,7 +244,7 @@ class Scene:
         raise TimeoutError(f"no final answer to post {command.id} within {WAIT_S:.0f} s")
 
     def kept(self) -> str:
-        """Of when the newest stop is that the agent's journal knows, in its own words."""
+        """The time of the newest stop in the agent's journal, as stored there."""
         path = self.demo.data / "agents" / ROBOT / "journal.sqlite"
         with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=10)) as journal:
             row = journal.execute("SELECT value FROM meta WHERE key = 'stopped'").fetchone()
@@ -263,7 +263,7 @@ async def stopped(scene: Scene) -> float:
 
 
 async def stopped_however(scene: Scene) -> float:
-    """One stop by a post or by the button while the robot walks; milliseconds from before it is asked for."""
+    """One stop by a post or by the button while the robot walks; milliseconds from before the request."""
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
@@ -277,7 +277,7 @@ async def stopped_however(scene: Scene) -> float:
 
 
 async def written(scene: Scene) -> bool:
-    """Whether the journal knows of a stop that nothing prevents from being written."""
+    """Whether a stop is written to the journal under normal conditions."""
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
@@ -301,15 +301,15 @@ async def frozen(scene: Scene) -> float:
 
 
 async def _settled(scene: Scene, command: Post, mark: int, since_s: float) -> float:
-    """Once the command has ended, so that a velocity after the zero would have been heard."""
+    """Wait until the command has ended, so that a velocity after the zero would be received; return milliseconds."""
     state = await scene.ended(command)
     if state not in ("stopped", "interrupted"):
-        raise RuntimeError(f"the walk was not stopped, it is {state}: the trial says nothing")
+        raise RuntimeError(f"the walk ended as {state} instead of stopped: the trial is invalid")
     return 1000 * (scene.wire.zero_s(mark, since_s) - since_s)
 
 
 async def waiting_for_camera(scene: Scene) -> float:
-    """One stop while the walk waits for a photo; milliseconds. A photo that is there before the zero is counted."""
+    """One stop while the walk waits for a photo; milliseconds. Counts photos that arrive before the zero."""
     mark = len(scene.wire.heard)
     command = await scene.walk("take a photo and ")
     await scene.wire.wait("asked", mark)
@@ -322,7 +322,7 @@ async def waiting_for_camera(scene: Scene) -> float:
 
 
 async def flood(scene: Scene, over: asyncio.Event) -> tuple[int, float]:
-    """Write talk until it is over; how many posts the board accepted, and in how many seconds."""
+    """Write talk until `over` is set; return the number of accepted posts and the seconds."""
     config = app.load(scene.demo.data / "agentrob.toml")
     app.board_account(config, "chatter", AccountKind.HUMAN, Role.MEMBER)
     forum = app.make_forum(config, app.board_token(config, "chatter"))
@@ -348,7 +348,7 @@ async def flood(scene: Scene, over: asyncio.Event) -> tuple[int, float]:
 
 @contextlib.asynccontextmanager
 async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
-    """Meanwhile others write hostile posts."""
+    """Let other accounts write hostile posts meanwhile."""
     config = app.load(scene.demo.data / "agentrob.toml")
     settings, accounts = app.board_settings(config), []
     engine = open_engine(settings, writes=True)
@@ -368,7 +368,7 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
     writing.stdin.write(json.dumps(words).encode() + b"\n")
     await writing.stdin.drain()
     try:
-        await asyncio.wait_for(writing.stdout.readline(), HOSTILE_WITHIN_S)  # it has one of each kind taken
+        await asyncio.wait_for(writing.stdout.readline(), HOSTILE_WITHIN_S)  # one of each kind was accepted
         yield
     finally:
         writing.stdin.close()
@@ -377,13 +377,13 @@ async def hostile(scene: Scene, row: Row) -> AsyncIterator[None]:
     done = dict.fromkeys(("post", "edit", "preview", "names"), 0)
     done |= {what: sum(n for status, n in found.items() if int(status) < 300) for what, found in answers.items()}
     said = ", ".join(f"{done[what]} {what}s" for what in ("post", "edit", "preview"))
-    row.note = f"{said} and {done['names']} posts of mentions taken in {seconds:.0f} s"
-    row.void = "" if all(done.values()) else f"nobody was hostile: {answers}"
+    row.note = f"{said} and {done['names']} posts of mentions accepted in {seconds:.0f} s"
+    row.void = "" if all(done.values()) else f"hostile posts were not accepted: {answers}"
 
 
 @contextlib.contextmanager
 def full(agent: int) -> Iterator[None]:
-    """No room for anything that the agent writes meanwhile."""
+    """Make all file writes of the agent fail meanwhile."""
     before = resource.prlimit(agent, resource.RLIMIT_FSIZE)
     resource.prlimit(agent, resource.RLIMIT_FSIZE, (0, before[1]))
     try:
@@ -393,7 +393,7 @@ def full(agent: int) -> Iterator[None]:
 
 
 async def full_disk(scene: Scene) -> float:
-    """One stop after the journal's disk became full; it has room again shortly after the zero."""
+    """One stop after writes began to fail; they succeed again shortly after the zero."""
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
@@ -406,9 +406,9 @@ async def full_disk(scene: Scene) -> float:
     return found_ms
 
 
-# ---------------------------------------------------------------------- all of it
+# ---------------------------------------------------------------------- conditions
 async def measure(demo: Demo, condition: str, trials: int) -> Row:
-    """All trials of one condition."""
+    """Run all trials of one condition."""
     row = Row(condition, LIMIT_MS.get(condition, STOP_LIMIT_MS))
     trials_of = {"hostile": stopped_however, "camera": waiting_for_camera, "disk": full_disk, "frozen": frozen}
     trial = trials_of.get(condition, stopped)
@@ -434,7 +434,7 @@ async def measure(demo: Demo, condition: str, trials: int) -> Row:
 
 
 def run(condition: str, trials: int) -> Row:
-    """Start everything anew for one condition, measure, end everything."""
+    """Start a new demo for one condition, measure, and end it."""
     with contextlib.ExitStack() as stack:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
         if condition == "camera":
@@ -456,7 +456,7 @@ def table(rows: Sequence[Row]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=200, help="of each condition (default 200)")
+    parser.add_argument("--trials", type=int, default=200, help="trials of each condition (default 200)")
     parser.add_argument("--condition", nargs="+", choices=CONDITIONS, default=CONDITIONS)
     parser.add_argument("--json", action="store_true", help="print JSON with every single time")
     given = parser.parse_args()

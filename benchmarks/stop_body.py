@@ -1,16 +1,16 @@
-"""How soon a stop reaches the body, and how soon and after what way the body stands, for the simulated Go2 and G1.
+"""Measure how soon a stop reaches the body, and the time and distance until it stands, for the simulated robots.
 
     python benchmarks/stop_body.py [--only body|wire] [--robot go2 …] [--runs 40] [--trials 100] [--domain 215]
 
-`body`, in simulated time, so that a busy machine changes nothing: from StopMove (the G1: zero velocity) arriving at
-the robot until it stands: slower than 0.12 m/s and 14°/s for good, over a tenth of a second, which is what its driver
-calls not moving; and until it strays no more than 2 cm and 2° from where it ends (a standing G1 goes on swaying over
-its feet). The way is from where it got the order to where it ends. The stop comes at a random moment of the stride or
-of the gesture; a gesture counts as ended when the robot stands on its feet, arms down.
+`body` runs in simulated time, so that load on the machine has no effect. Two times from the arrival of StopMove (G1:
+zero velocity) at the robot: until it stands (slower than 0.12 m/s and 14°/s for good, averaged over a tenth of a
+second, the driver's threshold for not moving), and until it stays within 2 cm and 2° of its final pose (a standing G1
+sways over its feet). The distance is from where it received the stop to its final position. The stop comes at a random
+moment of the stride or the gesture; a gesture has ended when the robot stands on its feet, arms down.
 
-`wire`, in real time: from `stop()` of the driver's robot, in a process of its own, until a bystander, a second reader
-on the robot's DDS domain, has received zero velocity; while it walks, in a gesture, and while a picture is asked for.
-It is noisy on a busy machine, and the bystander costs time of its own: rather too long than too short.
+`wire` runs in real time: from `stop()` of the driver's robot, in its own process, until a second reader on the robot's
+DDS domain has received zero velocity; while it walks, in a gesture, and while a picture is requested. It is noisy on a
+busy machine, and the second reader costs time, so the figures are too long rather than too short.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from agentrob.model import ActionResult, Direction, Op, Primitive
 from agentrob.robots.unitree.robot import MOVING_MPS, MOVING_RPS
 
 REST_M, REST_DEG = 0.02, 2.0
-PERIOD_S, MEAN = 0.02, 5  # speeds are means over so many periods
+PERIOD_S, MEAN = 0.02, 5  # the period, and how many periods a speed is averaged over
 AFTER_S = 5.0
 GOAL_S, GOAL_M, GOAL_MS = 0.8, 0.2, 50.0
 
 
 # ---------------------------------------------------------------------- the body, in simulated time
 class Case(NamedTuple):
-    """What the robot does when it is told to stop: a velocity (m/s, m/s, rad/s) or a gesture by its API id."""
+    """The motion that is stopped: a velocity (m/s, m/s, rad/s) or a gesture by its API id."""
 
     name: str
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -100,7 +100,7 @@ class Simulated:
             each()
 
     def move(self, velocity: Sequence[float]) -> None:
-        """A velocity, held for a second; zeros are the robot's stop."""
+        """Command a velocity for a second; zeros stop the robot."""
         if self.robot == "g1":
             self.sport.call(7105, {"velocity": list(velocity), "duration": 1.0}, lambda *_: None)
             if not any(velocity):
@@ -127,7 +127,7 @@ class Simulated:
         self.run(rng.integers(0, 5) * 0.02)
 
     def stop(self, case: Case) -> tuple[float, float, float, float]:
-        """Seconds until it stands, seconds until it strays no more, metres and degrees to where it ends."""
+        """Seconds until it stands, seconds until it stays at its final pose, metres and degrees to that pose."""
         began = *self.body.xy_m, self.body.yaw_rad
         poses, busy = [began], [True]
         self.move((0.0, 0.0, 0.0))
@@ -155,14 +155,14 @@ class Simulated:
 
 
 def _last_s(true: Any) -> float:
-    """Seconds after which it is never true again."""
+    """Seconds after which the condition is never true again."""
     return (int(np.flatnonzero(true).max(initial=-1)) + 1) * PERIOD_S
 
 
 def body_table(robot: str, runs: int, seed: int) -> bool:
-    """Print it; whether the rows with a goal reach it."""
+    """Print the table; return whether the rows with a goal reach it."""
     rng, simulated, ok = np.random.default_rng(seed), Simulated(robot), True
-    print(f"\n{robot}, simulated time, {runs} runs a row, seed {seed}; s: until it stands, until it strays no more")
+    print(f"\n{robot}, simulated time, {runs} runs a row, seed {seed}; s until it stands, until it stays there")
     head = f"{'stopped':38} {'s mean':>7} {'95%':>5} {'worst':>6} {'2 cm':>6} {'95%':>5} {'cm 95%':>8} {'worst':>6}"
     print(f"{head} {'deg':>5}  goal")
     for case in cases(robot):
@@ -184,7 +184,7 @@ def body_table(robot: str, runs: int, seed: int) -> bool:
 
 # ---------------------------------------------------------------------- the wire, in real time
 class Bystander:
-    """When zero velocity was seen on the robot's domain."""
+    """Records when zero velocity was received on the robot's domain."""
 
     def __init__(self, domain: int) -> None:
         from agentrob.sim.services.dds import Node  # patches DDS: before IDL types
@@ -214,7 +214,7 @@ WALKING, GESTURING, LOOKING = "walking", "in a gesture", "while a picture is ask
 
 
 def trial(robot: Any, condition: str, number: int) -> float:
-    """When `stop` was called."""
+    """Call `stop` on the driver's robot and return when it was called."""
     ahead = Direction.FORWARD if number % 2 else Direction.BACKWARD
     step = {
         WALKING: Primitive(Op.MOVE, ahead, distance_m=2.0),
@@ -232,7 +232,7 @@ def trial(robot: Any, condition: str, number: int) -> float:
     thread = threading.Thread(target=lambda: results.append(robot.step(step, watch)))
     thread.start()
     if condition == LOOKING:
-        time.sleep(0.005)  # asked for, and not answered yet
+        time.sleep(0.005)  # requested, and not answered yet
     elif not under_way.wait(20):
         raise SystemExit(f"{condition}: it did not begin: {results}")
     asked_s = time.monotonic()
@@ -242,7 +242,7 @@ def trial(robot: Any, condition: str, number: int) -> float:
 
 
 def drive(kind: str, domain: int, trials: int) -> None:
-    """The driver's robot, in a process of its own: prints when each stop was called."""
+    """Run the driver's robot in its own process; print when each stop was called."""
     from agentrob.robots.unitree.g1 import G1
     from agentrob.robots.unitree.go2 import Go2
 
@@ -257,7 +257,7 @@ def drive(kind: str, domain: int, trials: int) -> None:
 
 
 def wire_table(kind: str, domain: int, trials: int) -> bool:
-    """Print it; whether all rows reach the goal."""
+    """Print the table; return whether all rows reach the goal."""
     command = [sys.executable, "-m", "agentrob.sim.server", "--domain", f"{kind}={domain}"]
     world = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert world.stdout is not None
@@ -287,11 +287,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", choices=("body", "wire"))
     parser.add_argument("--robot", choices=("go2", "g1"), nargs="+", default=["go2", "g1"])
-    parser.add_argument("--runs", type=int, default=40, help="in simulated time, a row")
-    parser.add_argument("--trials", type=int, default=100, help="in real time, a row (a third of it in gestures)")
+    parser.add_argument("--runs", type=int, default=40, help="runs per row, in simulated time")
+    parser.add_argument("--trials", type=int, default=100, help="trials per row, in real time (gestures: a third)")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
-        "--domain", type=int, default=215, help="of the world that it starts; the next for a second one"
+        "--domain", type=int, default=215, help="DDS domain of the first world; a second one uses the next"
     )
     parser.add_argument("--drive", choices=("go2", "g1"), help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -307,7 +307,7 @@ def main() -> None:
     sys.stdout.flush()
     if not ok:
         sys.stderr.write("missed: see the rows that say no\n")
-    os._exit(0 if ok else 1)  # without waiting for DDS
+    os._exit(0 if ok else 1)  # exit without waiting for DDS
 
 
 if __name__ == "__main__":

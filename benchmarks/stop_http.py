@@ -1,10 +1,10 @@
-"""How long from a stop asked over HTTP to zero velocity commanded: the demo's processes, a simulated Go2 over DDS.
+"""Measure the time from a stop over HTTP to zero velocity: the demo's processes, a simulated Go2 over DDS.
 
     python benchmarks/stop_http.py [--trials 200] [--json]
 
-As `benchmarks/stop.py`, whose wire and bystander these are, but the Go2's agent runs as `agentrob agent serve`, and the
-stop is `POST /stop` of its service. Time counts from the moment before the request is sent, on a connection that is
-open, and ends when a bystander on the robot's DDS domain has received zero velocity.
+Like `benchmarks/stop.py`, whose second DDS reader it uses, but the Go2's agent runs as `agentrob agent serve`, and the
+stop is `POST /stop` of its service. Time counts from just before the request is sent, on an open connection, until
+the second reader on the robot's DDS domain has received zero velocity.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ TOKEN = "benchmark-token-of-nobody"
 
 
 class ServedDemo(Demo):
-    """The demo with the Go2's agent as a service."""
+    """A demo that runs the Go2's agent as a service."""
 
     def _agent(self, name: str, config: Path) -> Child:
         if name != posts.ROBOT:
@@ -44,7 +44,7 @@ class ServedDemo(Demo):
 
 
 async def trial(scene: posts.Scene, http: httpx2.AsyncClient) -> tuple[float, float]:
-    """One stop while the robot walks: milliseconds on the wire, and as the service told them."""
+    """One stop while the robot walks: milliseconds on DDS, and as reported by the service."""
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
@@ -52,7 +52,7 @@ async def trial(scene: posts.Scene, http: httpx2.AsyncClient) -> tuple[float, fl
     answer = (await http.post(f"/api/v1/robots/{posts.ROBOT}/stop")).raise_for_status().json()
     await scene.wire.wait("zero", mark, asked_s)
     if (state := await scene.ended(command)) != "stopped":
-        raise RuntimeError(f"the walk was not stopped, it is {state}: the trial says nothing")
+        raise RuntimeError(f"the walk ended as {state} instead of stopped: the trial is invalid")
     return 1000 * (scene.wire.zero_s(mark, asked_s) - asked_s), float(answer["latency_ms"])
 
 

@@ -1,10 +1,11 @@
-"""How well the rules understand, what they refuse, and how long they take. Needs sentences for all but the time.
+"""Measure how well the rules understand, what they refuse, and how long they take.
 
     python benchmarks/understanding.py [FOLDER] [--failures] [--inputs N]
 
-FOLDER holds plan_en.jsonl, plan_zh.jsonl, not_a_command_en.jsonl, dangerous.jsonl and benign.jsonl
-(default: ../shared/eval). Sentences are read without any robot's limits. N (default 100,000) inputs are the sentences
-bent at random, read from Markdown to plan; time is process time, so that a busy machine matters little.
+FOLDER contains plan_en.jsonl, plan_zh.jsonl, not_a_command_en.jsonl, dangerous.jsonl and benign.jsonl
+(default: ../shared/eval); only the time can be measured without them. Sentences are read without any robot's limits.
+N (default 100,000) inputs are randomly perturbed sentences, read from Markdown to plan; times are process times, so
+that other load matters little.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Op, 
 from agentrob.screening.screen import screen
 
 Row = dict[str, Any]
-OPS = frozenset(Op) - {Op.SHAKE}  # "shake hands" is a hello then, as of a Go2
-#: Generous limits: what is measured is understanding and the words of harm, not how far a robot may walk.
+OPS = frozenset(Op) - {Op.SHAKE}  # "shake hands" then becomes hello, as on a Go2
+#: Generous limits: this measures understanding and the words of harm, not how far a robot may walk.
 CAPABILITIES = Capabilities("any", OPS, Limits(0.5, 45, 100, 3600, 100, 3600, 100), simulated=True)
 OPERATOR = Account("1", "operator", role=Role.OPERATOR)
 OWN_ROWS = Path(__file__).parents[1] / "tests" / "language" / "asks_back.jsonl"
@@ -39,7 +40,7 @@ def understand(text: str) -> Understanding:
 
 
 def executes(row: Row) -> bool:
-    """Whether anything would be done: the text is a command and the screen lets it pass."""
+    """Whether the text is a command that the screen allows."""
     got = understand(row["text"])
     if got.intent is not Intent.COMMAND:
         return False
@@ -56,8 +57,8 @@ def rows(path: Path) -> list[Row]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", type=Path, default=Path("../shared/eval"))
-    parser.add_argument("--failures", action="store_true", help="list what went wrong")
-    parser.add_argument("--inputs", type=int, default=100_000, help="how many bent sentences are timed")
+    parser.add_argument("--failures", action="store_true", help="list the failures")
+    parser.add_argument("--inputs", type=int, default=100_000, help="number of perturbed sentences to time")
     arguments = parser.parse_args()
     wrong: dict[str, Sequence[str]] = {}
     own = rows(OWN_ROWS)
@@ -76,7 +77,7 @@ def main() -> int:
 
 
 def measured(folder: Path) -> dict[str, Sequence[str]]:
-    """Print the figures of the evaluation sentences; what went wrong by figure."""
+    """Print the figures of the evaluation sentences; return the failures by figure."""
     wrong: dict[str, Sequence[str]] = {}
     for name in ("plan_en", "plan_zh"):
         data = rows(folder / f"{name}.jsonl")
@@ -112,7 +113,7 @@ def speed(texts: Sequence[str], count: int) -> str:
 
 
 def milliseconds(text: str) -> float:
-    """Of one reading; what takes long is read again, as a slow text is slow each time and a busy machine is not."""
+    """Time of one reading. A slow one is repeated: a slow text is slow each time, a busy machine is not."""
     spent = _once(text)
     return min(spent, *(_once(text) for _ in range(3))) if spent > SLOW_MS else spent
 
@@ -124,7 +125,7 @@ def _once(text: str) -> float:
 
 
 def bent(texts: Sequence[str], count: int) -> Iterator[str]:
-    """Sentences with letters inserted, left out and swapped, and pieces of others put in."""
+    """Sentences with inserted, missing and swapped letters, and with pieces of other sentences."""
     chance = random.Random(1)
     for _ in range(count):
         letters = list(chance.choice(texts))

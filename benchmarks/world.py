@@ -1,7 +1,7 @@
-"""How fast the simulated world runs and what it costs: `python benchmarks/world.py [--domain N] [--seconds S]`.
+"""Measure the speed and cost of the simulated world: `python benchmarks/world.py [--domain N] [--seconds S]`.
 
 First in simulated time without a network, then served in real time with a Go2 and a G1: idle, both walking, and both
-walking while three cameras (both robots' and the room's) are looked at ten times a second. Prints one line each.
+walking while three cameras (both robots' and the room's) are read ten times a second. Prints one line each.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from unitree_sdk2py.idl.unitree_api.msg.dds_ import (
 )
 
 GET_IMAGE_SAMPLE, MOVE, SET_VELOCITY = 1001, 1008, 7105
-#: How each robot is made to walk in a small circle: the call, and what it carries.
+#: The call that makes each robot walk in a small circle, and its parameters.
 WALKS = {
     "go2": (MOVE, {"x": 0.5, "y": 0.0, "z": 1.0}),
     "g1": (SET_VELOCITY, {"velocity": [0.2, 0.0, 0.5], "duration": 1.0}),
