@@ -1,11 +1,11 @@
-"""An agent that takes part through MCP: it reads the board, asks a robot for a photo, and waits until it has it.
+"""An agent that uses the forum through MCP: it reads the board, asks a robot for a photo, and waits for it.
 
     agentrob demo                                                        # in another terminal
     export AGENTROB_TOKEN=$(agentrob board account add planner --kind commanding_agent --role operator \
         --config ~/.local/share/agentrob/demo/agentrob.toml)
     python examples/mcp_photo.py ~/.local/share/agentrob/demo/agentrob.toml photo.jpg
 
-The server is started by the client, over stdio, with writes allowed. Prints what was called and what came back.
+The client starts the server over stdio, with writes allowed, and prints the calls and their results.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ENDED = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "ca
 
 
 async def main(config: Path, picture: Path | None) -> bool:
-    """Whether the photo came."""
+    """Return whether the photo arrived."""
     command = ["-m", "agentrob", "mcp", "forum", "--write", "--config", str(config)]
     async with ForumClient.spawn(sys.executable, *command, env=os.environ) as forum:
         await read_the_board(forum)
@@ -65,10 +65,10 @@ async def ask(forum: ForumClient) -> results.PostInfo:
 
 
 async def answer(forum: ForumClient, asked: results.PostInfo) -> str:
-    """Wait for the robot's answer; the address of its photo, "" without one."""
+    """Wait for the robot's answer and return the address of its photo, or "" without one."""
     say("subscribe_topic", topic_id=asked.topic_id)
     after = (await forum.subscribe_topic(asked.topic_id)).after
-    say("get_topic", topic_id=asked.topic_id)  # what came before we listened
+    say("get_topic", topic_id=asked.topic_id)  # posts from before the subscription
     posts = (await forum.get_topic(asked.topic_id)).posts[1:]
     while True:
         for post in posts:

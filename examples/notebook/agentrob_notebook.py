@@ -1,7 +1,7 @@
-"""A forum in one file: the example of a forum that somebody else adds (docs/add-a-forum.md).
+"""A forum in one file: the example of a third-party forum adapter (docs/add-a-forum.md).
 
-A line of `forum.jsonl` for each thing that ever happened, oldest first; pictures lie beside it. Whoever may write to
-the folder may write as anybody: it is for trying things out, not for people who do not trust each other.
+`forum.jsonl` has one line per event, oldest first; pictures are stored beside it. Anyone who can write to the folder
+can post under any name, so use it for experiments only.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ OPTIONS = ("operators", "admins", "robot_agents", "commanding_agents")
 
 @dataclass
 class Pages:
-    """What the lines add up to."""
+    """The state of the forum after all lines."""
 
     mark: str = ""
     posts: dict[str, Post] = field(default_factory=dict)
@@ -59,7 +59,7 @@ class Notebook:
         self._name = token.lower()
 
     async def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: no resources are open."""
 
     # ---------------------------------------------------------------- Reader
     async def boards(self) -> Sequence[Board]:
@@ -155,7 +155,7 @@ class Notebook:
         raise ForumUnreachable("a notebook has no stream; poll changes()")
         yield
 
-    # ---------------------------------------------------------------- what a moderator does
+    # ---------------------------------------------------------------- moderation
     def suspend(self, name: str) -> None:
         with self._writing() as (_, write):
             write("suspend", name=name)
@@ -165,7 +165,7 @@ class Notebook:
             write("remove", id=post_id)
 
     def open(self) -> Notebook:
-        """Begin a notebook where there is none, and sign in."""
+        """Create the notebook if it does not exist, and sign in."""
         self._folder.mkdir(parents=True, exist_ok=True)
         (self._folder / "forum.jsonl").touch()
         with self._writing() as (pages, write):
@@ -182,7 +182,7 @@ class Notebook:
         except OSError as e:
             raise ForumUnreachable(f"there is no notebook in {self._folder}: {e.strerror}") from None
         pages = Pages()
-        for line in text.rpartition("\n")[0].splitlines():  # the last line may still be being written
+        for line in text.rpartition("\n")[0].splitlines():  # the last line may be incomplete
             self._add(pages, json.loads(line))
         return pages
 
@@ -231,7 +231,7 @@ class Notebook:
 
     @contextmanager
     def _writing(self) -> Iterator[tuple[Pages, Callable[..., None]]]:
-        """Only one process writes at a time; what it reads is then what is there."""
+        """Lock the file, so that one process writes at a time and reads the current state."""
         self._read()
         with (self._folder / "forum.jsonl").open("a", encoding="utf-8") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
@@ -252,7 +252,7 @@ class Notebook:
         return names
 
     def _account(self, name: str, pages: Pages) -> Account:
-        """Who may do what stands in the configuration; an account that is in no list looks and stops."""
+        """An account with the rights of the configuration; one that is in no list may only look and stop."""
         of = {option: name in self._rights.get(option, ()) for option in OPTIONS}
         role = Role.ADMIN if of["admins"] else Role.OPERATOR if of["operators"] else Role.MEMBER
         kind = AccountKind.HUMAN
@@ -262,7 +262,7 @@ class Notebook:
         return Account(f"n:{name}", name, kind, role, suspended, name)
 
     def _shown(self, pages: Pages, post_id: str) -> Post:
-        """With its author as the account is now; keys are shown to their writer only."""
+        """A post with the current state of its author's account; only the author sees its key."""
         post = _there(pages.posts, post_id, "post")
         own = post.author.name == self._name
         return replace(post, author=self._account(post.author.name, pages), key=post.key if own else None)
@@ -289,8 +289,8 @@ def _page(items: Sequence[T], cursor: str | None, limit: int) -> Page[T]:
 
 
 async def ask(folder: str, name: str, text: str = "", wait_s: float = 60.0) -> str:
-    """Sign in (the account and the notebook are made where there are none), post, and wait for the robot's answer."""
-    robots = re.findall(r"@([a-z][a-z0-9_-]*)", text)  # this process has no list of them: whoever is addressed is one
+    """Sign in (creating account and notebook if needed), post, and wait for the robot's answer."""
+    robots = re.findall(r"@([a-z][a-z0-9_-]*)", text)  # without a list of robots, take every mention for one
     forum = Notebook(ForumConfig(kind="notebook", url=folder, options={"robot_agents": robots}), name).open()
     if not text:
         return f"{name} is in {folder}"

@@ -1,6 +1,6 @@
-"""A rover with two driven wheels, of arithmetic: the example of a robot that somebody else adds (docs/add-a-robot.md).
+"""A kinematic rover with two driven wheels: the example of a third-party robot (docs/add-a-robot.md).
 
-It stands in an empty room of 8 m x 8 m of its own. It has no DDS, no camera and no arms: it drives and turns.
+It drives and turns in its own empty room of 8 m x 8 m. It has no DDS, camera or arms.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
 from agentrob.robots.control.step_runner import REST_LIMIT_S, run_step
 from agentrob.robots.protocol import Watch, limits_of
 
-TRACK_M = 0.4  # from wheel to wheel
-WHEEL_MPS = 0.8  # no wheel turns faster
+TRACK_M = 0.4  # between the wheels
+WHEEL_MPS = 0.8  # maximum of a wheel
 LAG_S = 0.12  # a wheel follows its motor with this time constant
-HOLD_S = 0.5  # a command holds for so long: a driver that dies leaves it rolling no longer
-WALL_M = 4.0  # from the middle of the room
+HOLD_S = 0.5  # a command expires after this time, so that the rover stops if its driver dies
+WALL_M = 4.0  # distance from the middle of the room
 TICK_S = 0.01
 GAIT = Gait(speed_mps=0.6, turn_rps=1.2, coast_s=LAG_S, coast_turn_s=LAG_S, settle_s=0.4)
 
@@ -31,7 +31,7 @@ class Rover:
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
-        """What it can do, without making one: it cannot go sideways."""
+        """Its capabilities, without creating a rover: it cannot move sideways."""
         ahead = frozenset({Direction.FORWARD, Direction.BACKWARD})
         return Capabilities("rover", frozenset({Op.MOVE, Op.TURN}), limits_of(settings), ahead, simulated=True)
 
@@ -92,7 +92,7 @@ class Rover:
         return time.monotonic()
 
     def command(self, velocity: Velocity) -> None:
-        """Forward and turning become the speeds of two wheels; sideways there is none."""
+        """Convert forward and turning velocity to the speeds of both wheels; sideways is ignored."""
         left = velocity.forward_mps - velocity.turn_rps * TRACK_M / 2
         right = velocity.forward_mps + velocity.turn_rps * TRACK_M / 2
         slower = max(abs(left) / WHEEL_MPS, abs(right) / WHEEL_MPS, 1.0)
@@ -106,9 +106,9 @@ class Rover:
     def wait_until(self, time_s: float) -> None:
         time.sleep(max(0.0, time_s - self.now_s()))
 
-    # ------------------------------------------------------------ arithmetic; the lock is held
+    # ------------------------------------------------------------ kinematics; call with the lock held
     def _roll(self) -> None:
-        """Bring wheels and place up to now."""
+        """Advance wheels and pose to the current time."""
         now_s = self.now_s()
         if not self._rolling() and (now_s > self._until_s or self._wanted == (0.0, 0.0)):
             self._moved_s = now_s
@@ -125,7 +125,7 @@ class Rover:
             self._pose = Pose(x, y, wrap(yaw + turning * seconds))
 
     def _speeds(self) -> tuple[float, float]:
-        """Forward in m/s and counter-clockwise in rad/s, of the wheels as they turn."""
+        """Forward velocity in m/s and counter-clockwise turn rate in rad/s, from the current wheel speeds."""
         left, right = self._wheels
         return (left + right) / 2, (right - left) / TRACK_M
 
@@ -133,7 +133,7 @@ class Rover:
         return max(map(abs, self._wheels)) > 0.005
 
     def _beam(self, side_rad: float) -> float:
-        """Metres to the wall on one side, with a millimetre of noise as any sensor has."""
+        """Metres to the wall on one side, with a millimetre of sensor noise."""
         dx, dy = math.cos(self._pose.yaw_rad + side_rad), math.sin(self._pose.yaw_rad + side_rad)
         ways = [
             (math.copysign(WALL_M, d) - p) / d for d, p in ((dx, self._pose.x_m), (dy, self._pose.y_m)) if abs(d) > 1e-9
