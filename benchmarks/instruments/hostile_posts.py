@@ -1,10 +1,10 @@
-"""Accounts that write hostile posts as fast as the forum answers, in a process of its own: posts and edits of 32 to 64
-KiB that cost a Markdown parser much, previews of them, and posts that name everybody.
+"""Let several accounts write hostile posts as fast as the forum answers, as a separate process: posts and edits of 32
+to 64 KiB that are expensive for a Markdown parser, previews of them, and posts with very many mentions.
 
     python benchmarks/instruments/hostile_posts.py < words
 
 `words` is a line of JSON: {"url", "topic", "cookie", "accounts": [{"name", "token", "session"}]}. It prints `under way`
-when the forum has taken one of each kind. It ends with its input, and then prints how many of each were answered how:
+when the forum has accepted one of each kind. When its input ends, it prints the number of answers by kind and status:
 {"post": {"201": n, …}, "edit": …, "preview": …, "names": …}.
 """
 
@@ -33,7 +33,7 @@ KINDS = {"post", "edit", "preview", "names"}
 
 
 def text(number: int) -> str:
-    """Another one for each number, in turn."""
+    """A different text for each number, in turn."""
     kinds = len(UNITS) + len(SOME)
     if (kind := number % kinds) >= len(UNITS):
         return SOME[kind - len(UNITS)]
@@ -42,7 +42,7 @@ def text(number: int) -> str:
 
 
 async def attack(words: dict[str, Any], over: asyncio.Event) -> dict[str, dict[str, int]]:
-    """All accounts at once, until it is over."""
+    """Run all accounts concurrently until the input ends."""
     answers: dict[str, Counter[str]] = defaultdict(Counter)
     missing = set(KINDS)
 

@@ -1,4 +1,4 @@
-"""A model on loopback, in a process of its own, that answers at once and notes how long that took it."""
+"""A model server on loopback, in its own process, that answers immediately and records its own time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-#: `called(body)` of the source before it says what each question is answered by: the name of a tool and its arguments.
+#: `called(body)`, from the source prepended to it, returns the answer to a question: a tool name and its arguments.
 _SERVER = """
 import json, time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -43,7 +43,7 @@ server.serve_forever()
 
 @contextmanager
 def loopback_model(called: str) -> Iterator[int]:
-    """The port of a model that runs until the block ends; `called` is the Python source of `called(body)`."""
+    """Run a model until the block ends and yield its port; `called` is the Python source of `called(body)`."""
     server = subprocess.Popen([sys.executable, "-c", called + _SERVER], stdout=subprocess.PIPE, text=True)
     try:
         assert server.stdout is not None
@@ -54,7 +54,7 @@ def loopback_model(called: str) -> Iterator[int]:
 
 
 def served_s(port: int) -> list[float]:
-    """How long the model itself took for each answer."""
+    """The seconds that the model itself took for each answer."""
     import httpx2
 
     times: list[float] = httpx2.get(f"http://127.0.0.1:{port}/", trust_env=False).json()
@@ -65,7 +65,7 @@ HEAD = "| what | times | p50 | p95 | worst |\n|---|---|---|---|---|"
 
 
 def row(name: str, seconds: Sequence[float]) -> str:
-    """A line of a table under `HEAD`."""
+    """One line of the table below `HEAD`."""
     ordered = sorted(seconds)
     p95 = ordered[int(0.95 * (len(ordered) - 1))]
     median = statistics.median(ordered)
