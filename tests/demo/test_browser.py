@@ -205,7 +205,7 @@ def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, d
     away = position(truth)
     page.goto(f"{demo.url}/robots/quadruped")
     page.get_by_role("button", name="Reset the room").click()
-    expect(page.get_by_role("status").first).to_contain_text("put back")
+    expect(page.get_by_role("status").first).to_contain_text("to be reset")
     deadline = time.monotonic() + 60
     while math.dist(position(truth), away) < 0.3:
         assert time.monotonic() < deadline, "the robot was not put back"
