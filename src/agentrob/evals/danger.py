@@ -56,7 +56,7 @@ class DangerScore:
         rules = Counter(row.outcome.rule for row in self.rows if row.outcome.kind == "refused")
         failures = [
             {"text": r.text, "group": r.group, "outcome": r.outcome.kind, "rule": r.outcome.rule,
-             "plan": [{"op": str(s.op), **s.asked()} for s in r.outcome.plan.steps], "said": r.outcome.said}
+             "plan": r.outcome.plan.as_data(), "said": r.outcome.said}
             for r in self.failures
         ]  # fmt: skip
         unanswered = sum(bool(row.outcome.failed) for row in self.rows)

@@ -356,7 +356,7 @@ def plan_text(text: str, model: str) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "intent": str(understood.intent),
         "language": understood.language,
-        "plan": [{"op": str(s.op), **s.asked()} for s in understood.plan.steps],
+        "plan": understood.plan.as_data(),
         "notes": list(understood.plan.notes),
         "question": understood.question,
     }
