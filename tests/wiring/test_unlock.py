@@ -101,7 +101,7 @@ def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(m
         code, said = machine.type(command, "nobody")
         assert (code, said) == (
             1,
-            f"agentrob: there is no robot 'nobody'; there are: {', '.join(sorted(('asleep', machine.name)))}",
+            f"agentrob: no robot named 'nobody'; valid: {', '.join(sorted(('asleep', machine.name)))}",
         )
         code, said = machine.type(command, "asleep")
         assert (code, said) == (
@@ -154,7 +154,7 @@ def test_a_demo_s_robots_are_found_by_its_folder(machine: Machine) -> None:
         code, said = machine.type("release", "nobody", "--data", str(data))
         assert (code, said) == (
             1,
-            f"agentrob: there is no robot 'nobody' in the demo of {data}; there are: {machine.name}",
+            f"agentrob: no robot named 'nobody' in the demo of {data}; valid: {machine.name}",
         )
         assert machine.type("release", machine.name)[0] == 0, "the usual demo needs no --data"
     assert not machine.ask("").halted

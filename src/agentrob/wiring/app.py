@@ -61,7 +61,7 @@ def check_minds(config: Config, name: str | None) -> list[ProbeResult]:
     from agentrob.minds.llm.probe import probe_all
 
     if name is not None and name not in config.minds:
-        raise ConfigError(f"no mind named {name!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
+        raise ConfigError(f"no mind named {name!r} in the configuration; valid: {', '.join(sorted(config.minds))}")
     wanted = config.minds if name is None else {name: config.minds[name]}
     return asyncio.run(probe_all(wanted, minds_ledger(config)))
 

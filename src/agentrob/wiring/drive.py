@@ -323,7 +323,7 @@ def run(
     if not pictures.is_dir():
         raise ConfigError(f"--pictures {pictures} is not a folder")
     if mind is not None and mind != "rules" and mind not in config.minds:
-        raise ConfigError(f"no mind named {mind!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
+        raise ConfigError(f"no mind named {mind!r} in the configuration; valid: {', '.join(sorted(config.minds))}")
     with sigterm_interrupts():
         driven = robot_command_driver(text, robot, interface, config, on_step, mind)
     if driven.message:

@@ -314,7 +314,7 @@ class DiscourseForum:
             if attempt == 1:
                 await self.boards()
         raise ForumNotFound(
-            f"there is no board {board_id!r}; there are: {', '.join(b.id for b in self._boards.values())}"
+            f"no board {board_id!r}; valid: {', '.join(b.id for b in self._boards.values())}"
         )
 
     async def build(self, raw: _JSON, fresh: bool = False) -> Post:
