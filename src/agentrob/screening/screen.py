@@ -24,7 +24,7 @@ from agentrob.screening.rights import classes_of, may
 from agentrob.screening.text import described_hazards, harm, side_remarks
 from agentrob.screening.text import scene as places
 from agentrob.screening.text.described_hazards import hazard_in_path
-from agentrob.screening.text.harm import doubt_of, harm_of
+from agentrob.screening.text.harm import clear_harm_of, doubt_of, harm_of
 from agentrob.screening.text.scene import harm_in_scene
 from agentrob.screening.text.side_remarks import doubtful_remark
 
@@ -80,8 +80,8 @@ def screen(
 
 
 def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
-    """Refuse a post that was not understood if its words name harm, or would be harmful in this place."""
-    return harm_of(text, language) or harm_in_scene(text, scene, None, language)
+    """Refuse a post without a plan if its words name a harmful deed, or one that is harmful in this place."""
+    return clear_harm_of(text, language) or harm_in_scene(text, scene, None, language)
 
 
 def _objections(
