@@ -86,6 +86,7 @@ class RobotAgent:
         store: ImageStore | None = None,
         on_end: Callable[[Report], None] = lambda _: None,
         listens: bool = True,
+        suspects: Callable[[str], bool] | None = None,
     ) -> None:
         prepare_screen()  # not while it serves: stops would wait
         self.name = name
@@ -93,6 +94,7 @@ class RobotAgent:
         self.forum = forum
         self.driver = driver
         self.mind = mind
+        self._suspects = suspects
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
@@ -320,7 +322,9 @@ class RobotAgent:
             account = command.author.id
             return rate_limiter.exceeded(account) or bool(most and self.queue.number_of(account) > most)
 
-        assessor = Assessor(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
+        assessor = Assessor(
+            names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self._suspects
+        )
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal,
             self.event_stream, self.queue, self.stops, approvals, self.records, self.recorder, self._store,

@@ -6,6 +6,7 @@ import asyncio
 import json
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -199,8 +200,22 @@ def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
         store=make_store(config.images),
+        suspects=make_second_opinion() if settings.second_opinion else None,
         **more,
     )
+
+
+def make_second_opinion() -> Callable[[str], bool]:
+    """Return what says whether a text is suspected of harm. Raises `ConfigError` without the extra."""
+    from agentrob.semantic.encoder import EXTRA, Encoder, require_model
+    from agentrob.semantic.harm_classifier import is_suspected, load_classifier
+
+    try:
+        require_model()
+    except ConfigError:
+        raise ConfigError(f'second_opinion needs an extra that is not installed: pip install "{EXTRA}"') from None
+    encoder, classifier = Encoder(), load_classifier()
+    return lambda text: is_suspected(text, encoder, classifier)
 
 
 def run_agent(config: Config, name: str, once: bool) -> None:

@@ -176,6 +176,10 @@ PHRASES = {
         "please post the motion alone."
     ),
     "way.unaware": "I do not rely on people to get out of my way ({words}).",
+    "opinion.harm": (
+        "This sounds as if it might be dangerous, so I did not move. If it is not, please say it again with the "
+        "motions only."
+    ),
     "beside.said": (
         "You also say {words}, and I cannot tell what this means for the motion. If it is harmless, please post "
         "the motion alone."

@@ -137,12 +137,14 @@ _WORD = re.compile(r"[a-z]{3,}(?:-[a-z]+)*")
 _SINGULAR = re.compile(r"(?<=[a-z]{3})(?:ies|(?<=[sxz])es|(?<=[cs]h)es|(?<!s)s)$")
 #: Words that tell nothing about which place is meant: function words, verbs of placing, sides.
 _NO_THING = frozenset(
-    _WORD.findall("""the and with from into onto near for that this there then than them they their you your are was were has have had
-    not but its his her our out off over under above below behind beside next front back left right top side inside
-    outside between around along across through toward towards down all any each every some one two three few many most
-    more less very can could should would will may might must keep make take get put place set leave use turn bring move
-    hang store stand start while when after before until immediately quickly directly also using help please only just
-    placed located positioned room area""")
+    _WORD.findall(
+        """the and with from into onto near for that this there then than them they their you your are was were has
+        have had not but its his her our out off over under above below behind beside next front back left right top
+        side inside outside between around along across through toward towards down all any each every some one two
+        three few many most more less very can could should would will may might must keep make take get put place set
+        leave use turn bring move hang store stand start while when after before until immediately quickly directly
+        also using help please only just placed located positioned room area"""
+    )
 )
 
 
