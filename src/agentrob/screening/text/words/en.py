@@ -405,7 +405,8 @@ RULES: dict[str, tuple[str, ...]] = {
     # ---------------------------------------------------------------- harm
     "harm.collide": (
         "<go+>… (?:into|against|over|onto|through(?! <det>(?:doors?|gates?|curtains?)\\b))"
-        " (?:<somebody>|<det><solid>|walls|furniture|things|obstacles|people)",
+        " (?:<somebody>(?!(?:'s?)? (?:\\w+ ){0,2}?(?:bed|bath|class|rest|changing )?(?:rooms?|toilets?|area|section"
+        "|department|ward|office|corner|wing)\\b)|<det><solid>|walls|furniture|things|obstacles|people)",
         r"<go+>… (?:straight |right |directly |full speed )?at (?:<other>|<pronoun>)(?! (?:left|right))",
         r"(?:go|head|make|aim|charge|drive|run) (?:straight |right )?for (?:<other>|<pronoun>)",
         r"<strike+>(?: right| straight| hard| gently| softly)?(?: into| against| on| with| over)? (?:<somebody>"
