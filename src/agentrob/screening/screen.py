@@ -21,7 +21,7 @@ from agentrob.language.messages.plan_text import operation_names, sentence, step
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
 from agentrob.screening.estimate import seconds_of, step_seconds
 from agentrob.screening.rights import classes_of, may
-from agentrob.screening.text import described_hazards, harm, side_remarks
+from agentrob.screening.text import described_hazards, elsewhere, harm, side_remarks
 from agentrob.screening.text import scene as places
 from agentrob.screening.text.described_hazards import hazard_in_path
 from agentrob.screening.text.harm import clear_harm_of, doubt_of, harm_of
@@ -34,7 +34,7 @@ def prepare() -> None:
 
     Without it the screen gives the same results, but compiles patterns for each text as needed.
     """
-    for room in (harm, described_hazards, side_remarks, places):
+    for room in (harm, described_hazards, side_remarks, elsewhere, places):
         room.prepare()
 
 
