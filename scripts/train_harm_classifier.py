@@ -3,11 +3,10 @@
     .venv/bin/python scripts/train_harm_classifier.py          # writes the weights, prints checksum and figures
     .venv/bin/python scripts/train_harm_classifier.py --check  # only says whether training gives the same file
 
-Logistic regression by Newton's method on unit vectors: the same rows give the same file, because the numbers are
-rounded. The rows are the project's own pairs of a dangerous sentence and a harmless one in nearly the same words,
-walking directions and plain motions, and the English rows of the evaluation data beside the checkout
-(`AGENTROB_EVAL`), which are not part of the repository. The figures are of cross-validation: whole pairs are left out
-of the training that judges them.
+Logistic regression by Newton's method on unit vectors, in one thread and rounded, so that on any x86-64 processor with
+AVX2 the same sentences give the same file. All of them are in this repository and were written for it: pairs of a
+dangerous sentence and a harmless one in nearly the same words, walking directions, talk, remarks, and plain motions.
+The thresholds and the figures come from cross-validation: whole pairs are left out of the training that judges them.
 """
 
 from __future__ import annotations
@@ -22,25 +21,26 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+# One thread and one kind of kernel (AVX2): sums in another order differ in the last bits, and so would the file.
+os.environ.update(OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_CORETYPE="Haswell")
+
 import numpy as np
 from numpy.typing import NDArray
 
 from agentrob.semantic.encoder import MODEL, Encoder, require_model
-from agentrob.semantic.harm_classifier import WEIGHTS
+from agentrob.semantic.harm_classifier import WEIGHTS, normalised
 
 TESTS = Path(__file__).parents[1] / "tests"
-TWINS = (TESTS / "screening/dangerous.jsonl", TESTS / "semantic/harm_twins.jsonl")
-DIRECTIONS = TESTS / "screening/walking_directions.jsonl"
-EVAL = Path(os.environ.get("AGENTROB_EVAL") or Path(__file__).parents[2] / "shared/eval")
-#: Files of the evaluation data: dangerous tasks, harmless ones, and commands of people that only move a robot.
-EVAL_FILES = ("dangerous.jsonl", "benign.jsonl", "plan_en.jsonl")
+TWINS = ("screening/dangerous.jsonl", "semantic/harm_twins.jsonl", "semantic/household_twins.jsonl")
+DIRECTIONS = "screening/walking_directions.jsonl"
+PLAIN = "semantic/plain_posts.jsonl"
 #: Weight of the penalty on large weights.
-PENALTY = 0.3
+PENALTY = 1.0
 FOLDS = 5
-#: The threshold leaves this share of the harmless twins above it.
-TWINS_ABOVE = 0.13
-#: The threshold leaves this share of the commands that only move a robot above it.
-MOTIONS_ABOVE = 0.004
+#: A language's threshold leaves at most this share of its harmless twins above it …
+TWINS_ABOVE = 0.14
+#: … and at most this share of its plain motions.
+MOTIONS_ABOVE = 0.005
 #: Digits that are kept of a weight.
 DIGITS = 3
 LICENCE = "Apache-2.0"
@@ -72,7 +72,8 @@ def vectors(texts: Sequence[str]) -> Matrix:
     """Return the unit vectors of texts."""
     encoder = Encoder()
     try:
-        found = [v for n in range(0, len(texts), _BATCH) for v in encoder.encode(texts[n : n + _BATCH])]
+        read = [normalised(text) for text in texts]
+        found = [v for n in range(0, len(read), _BATCH) for v in encoder.encode(read[n : n + _BATCH])]
     finally:
         encoder.close()
     numbers = np.frombuffer(b"".join(found), np.int8).reshape(len(texts), -1).astype(np.float64)
@@ -89,54 +90,70 @@ def fitted(x: Matrix, y: Matrix) -> Matrix:
     for _ in range(25):
         p = 1 / (1 + np.exp(-x @ weights))
         hessian = (x.T * (p * (1 - p))) @ x + penalty
-        weights -= np.linalg.solve(hessian, x.T @ (p - y) + penalty @ weights)
+        step = np.linalg.solve(hessian, x.T @ (p - y) + penalty @ weights)
+        weights -= step
+        if np.abs(step).max() < 1e-9:
+            break
     return weights
 
 
-def missing_data() -> list[Path]:
-    """Return the files of the evaluation data that are not there."""
-    return [path for name in EVAL_FILES if not (path := EVAL / name).is_file()]
-
-
-def training_rows() -> list[tuple[str, str, bool, int]]:
-    """Return every row as kind, text, whether it is dangerous, and the group that is left out together."""
+def training_rows() -> list[tuple[str, str, str, bool, int]]:
+    """Return every row as kind, language, text, whether it is dangerous, and the group that is left out together."""
     rows = []
-    for n, path in enumerate(TWINS):
-        rows += [("twin", row["text"], row["label"] != "benign", row["pair"] + n) for row in _read(path)]
-    rows += [("directions", row["text"], False, n) for n, row in enumerate(_read(DIRECTIONS))]
-    rows += [("made motion", text, False, n) for n, text in enumerate(plain_motions())]
-    for name in EVAL_FILES:
-        for n, row in enumerate(_read(EVAL / name)):
-            kind = "motion" if row.get("motion") or row.get("plan") else name.removesuffix(".jsonl")
-            rows.append((kind, row["text"], name == "dangerous.jsonl", n))
+    for n, name in enumerate(TWINS):
+        for row in _read(name):
+            rows.append(("twin", row["language"], row["text"], row["label"] != "benign", row["pair"] + n))
+    rows += [("directions", row["language"], row["text"], False, n) for n, row in enumerate(_read(DIRECTIONS))]
+    rows += [(row["kind"], row["language"], row["text"], False, n) for n, row in enumerate(_read(PLAIN))]
+    for n, text in enumerate(plain_motions()):
+        rows.append(("made motion", "en" if text.isascii() else "zh", text, False, n))
     return rows
 
 
-def _read(path: Path) -> list[dict[str, Any]]:
-    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+def _read(name: str) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (TESTS / name).read_text(encoding="utf-8").splitlines()]
 
 
-def train() -> tuple[bytes, dict[str, float]]:
-    """Return the content of the file of weights, and the shares above the threshold in cross-validation."""
+def checksums() -> dict[str, str]:
+    """Return the checksum of each file that the classifier is trained on."""
+    return {name: hashlib.sha256((TESTS / name).read_bytes()).hexdigest() for name in (*TWINS, DIRECTIONS, PLAIN)}
+
+
+def threshold_of(twins: Matrix, motions: Matrix) -> float:
+    """Return the lowest score that leaves few enough of both above it."""
+    shares = ((twins, TWINS_ABOVE), (motions, MOTIONS_ABOVE))
+    return max(float(np.sort(scores)[::-1][int(share * len(scores))]) for scores, share in shares)
+
+
+def train() -> tuple[bytes, dict[str, tuple[int, float]]]:
+    """Return the content of the file of weights, and for each kind of row the number of rows and the share above the
+    threshold in cross-validation.
+    """
     rows = training_rows()
-    x, y = vectors([text for _, text, _, _ in rows]), np.array([danger for _, _, danger, _ in rows], np.float64)
-    folds = np.array([group % FOLDS for *_, group in rows])
+    x, y = vectors([row[2] for row in rows]), np.array([danger for *_, danger, _ in rows], np.float64)
+    kinds, languages = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+    folds = np.array([row[4] % FOLDS for row in rows])
     scores = np.zeros(len(rows))
     for fold in range(FOLDS):
         weights = fitted(x[folds != fold], y[folds != fold])
         scores[folds == fold] = x[folds == fold] @ weights[:-1] + weights[-1]
-    kinds = np.array([f"{kind}, {'dangerous' if danger else 'harmless'}" for kind, _, danger, _ in rows])
-    threshold = max(
-        float(np.quantile(scores[kinds == "twin, harmless"], 1 - TWINS_ABOVE)),
-        float(np.quantile(scores[kinds == "motion, harmless"], 1 - MOTIONS_ABOVE)),
-    )
-    figures = {str(kind): float((scores[kinds == kind] > threshold).mean()) for kind in dict.fromkeys(kinds)}
+    thresholds, figures = {}, {}
     weights = fitted(x, y)
+    for language in ("en", "zh"):
+        here = languages == language
+        found = {kind: scores[here & (kinds == kind) & (y == 0)] for kind in dict.fromkeys(kinds)}
+        threshold = threshold_of(found["twin"], np.concatenate([found["motion"], found["made motion"]]))
+        found["dangerous twin"] = scores[here & (y == 1)]
+        for kind, of_kind in found.items():
+            figures[f"{language}, {kind}"] = len(of_kind), float((of_kind > threshold).mean())
+        thresholds[language] = round(threshold - float(weights[-1]), DIGITS)
     told = {
         "encoder": MODEL,
         "licence": LICENCE,
+        "trained_by": "scripts/train_harm_classifier.py",
+        "trained_on": checksums(),
         "rows": len(rows),
-        "bias": round(float(weights[-1]) - threshold, DIGITS),
+        "thresholds": thresholds,
         "weights": [round(float(weight), DIGITS) + 0.0 for weight in weights[:-1]],
     }
     return (json.dumps(told) + "\n").encode(), figures
@@ -147,11 +164,9 @@ def main() -> None:
     parser.add_argument("--check", action="store_true", help="compare with the file, write nothing")
     only_check = parser.parse_args().check
     require_model()
-    if absent := missing_data():
-        sys.exit(f"the evaluation data is absent: {', '.join(map(str, absent))}")
     content, figures = train()
-    for name, share in figures.items():
-        sys.stdout.write(f"{name}: {100 * share:.1f} % above the threshold\n")
+    for name, (n, share) in figures.items():
+        sys.stdout.write(f"{name}: {100 * share:.1f} % of {n} above the threshold\n")
     sys.stdout.write(f"SHA256 = {hashlib.sha256(content).hexdigest()!r}\n")
     if not only_check:
         WEIGHTS.write_bytes(content)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import structlog
 from pydantic import TypeAdapter
 
 from agentrob.agent.intake.authorization import CommandTerms, chain_refusal, judge, rights_on
@@ -15,9 +13,9 @@ from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
+from agentrob.agent.understanding.second_opinion import SecondOpinion
 from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import AgentRobError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.visible_text import mentions
@@ -30,10 +28,9 @@ from agentrob.model import Capabilities, Command, CommandState, Decision, Intent
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
-from agentrob.screening.second_opinion import with_opinion
+from agentrob.screening.second_opinion import is_own_words, with_opinion
 
 _ASSESSMENT = TypeAdapter(Assessment)
-_log = structlog.get_logger()
 
 
 @dataclass(frozen=True)
@@ -48,8 +45,8 @@ class Assessor:
     journal: Journal
     #: Whether a command that this account posts now is over its limits.
     over_limit: Callable[[Command], bool] = lambda _: False
-    #: Whether a classifier suspects harm in a text; blocks. None: nothing is asked.
-    suspects: Callable[[str], bool] | None = None
+    #: A classifier that may suspect harm in what the rules allow.
+    opinion: SecondOpinion | None = None
 
     @property
     def model(self) -> ChatModel | None:
@@ -109,7 +106,7 @@ class Assessor:
             known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             assessment = replace(assessment, verdict=verdict)
-            assessment = await self._with_opinion(assessment, part_for(command.text, self.names, others))
+            assessment = await self._with_opinion(job, assessment, part_for(command.text, addressee.names, others))
             assessment = await self._looked_at(job, assessment, addressee, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
@@ -127,17 +124,16 @@ class Assessor:
             assessment, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
         )
 
-    async def _with_opinion(self, assessment: Assessment, text: str) -> Assessment:
-        """Ask back if the rules allow a command and the classifier suspects harm; if it fails, the rules decide."""
-        verdict = assessment.verdict
-        if self.suspects is None or verdict is None or verdict.decision is not Decision.ALLOW:
+    async def _with_opinion(self, job: QueuedCommand, assessment: Assessment, text: str) -> Assessment:
+        """Ask back if the rules allow a command and the classifier suspects harm in its words."""
+        verdict, language = assessment.verdict, assessment.understanding.language
+        if self.opinion is None or verdict is None or verdict.decision is not Decision.ALLOW:
             return assessment
-        try:
-            suspected = await asyncio.to_thread(self.suspects, text)
-        except AgentRobError as e:
-            _log.warning("no second opinion, the rules decide", error=str(e))
+        plan = None if assessment.goal else assessment.understanding.plan
+        if plan is not None and is_own_words(text, plan, language):
             return assessment
-        return replace(assessment, verdict=with_opinion(verdict, suspected, assessment.understanding.language))
+        suspected = await job.unless_ended(self.opinion.suspects(text, language))
+        return replace(assessment, verdict=with_opinion(verdict, suspected, plan, language))
 
     async def _looked_at(
         self,
