@@ -7,8 +7,6 @@ import asyncio
 import json
 import os
 import re
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,10 +16,9 @@ from uuid import uuid4
 import pytest
 
 from agentrob.model import RobotState
-from agentrob.process.child import Child, terminate_all
 from agentrob.robots.driver.client import DriverClient
+from tests.forked_process import ForkedCommand, agentrob, end_all
 
-AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 CONFIG = """
 data = "{data}"
 [robots.{name}]
@@ -42,14 +39,12 @@ class Machine:
     folder: Path
     runtime: Path
     name: str
-    driver: Child
+    driver: ForkedCommand
 
     def type(self, *words: str) -> tuple[int, str]:
         """What `agentrob WORDS` printed, and its exit code."""
-        env = {**os.environ, "AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
-        done = subprocess.run(
-            [AGENTROB, *words], env=env, cwd=self.folder, capture_output=True, text=True, timeout=100, check=False
-        )
+        env = {"AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
+        done = agentrob(self.folder, *words, **env)
         return done.returncode, (done.stdout + done.stderr).strip()
 
     def ask(self, what: str) -> RobotState:
@@ -69,18 +64,16 @@ def started(folder: Path, homes: bool) -> Machine:
     domain = int(os.environ["AGENTROB_TEST_DOMAIN"])
     text = CONFIG.format(data=folder / "data", name=name, domain=domain, homes=str(homes).lower())
     (folder / "agentrob.toml").write_text(text)
-    words = ["driver", name, "-c", str(folder / "agentrob.toml")]
-    driver = Child("driver", words, folder / "driver.log", {"AGENTROB_RUNTIME": str(runtime)})
-    machine = Machine(folder, runtime, name, driver)
-    driver.wait_ready()
-    return machine
+    driver = ForkedCommand(folder, "driver", name, log=folder / "driver.log", AGENTROB_RUNTIME=str(runtime))
+    assert driver.ready
+    return Machine(folder, runtime, name, driver)
 
 
 @pytest.fixture
 def machine(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Machine]:
     made = started(tmp_path, getattr(request, "param", True))
     yield made
-    terminate_all([made.driver])
+    end_all([made.driver])
 
 
 def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) -> None:
@@ -109,7 +102,7 @@ def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(m
             "agentrob: no driver of 'asleep' runs on this machine; start one with: agentrob driver asleep",
         )
     machine.ask("halt")
-    terminate_all([machine.driver])
+    end_all([machine.driver])
     code, said = machine.type("release", machine.name)
     assert (code, said) == (
         1,
