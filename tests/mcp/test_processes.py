@@ -19,6 +19,7 @@ import structlog
 from mcp_types import PROTOCOL_VERSION_META_KEY
 
 from agentrob.mcp.client import ForumClient, ServerUnavailable, ToolFailed
+from agentrob.process.child import Child, terminate_all
 from tests.board.running_board import RunningBoard
 from tests.mcp.running_mcp import LIMIT_S, McpSetup
 
@@ -33,13 +34,16 @@ ACCEPT = {"Accept": "application/json, text/event-stream", "Content-Type": "appl
 
 @pytest.fixture(scope="module")
 def served(board: RunningBoard, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """One HTTP server: `op` may write, `member` only reads."""
+    """One HTTP server, started as people start it: `op` may write, `member` only reads."""
     setup = McpSetup(board, tmp_path_factory.mktemp("http"), {"listen": "127.0.0.1:0"})
     setup.user("op", write=True)
     setup.user("member")
     setup.user("admin", write=True, toolsets=["core", "social", "admin"])
-    with setup.http() as url:
-        yield url
+    child = Child("mcp", setup.words("--http"), setup.folder / "mcp.log", setup.env)
+    try:
+        yield child.wait_ready()["url"]
+    finally:
+        terminate_all([child])
 
 
 def as_user(url: str, name: str) -> ForumClient:

@@ -7,6 +7,8 @@ import asyncio
 import json
 import os
 import re
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -41,10 +43,21 @@ class Machine:
     name: str
     driver: ForkedCommand
 
+    @property
+    def env(self) -> dict[str, str]:
+        return {"AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
+
     def type(self, *words: str) -> tuple[int, str]:
         """What `agentrob WORDS` printed, and its exit code."""
-        env = {"AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
-        done = agentrob(self.folder, *words, **env)
+        done = agentrob(self.folder, *words, **self.env)
+        return done.returncode, (done.stdout + done.stderr).strip()
+
+    def start(self, *words: str) -> tuple[int, str]:
+        """The same, in a process that starts from nothing."""
+        command, env = [sys.executable, "-m", "agentrob", *words], {**os.environ, **self.env}
+        done = subprocess.run(
+            command, env=env, cwd=self.folder, capture_output=True, text=True, timeout=100, check=False
+        )
         return done.returncode, (done.stdout + done.stderr).strip()
 
     def ask(self, what: str) -> RobotState:
@@ -83,7 +96,7 @@ def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) ->
     assert re.match(rf"{machine.name}: released\. It was locked: by bob \d+ seconds? ago, ", said)
     assert said.endswith("an emergency stop. Nothing moves by that; the next command may move it.")
     assert not machine.ask("").halted
-    assert machine.type("release", machine.name) == (
+    assert machine.start("release", machine.name) == (
         0,
         f"{machine.name}: it was not locked. Nothing moves by that; the next command may move it.",
     )
@@ -123,6 +136,7 @@ def test_law_9_home_at_the_shell_and_doctor_names_both_commands(machine: Machine
     assert answer[1].startswith(f"{machine.name}: its home is where it stands now (x ")
     assert answer[1].endswith(f"It is still locked: agentrob release {machine.name}")
     assert machine.ask("").homed
+    assert machine.start("home", machine.name)[0] == 0
     code, said = machine.type("drive", machine.name, "walk forward 0.3 metres")
     assert code == 1
     assert f"To release it: agentrob release {machine.name}" in said
