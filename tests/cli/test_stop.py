@@ -282,7 +282,7 @@ async def put_back(demo: Demo, robot: DriverClient) -> None:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("how", ["name", "all"])
+@pytest.mark.parametrize("how", ["all", pytest.param("name", marks=pytest.mark.slow)])
 def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(headless: Demo, tmp_path: Path, how: str) -> None:
     assert headless.runtime is not None
     config = str(headless.data / "agentrob.toml")
