@@ -12,8 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import structlog
-
 from agentrob.config import load as configuration
 from agentrob.config.load import Config
 from agentrob.config.robots import RobotConfig
@@ -219,6 +217,8 @@ def make_second_opinion() -> SecondOpinion | None:
     try:
         encoder, classifier = _harm_classifier()
     except ConfigError as e:
+        import structlog
+
         structlog.get_logger().warning("no harm classifier; the rules decide alone", error=str(e))
         return None
     return SecondOpinion(partial(_is_suspected, encoder, classifier), encoder.close)

@@ -28,16 +28,20 @@ class OdometryMonitor:
         self._came_s: float | None = None  # when the newest state came
         self._anchor: tuple[float, Pose] | None = None
 
-    def update(self, now_s: float, state: RobotState) -> str | None:
-        """Return why the odometry can no longer be trusted, or None."""
+    def update(self, now_s: float, state: RobotState, asked_s: float | None = None) -> str | None:
+        """Return why the odometry can no longer be trusted, or None.
+
+        `asked_s` is when the state was asked for: on a busy machine a thread may rest between asking and `now_s`, and
+        the state is of some moment between the two.
+        """
         if state.pose is None or state.age_s > REBOOT_GAP_S:
             return None
         came_s = now_s - state.age_s
         silent_s = 0.0 if self._came_s is None else came_s - self._came_s
         self._came_s = came_s
-        last, self._last = self._last, (now_s, state.pose)
+        last, self._last = self._last, (now_s if asked_s is None else asked_s, state.pose)
         if self._anchor is None or not _same_place(self._anchor[1], state.pose):
-            self._anchor = self._last
+            self._anchor = now_s, state.pose
         if last is None:
             return None
         if silent_s > REBOOT_GAP_S:

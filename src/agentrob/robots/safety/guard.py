@@ -221,7 +221,7 @@ class Guard:
         self._running = primitive
         self._crash_marker.begin(primitive.op, self._robot.state().mode)
         try:
-            result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, state, until_s))
+            result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, until_s))
         finally:
             self._crash_marker.end()
         self._takeover.own_motion(time.monotonic())
@@ -252,8 +252,7 @@ class Guard:
         return beyond_limits(primitive, self.capabilities)
 
     def _unfit(self, primitive: Primitive) -> Refusal | None:
-        self._take_in()
-        state = sanitized(self._robot.state())
+        state = self._take_in()
         if (why := self._halt.why) is not None:
             return "halted", f"{why.rstrip('.')}. No motion until the owner releases it."
         if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
@@ -320,14 +319,13 @@ class Guard:
             self._closed.wait(1 / OBSERVE_HZ)
 
     # ------------------------------------------------------------ during a step
-    def _look(self, primitive: Primitive, state: RobotState, until_s: float) -> str | None:
-        word, self._sentence = self._violation(primitive, state, until_s) or (None, self._sentence)
+    def _look(self, primitive: Primitive, until_s: float) -> str | None:
+        word, self._sentence = self._violation(primitive, until_s) or (None, self._sentence)
         return word
 
-    def _violation(self, primitive: Primitive, state: RobotState, until_s: float) -> Refusal | None:
-        state = sanitized(state)
+    def _violation(self, primitive: Primitive, until_s: float) -> Refusal | None:
+        state = self._take_in()
         self._crash_marker.refresh(state.mode)
-        self._take_in(state)
         if self._halt.why is not None:
             return "halted", self._halt.why
         if state.age_s >= STATE_AGE_S or state.pose is None:
@@ -359,12 +357,14 @@ class Guard:
             except Exception:  # the observer must survive any error of one state
                 log.exception("the guard could not read the robot's state")
 
-    def _take_in(self, state: RobotState | None = None) -> None:
-        """Process a state (the newest by default), in order and one at a time."""
+    def _take_in(self) -> RobotState:
+        """Process the newest state and return it. It is read under the lock: states that threads brought along could
+        arrive out of order."""
         with self._looking:
-            state, now_s = state or sanitized(self._robot.state()), time.monotonic()
+            asked_s = time.monotonic()
+            state, now_s = sanitized(self._robot.state()), time.monotonic()
             self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
-            why = self._odometry.update(now_s, state)
+            why = self._odometry.update(now_s, state, asked_s)
             self._broken = JUMPED if why else self._broken
             if why and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
@@ -380,6 +380,7 @@ class Guard:
         fit = state.pose is not None and state.age_s < STATE_AGE_S and state.upright
         if self._homes_itself and self._fence is None and running is None and fit and self._odometry.still(now_s):
             self.home("the simulation")
+        return state
 
 
 def sanitized(state: RobotState) -> RobotState:
