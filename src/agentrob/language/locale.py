@@ -19,7 +19,11 @@ class Locale:
     lists words for all robots at once ("both of you"). `stated` is a regular expression for the beginning of
     a clause that states where something is and would otherwise be parsed as a command (前面五米是墙). `order` lists
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
-    for ("when").
+    for ("when"). The following are regular expressions for `parser.remarks`: `remark` matches clauses in the form of a
+    statement, purpose or reason; `purpose` matches where one begins within a clause; `weighty` matches clauses that may
+    change what a command means, and are never left out; `noun_after` matches the words before a noun or an adjective; `run_on` matches a whole
+    statement that a command may follow without punctuation; `claims` matches talk that is always asked about: somebody
+    who claims rights, or introduces what another person said.
     """
 
     words: Lexicon
@@ -32,6 +36,12 @@ class Locale:
     stated: str = ""
     order: str = ""
     waits: str = ""
+    remark: str = ""
+    purpose: str = ""
+    weighty: str = "(?!)"
+    noun_after: str = ""
+    run_on: str = ""
+    claims: str = "(?!)"
 
     @property
     def code(self) -> str:

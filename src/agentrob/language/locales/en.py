@@ -16,7 +16,7 @@ _AT_THE_DOG = "|".join(
 )
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving|try walking|start walking|start moving
+    "move": """begin moving|begin walking|begin going|sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving|try walking|start walking|start moving
         |try going|move|go|walk|proceed|travel|step|drive|advance|come|head|run|trot|keep going|keep moving
         |keep walking|continue|march|stroll|roll|crawl|creep|inch forward|navigate|continue moving|continue walking
         |continue going|keep on going|move yourself|get moving|go on|move on""",
@@ -53,7 +53,7 @@ TABLE = {
     "dir=left": "left|leftward|leftwards|counterclockwise|counter clockwise|anticlockwise|anti clockwise",
     "dir=right": "rightward|rightwards|clockwise",
     "agree dir=right": "right",
-    "move dir=forward": "move up|go up|come up|walk up|move down|go down|come down|walk down|move along|walk along",
+    "move dir=forward": "pull forward|pop forward|pull ahead|move up|go up|come up|walk up|move down|go down|come down|walk down|move along|walk along",
     "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
     "op=hello": """high five|give me five|give me a high five|wave|wave hello|say hello
@@ -166,6 +166,9 @@ TABLE = {
     "and_part=0.5": "and a half|and one half|and half",
     "and_part=0.25": "and a quarter|and one quarter",
     "and_part=0.75": "and three quarters|and three quarter",
+    "turn angle=90 dir=left": "quarter left|a quarter left|a quarter turn left|quarter turn to the left|quarter of a turn left",
+    "turn angle=90 dir=right": """quarter right|a quarter right|a quarter turn right|quarter turn to the right
+        |quarter of a turn right""",
     "number=0.25": "quarter|a quarter|a quarter of a|quarter of a|one quarter of a",
     "number=0.75": "three quarters of a|three quarter",
     "times=1": "once|one time",
@@ -281,7 +284,7 @@ TABLE = {
         |battery level|how are you|what is your status|what's your status|are you there
         |how much battery do you have|what are you doing|are you ok|are you okay|report status|are you ready
         |what is your battery|what's your battery level|are you busy|are you online""",
-    "soft=uh": "um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh",
+    "soft=uh": "uhhhh|ummm|hmmm|errr|um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh",
     "soft=in": "in",
     "soft=the": "the|your",
     "soft=to": "to",
@@ -296,7 +299,7 @@ TABLE = {
         |here we go again|welcome back|lol|haha|hahaha|thanks|thank you|thank you very much|thank you so much
         |thanks a lot|many thanks|thx|ty|cheers|good job|great job|good work|well done|nice work|good boy
         |thanks so much|much appreciated|no problem|no worries|thanks again|thank you again|dear""",
-    "soft ": """simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
+    "soft ": """somewhere around|give or take|more or less|let's say|plus or minus|i suppose|kind of|sort of|simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
         |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and
         |do as i say:|the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely
         |fully|all the way|entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed
@@ -382,6 +385,75 @@ def _decimals(said: str) -> float:
     return float("0." + "".join(str(text2num(word, "en")) for word in said.split()))
 
 
+_BE = r"(?:is|are|was|were|am)(?:n't)?"
+_FINITE = (
+    rf"(?:{_BE}|has|have|had|will|would|could|can|might|must|did|does|looks?|seems?|feels?|likes?|loves?|hates?"
+    r"|believes?|knows?|thinks?|wants?|needs?|works?|says?|smells?|sounds?|hopes?|lives?|trusts?|enjoys?|deserves?"
+    r"|went|came|bought|saw|got|took|made|died|swept|ran|won|lost|broke|slept|ate|built|gave|left|paid|forgot"
+    r"|brought|heard|found|met|taught|drove|flew|began|[a-z]{2,}ed|[a-z]+'(?:s|re|m|ve|ll))"
+)
+_SUBJECT = (
+    r"(?:the|my|our|his|her|their|your|its|this|that|these|those|a|an|some|all|both|most|every|each|no|any"
+    r"|every(?:one|body|thing)|no(?:body|thing|ne)|some(?:one|body|thing)|any(?:one|body|thing)|i|we|he|she|they|it"
+    r"|there|here|today|yesterday|dad|mum|mom|grandma|grandpa|even my|one of (?:us|them|my|our))"
+)
+_LEAD = r"(?:ok|okay|so|well|and|but|oh|ah|um|uh|hey|lol|haha|anyway|alright|by the way|btw|fyi|you know|see|look)"
+#: Why something is to be done, within a clause.
+_PURPOSE = (
+    r"\b(?:so that|because|'?cause|cuz|coz|in order to|so as to|just in case you wonder"
+    r"|so (?:i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the \w+|my \w+|our \w+)(?:'ll|'d)? (?!am\b)\w+)\b"
+)
+#: A statement (subject and verb), a purpose or a reason, or a standing setting that is on anyway.
+_REMARK = (
+    rf"^(?:{_LEAD} )*(?:{_SUBJECT}(?:'(?:s|re|m|ve|ll|d)\b|\b(?: [\w'-]+){{0,6}}? {_FINITE}\b)"
+    rf"|(?:i|we|they|he|she) \w+|you(?:'re| are| were| look| seem| went| did| must be)\b"
+    rf"|[a-z][\w-]*(?:'s| {_BE}| looks| seems| has| have)\b"
+    r"|so that\b|so (?:i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the|my|our)\b|because\b|'?cause\b"
+    r"|cuz\b|coz\b|in order to\b|so as to\b"
+    r"|to (?:get|see|show|avoid|make|let|help|test|line|fit|compare|have|be)\b(?= \w+ \w+)"
+    r"|(?:purpose|reason|note|context|background)$"
+    r"|(?:just )?(?:testing|curious|checking in)$|(?:no|what a|what an|happy|merry|such a|long live)"
+    r" (?:joke|hurry|rush|pressure|stress|big deal|doubt|offence|offense|day|view|nice \w+|lovely \w+|birthday|new year"
+    r"|christmas|easter|wonderful \w+|great \w+)\b"
+    r"|keep (?:the |your )?(?:obstacle|collision) (?:avoidance|detection|sensors?) (?:on|enabled|active)$)"
+)
+#: What may change the meaning or the danger of a command, or asks for something in the form of a statement.
+_WEIGHTY = (
+    r"\b(?:only|except|unless|instead|wrong|mistake\w*|forb[ia]d\w*|prohibit\w*|allow\w*|permi\w+|ban(?:s|ned)?|motion"
+    r"|moving|movements?|wait\w*|careful\w*|watch out|beware|mind the|ahead|in front|right there|edge|enough|mean|meant"
+    r"|tomorrow|tonight|later|commands?|orders?|posts?|example|ready|until|first|last one|rather|limit\w*|cancel\w*"
+    r"|stop\w*|halt\w*|too (?:far|much|fast|close|long|near|many)|more|less|metres?|meters?|steps?|degrees?|slow\w*|fast\w*"
+    r"|(?:in|on|under|behind|near|beside|below|above|around|at|by|to|towards?|over|against|before|between|with|of"
+    r"|inside|close to|next to|across|for|from|onto|into|round) (?:you|yourself|your \w+)"
+    r"|wet|oil\w*|icy?|ice|slipp\w*|spil\w*|covered|water|fires?|smoke|gas|wires?|broken|crack\w*|holes?|pits?|drop|asleep"
+    r"|sleeping|lying|lies|hurts?|fragile|loose|steep|blood|glass|hot|burn\w*|sharp|knife|knives|weapons?|off|disabled"
+    r"|unplugged|barefoot|blind|deaf|afraid|scared|danger\w*|risk\w*|safety|baby|toddler|secret\w*|hack\w*|password"
+    r"|you(?:'re| are| were)?(?: \w+){0,3} (?:on|in|under|at|near|above|against|inside|by|over|beside|next|up)\b"
+    r"|(?:want|need|like|love|wish|hope|expect|ask|order|prefer|require|ought|supposed|let|make|have)\w*"
+    r"(?: \w+){0,2}? (?:you|to|it|the robot|him)\b"
+    r"|i'd|we'd|i want|we want|i need|we need|i would|we would|should\w*|(?:don't|doesn't|didn't|do not|does not|not|never)"
+    r" (?:want|need|agree|like|mean|sure|think|care|trust|yet|do|go|now)\w*|(?:is|are|was|were|am|'s|'re|'m) not|isn't|aren't"
+    r"|haven't|hasn't|wasn't|weren't|won't|can't|cannot|wouldn't|couldn't"
+    r"|owners?|boss|admin\w*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)|developer|programmer"
+    r"|kidding|joking|jokes?|pretend\w*|(?:said|says?|wrote|writes?|told|tells?|asks?|asked|shout\w*|yell\w*|replie[ds]"
+    r"|answer\w*|suggest\w*|claim\w*|quote\w*|typed?|called|read|reads|heard|dream\w*|remember\w*|story|film|movie|book|game)"
+    r"(?! (?:it's|it is|it was|you're so|this is|hi|hello)\b)|what|which|who|whom|where|how|why|whether|please|pls|tell|let me|let us|show me|send|report)\b"
+)
+#: A whole statement, where a command follows it without a pause: "the kids have gone home move forward 1 m".
+_RUN_ON = (
+    rf"^(?:{_LEAD} )*(?:it's|that's|there's|i'm|we're|they're|you're|(?:my|the|our|your|all|nobody|everyone|everybody|it"
+    r"|i|we|you|they) (?:(?!who|that|which|where)[\w'-]+ ){0,5}?(?:is|are|am|was|were|has|have|had|died|swept|bought))"
+    r"(?! (?:to|not|how|what)\b)(?: (?!(?:to|if|when|who|that|which|see\w*|saw|watch\w*|make|made|let|help\w*|heard?"
+    r"|want\w*|like\w*|told|tell|say\w*|said|ask\w*|and|or|but|because|than)\b)[\w'-]+){1,8}?"
+    r"(?<!\bwill)(?<!\bcan)(?<!\bnot)(?<!\bdo)(?<!\bmust)(?<!\bshould)(?<!\bcould)(?<!\bwould)(?<!\bgoing)(?<!\byou)"
+    r"(?<!\bwe)(?<!\bi)(?<!\bthey)(?<!\bit)(?<!\bhe)(?<!\bshe)(?<!\bthem)(?<!\bof)(?<!\bin)(?<!\bfor)(?<!\bwith)(?<!\bthe)"
+    r"(?<!\bmy)(?<!\byour)(?<!\bour)(?<!\ba)(?<!\bno)(?<!\bjust)(?<!\bmay)(?<!\bmight)(?<!\bcannot)(?<!n't)"
+    r"(?<!people)(?<!\bdogs)(?<!\brobots)(?<!\bkids)(?<!\bis)(?<!\bare)(?<!\bwas)(?<!\bto)(?<!'s)(?<!ing)(?<!'m)(?<!'re)$"
+)
+_NOUN_AFTER = (
+    r"(?:^|\s)(?:the|a|an|my|our|his|her|their|its|this|that|is|are|was|were|\w+'s|wide|very|still|already|new|last|next|your"
+    r"|no|any|of|for|at|on|some|good|great)\s+$"
+)
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,
@@ -391,4 +463,10 @@ LOCALE = Locale(
         |after which|later|subsequently|thereafter|at the end|in the end""",
     waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
         |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
+    remark=_REMARK,
+    purpose=_PURPOSE,
+    weighty=_WEIGHTY,
+    noun_after=_NOUN_AFTER,
+    run_on=_RUN_ON,
+    claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
 )

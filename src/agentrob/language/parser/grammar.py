@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import quote, say
@@ -21,6 +23,7 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
+from agentrob.language.parser.remarks import without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
@@ -57,6 +60,15 @@ def parse(
         return _ask(ParsedSteps([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
     if len(part) > MAX_CHARS:
         return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
+    understood = _understood(part, names, language, ops, background)
+    if understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
+        return _beside_remarks(part, names, language, ops, background) or understood
+    return understood
+
+
+def _understood(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding:
     sentences, mistyped = _sentences(part, names, language)
     reading = read_steps(sentences, part, language, ops, background)
     if reading.problem:
@@ -65,6 +77,22 @@ def parse(
         spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
     return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
+
+
+def _beside_remarks(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the command that is left when remarks are left out, each told in a note; None if there is none."""
+    rest, remarks = without_remarks(part, locale(language))
+    if not remarks or _WORDLESS.fullmatch(rest):
+        return None
+    understood = _understood(rest, names, language, ops, background)
+    steps = understood.plan.steps
+    if understood.intent is not Intent.COMMAND or any(a == b and a.direction for a, b in pairwise(steps)):
+        return None  # a motion that is said again after a remark may be the same one
+    told = [say("note.left_out", language, words=quote(words)) for words in remarks]
+    notes = (*understood.plan.notes, *told)
+    return replace(understood, plan=replace(understood.plan, notes=notes))
 
 
 def commands_nothing(words: str, language: Language) -> bool:

@@ -6,6 +6,7 @@ assumption, 90° for a bare "turn left", is stated in a note.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -15,6 +16,7 @@ from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import TokenKind
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
+from agentrob.language.registry import locale
 from agentrob.model import Direction, Language, Op, Primitive
 
 #: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
@@ -168,7 +170,8 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            if remark.kind is RemarkKind.WISH or half or asks:
+            claims = re.search(locale(self.language).claims, words.lower()) is not None
+            if remark.kind is RemarkKind.WISH or half or asks or claims:
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
