@@ -21,9 +21,11 @@ class Locale:
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
     for ("when"). The following are regular expressions for `parser.remarks`: `remark` matches clauses in the form of a
     statement, purpose or reason; `purpose` matches where one begins within a clause; `weighty` matches clauses that may
-    change what a command means, and are never left out; `noun_after` matches the words before a noun or an adjective; `run_on` matches a whole
+    change what a command means, and are never left out; `noun_after` matches the words before a noun or an
+    adjective; `run_on` matches a whole
     statement that a command may follow without punctuation; `claims` matches talk that is always asked about: somebody
-    who claims rights, or introduces what another person said.
+    who claims rights, or introduces what another person said; `put_first` matches words that put a later clause before
+    an earlier one.
     """
 
     words: Lexicon
@@ -42,6 +44,7 @@ class Locale:
     noun_after: str = ""
     run_on: str = ""
     claims: str = "(?!)"
+    put_first: str = "(?!)"
 
     @property
     def code(self) -> str:

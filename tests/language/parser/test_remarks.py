@@ -25,6 +25,7 @@ walk 1 m, the tall man should sing|walk 1 m so that we can see and turn left|tur
 my dogs like to walk 2 m|we saw the dog walk 2 m|the plan is walk forward 2 m|frobnicate the wall, walk 1 m
 walk 1 m, to the kitchen|walk 1 m, the box needs to be lifted|walk 1 m, i want a song|walk 1 m, the walk was 2 m ahead
 前进一米，如果门是开的|前进一米，等我说了|前进一米，我是管理员|前进一米，去厨房|前进一米，把门打开|他说，前进两米
+别忘了拍照，先前进一米|walk 1 m, but wave first|前进一米，先挥手
 前进一米，我很无聊，往前走一米|前进一米，告诉我温度是多少
 """
 
@@ -41,3 +42,8 @@ def test_law_18_a_remark_is_left_out_and_told(text: str, left: tuple[str, str]) 
 def test_law_18_what_may_change_a_command_is_never_taken_for_a_remark(text: str) -> None:
     understood = read(text)
     assert understood.intent is not Intent.COMMAND, understood.plan
+
+
+def test_a_usual_angle_beside_a_side_is_in_degrees() -> None:
+    assert short(read("5 feet forward, 90 left, 2 feet forward").plan) == "F1.524 l90 F0.6096"
+    assert read("twenty to your left").intent is Intent.ASK_BACK

@@ -468,5 +468,6 @@ LOCALE = Locale(
     weighty=_WEIGHTY,
     noun_after=_NOUN_AFTER,
     run_on=_RUN_ON,
+    put_first=r"(?:[,;.]|\b(?:and|but|then)\b)[^,;.]*(?<!at )\bfirst\W*$",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
 )

@@ -45,12 +45,15 @@ def parse(
     others: Sequence[str],
     ops: frozenset[Op],
     background: ParseContext = _NOTHING_KNOWN,
+    *,
+    remarks: bool = True,
 ) -> Understanding:
     """Parse the part of `visible` (law 3) that is for the robot called `names`; `others` are other robots' handles.
 
     Only `Intent.COMMAND` carries a plan. `ops` are the robot's operations, from which examples in questions are taken.
     A request for another operation is parsed too, so that the screen can say that the robot cannot do it. `background`
-    is the context: earlier plans in the thread, the robot's speed and step length.
+    is the context: earlier plans in the thread, the robot's speed and step length. Without `remarks`, a post with a
+    remark in words that the grammar does not know is asked back.
     """
     part = part_for(visible, names, others)
     language = language_of(part)
@@ -61,7 +64,10 @@ def parse(
     if len(part) > MAX_CHARS:
         return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     understood = _understood(part, names, language, ops, background)
-    if understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
+    if len(understood.plan.steps) > 1 and (first := re.search(locale(language).put_first, part.lower())):
+        words = first[0].strip(" ,.;!，。；！")  # "walk 1 m, but wave first": the other way round
+        return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
+    if remarks and understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
         return _beside_remarks(part, names, language, ops, background) or understood
     return understood
 

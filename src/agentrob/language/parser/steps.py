@@ -93,6 +93,8 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
 
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
+#: Numbers that are degrees when only a side is said with them: nobody steps 90 of anything aside.
+_USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -287,7 +289,9 @@ class _StepBuilder:
             return None, self._say("ask.what", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE
+        first = draft.amount is not None and draft.amount.start == draft.start  # "90 left"; "left ninety" is asked back
+        angle = first and draft.verb is None and draft.direction in _SIDES and value in _USUAL_ANGLES
+        turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE or (kind is TokenKind.NUMBER and angle)
         if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
         if turns:

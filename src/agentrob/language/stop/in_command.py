@@ -146,6 +146,8 @@ _CHINESE = _Shape(
 )
 #: The post may name the robot if it consists only of motions with amounts, and a word, not only a comma, joins the
 #: stop at the end: 小车前行三秒后停住.
+#: The robot as a subject, which may tell what it does now: 小车前行三秒，停下. In doubt it stops.
+_TELLS_OF_ROBOT = re.compile(r"\s*(?:底盘|小车|机器小车)")
 _ROBOT_ZH = "(?:底盘|机器人|机器狗|机械狗|机身|小狗|小车|狗狗|车子)"
 _DIRECTION_ZH = "(?:向|往|朝)(?:前|右|后|左)(?:侧|方|边)?"
 _MOTION_ZH = _one_of(
@@ -216,7 +218,9 @@ def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str])
 
 
 def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
-    return parse(text, list(names), list(robots), frozenset(Op)).intent is Intent.COMMAND
+    if _TELLS_OF_ROBOT.match(text):
+        return False
+    return parse(text, list(names), list(robots), frozenset(Op), remarks=False).intent is Intent.COMMAND
 
 
 def _warns_besides(text: str, stopping: StoppingClauses) -> bool:
