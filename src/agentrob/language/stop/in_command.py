@@ -121,6 +121,8 @@ _WAIT_THEN_ACT = re.compile(
 )
 
 # ---------------------------------------------------------------------- Chinese
+#: The robot as a subject, which may tell what it does now: 小车前行三秒，停下. In doubt it stops.
+_TELLS_OF_ROBOT = re.compile(r"\s*(?:底盘|小车|机器小车)")
 _NUMBER_ZH = "[0-9零一二两三四五六七八九十百半几]+"
 _UNIT_ZH = "(?:下|公分|公尺|分钟|厘米|圈|寸|尺|度|次|步|秒|米)"
 _ACT_ZH = _one_of(
@@ -146,8 +148,6 @@ _CHINESE = _Shape(
 )
 #: The post may name the robot if it consists only of motions with amounts, and a word, not only a comma, joins the
 #: stop at the end: 小车前行三秒后停住.
-#: The robot as a subject, which may tell what it does now: 小车前行三秒，停下. In doubt it stops.
-_TELLS_OF_ROBOT = re.compile(r"\s*(?:底盘|小车|机器小车)")
 _ROBOT_ZH = "(?:底盘|机器人|机器狗|机械狗|机身|小狗|小车|狗狗|车子)"
 _DIRECTION_ZH = "(?:向|往|朝)(?:前|右|后|左)(?:侧|方|边)?"
 _MOTION_ZH = _one_of(
