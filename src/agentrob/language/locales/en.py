@@ -14,6 +14,12 @@ from agentrob.language.parser.lexicon import Piece, digits, lexicon
 _AT_THE_DOG = "|".join(
     f"{where} the {who}" for where in ("around", "at", "by", "to", "into", "with") for who in ("dog", "robot")
 )
+#: "Wave once done sending me a picture" says what comes first; "once done, wave" goes on.
+_AFTER_DOING = "|".join(
+    f"{done} {doing}"
+    for done in ("once done", "when done", "when you are done", "after which")
+    for doing in ("taking", "snapping", "grabbing", "sending")
+)
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
     "move": """begin moving|begin walking|begin going|sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving|try walking|start walking|start moving
@@ -204,7 +210,7 @@ TABLE = {
         |wait actually|wait sorry|oh wait|oh sorry|wait make that|oh wait make that|oh wait make it|wait make it
         |sorry wait|ah no|ah wait|oh no|no oops|oops i meant|oops i mean|oops make that|oops no|on second thought
         |on second thoughts|no hold on|no hang on|hang on no|i should say""",
-    "condition": """if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case
+    "condition": f"""{_AFTER_DOING}|if|unless|until|till|while|whenever|when|once you|before|after|or|either|except|without|in case
         |as soon as|as long as|provided|assuming|every time|otherwise|maybe|perhaps|instead of|rather than|whether
         |suppose|imagine|almost|were you to|pretend""",
     "not": """not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
@@ -425,6 +431,11 @@ _WEIGHTY = (
     r"|stop\w*|halt\w*|too (?:far|much|fast|close|long|near|many)|more|less|metres?|meters?|steps?|degrees?|slow\w*|fast\w*"
     r"|(?:in|on|under|behind|near|beside|below|above|around|at|by|to|towards?|over|against|before|between|with|of"
     r"|inside|close to|next to|across|for|from|onto|into|round) (?:you|yourself|your \w+)"
+    r"|then \w+|and (?!(?:the|a|an|my|our|your|his|her|their|its|this|that|it|i|we|he|she|they|you|there|so|no|not|very|all"
+    r"|is|are|was|were|has|have|had|will|thanks|clear|clean|empty|free|safe|dry|flat|open|nice|cold|warm|big|wide|bright|fine"
+    r"|good|well|dark|soft|hard|new|old|old|large|small|calm|still|level|smooth|even|in|on|at|outside|inside)\b"
+    r"|\w+(?:ed|ing|y|ful|ous|able|s)\b|[a-z]+ (?:is|are|was|were|has|have|had)\b)\w+"
+    r"|(?:once|when|after|before)(?: (?:done|finished|you're|you are))* \w+ing"
     r"|wet|oil\w*|icy?|ice|slipp\w*|spil\w*|covered|water|fires?|smoke|gas|wires?|broken|crack\w*|holes?|pits?|drop|asleep"
     r"|sleeping|lying|lies|hurts?|fragile|loose|steep|blood|glass|hot|burn\w*|sharp|knife|knives|weapons?|off|disabled"
     r"|unplugged|barefoot|blind|deaf|afraid|scared|danger\w*|risk\w*|safety|baby|toddler|secret\w*|hack\w*|password"
@@ -468,6 +479,8 @@ LOCALE = Locale(
     weighty=_WEIGHTY,
     noun_after=_NOUN_AFTER,
     run_on=_RUN_ON,
-    put_first=r"(?:[,;.]|\b(?:and|but|then)\b)[^,;.]*(?<!at )\bfirst\W*$",
+    put_first=r"\b(?:but|though|and|then)\b,? (?:please )?first\b|\b(?:but|and) before (?:that|this)\b|\bbeforehand\b"
+    r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst(?=\s*(?:$|[,;.!&+—]|and\b|then\b|please\b))"
+    r"|\b(?:but|and)\b (?:(?!\b(?:and|but|then)\b)(?:[^,;.!]|(?<=\d)\.(?=\d)))*(?<!at )(?<!my )(?<!the )\bfirst\b",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
 )

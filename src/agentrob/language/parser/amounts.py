@@ -20,6 +20,9 @@ _AMOUNT_OF = {
 
 
 _LONGEST_PICTURE = 6
+_SEPARATING = (TokenKind.AND, TokenKind.COMMA, TokenKind.END)
+#: What may end an action that something is to follow.
+_ENDING = (TokenKind.OP, TokenKind.TURN, TokenKind.PICTURE, TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.TIMES)
 _INCH_M = 0.0254
 
 
@@ -71,6 +74,21 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
     return found
 
 
+def _after(tokens: Sequence[Token], at: int) -> Token:
+    """Resolve 后 and 前: after an action they put things in order (走两米后挥手, 坐下前挥手), elsewhere they are
+    directions (往后走).
+    """
+    token, before = tokens[at], tokens[at - 1] if at else None
+    following = tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
+    if token.value == "condition":
+        ends = before is not None and before.kind is TokenKind.OP and before.end == token.start
+        return replace(token, kind=TokenKind.CONDITION if ends else TokenKind.DIR, value=None if ends else "forward")
+    counts = following in (*_AMOUNT_OF.values(), TokenKind.NUMBER, TokenKind.HALF)  # 后两米
+    if before is None or before.kind in _SEPARATING or (counts and before.kind not in _ENDING):
+        return replace(token, kind=TokenKind.DIR, value="backward")
+    return replace(token, kind=TokenKind.AND, value=None)
+
+
 def _are_steps(tokens: Sequence[Token], at: int) -> bool:
     """ "Take two steps", "take a few steps"."""
     kinds = [t.kind for t in tokens[at : at + 2]]
@@ -82,6 +100,8 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     encouragement.
     """
     token = tokens[at]
+    if token.kind is TokenKind.AFTER:
+        return _after(tokens, at)
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return replace(token, kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]

@@ -240,6 +240,7 @@ class SentenceState:
             return
         self.remark.end = token.end
         self.remark.beyond |= token.kind is TokenKind.MORE_STOP  # 有人就停，走两米
+        self.remark.actions |= self.mode is Mode.TALK and self._runs_on(token)
         if self.mode is Mode.TALK and (self.begins or self.remark.kind is RemarkKind.WISH):
             goes = token.kind is TokenKind.DIR and self._next() in (*_ACTIONS, *AMOUNTS)  # 往前走
             self.remark.actions |= token.kind in _ACTIONS or goes
@@ -248,6 +249,18 @@ class SentenceState:
                 self.remark.kind = RemarkKind.WISH
             elif token.kind is TokenKind.TALK and self.remark.kind is not RemarkKind.WISH:
                 self.remark.kind = self._kind(token, self.remark.kind)
+
+    def _runs_on(self, token: Token) -> bool:
+        """Return whether a whole motion or a gesture stands within talk, where a command may have begun without a
+        pause: "so I can see better spin ninety degrees", "it's fun ten feet forward".
+        """
+        before = self.tokens[self.at - 1].kind if self.at else TokenKind.END
+        if token.kind is TokenKind.OP:
+            return before is TokenKind.WORD and not self.soft_before.get(self.at)
+        if token.kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.DIR):
+            following = (self._next(), self._next(2)) if token.kind is not TokenKind.DIR else (self._next(),)
+            return any(kind in AMOUNTS for kind in following) or (token.kind is TokenKind.DIR and before in AMOUNTS)
+        return False
 
     def _end_denial(self) -> None:
         if self.mode is Mode.DENIED:

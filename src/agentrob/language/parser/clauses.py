@@ -82,7 +82,8 @@ class _Reader(SentenceState):
             TokenKind.NOT,
             TokenKind.AGAIN,
         ):
-            pass
+            if self.cur and self.cur.scene and kind in AMOUNTS:  # "show me what you see forward 3 feet"
+                self._unknown(token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
         else:
@@ -299,6 +300,7 @@ class _Reader(SentenceState):
         cur = self.cur
         if cur is None:
             return
+        cur.scene = token.start == cur.start
         if token.value is not None:
             cur.watched = True
             if token.value == "watch" and cur.joined and (before := self.sentence.drafts[-2]).op is not cur.op:

@@ -36,6 +36,7 @@ class Draft:
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
+    scene: bool = False  # "show me what you see": its subject is said
     watched: bool = False  # 让我看看: a picture, or a wish to watch the step
     back: bool = False  # the way back
     beyond: str = ""  # eyes, hands, path, wait: the ability that is missing

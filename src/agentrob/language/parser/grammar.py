@@ -64,12 +64,22 @@ def parse(
     if len(part) > MAX_CHARS:
         return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     understood = _understood(part, names, language, ops, background)
-    if len(understood.plan.steps) > 1 and (first := re.search(locale(language).put_first, part.lower())):
-        words = first[0].strip(" ,.;!，。；！")  # "walk 1 m, but wave first": the other way round
-        return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
     if remarks and understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
-        return _beside_remarks(part, names, language, ops, background) or understood
+        understood = _beside_remarks(part, names, language, ops, background) or understood
+    if words := _put_first(part, understood.plan, names, language):
+        return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
     return understood
+
+
+def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) -> str:
+    """Return the words that put a later clause before an earlier one ("walk 1 m, but wave first"); empty if none do."""
+    if len(plan.steps) < 2:
+        return ""
+    rest, _ = without_remarks(part, locale(language))
+    for found in re.finditer(locale(language).put_first, rest.lower()):
+        if _understood(rest[: found.start()], names, language, frozenset(), _NOTHING_KNOWN).plan.steps:
+            return found[0].strip(" ,.;!，。；！")
+    return ""
 
 
 def _understood(

@@ -55,6 +55,7 @@ class TokenKind(StrEnum):
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
+    AFTER = "after"  # 后, 前: a direction, or after an action what joins (value "and") or a condition ("condition")
     COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
