@@ -1,7 +1,7 @@
 """Posts of one to three deeds with the plan that each means, built from tables that share nothing with the parser.
 
-A language is a `Tables`: deeds, what people say around them (politeness, reminders, hedges), what joins two deeds and in
-which order, purposes and remarks, and counts. `posts` draws from them with a fixed seed.
+A language is a `Tables`: deeds, what people say around them (politeness, reminders, hedges), what joins two deeds
+and in which order, purposes and remarks, and counts. `posts` draws from them with a fixed seed.
 """
 
 from __future__ import annotations
@@ -99,7 +99,8 @@ EN = Tables(
     ),
     metres=_amounts(
         "1 m=1|one metre=1|2 metres=2|two meters=2|1.5 m=1.5|half a metre=0.5|one and a half metres=1.5|3 feet=0.9144"
-        "|ten feet=3.048|a foot=0.3048|20 cm=0.2|fifty centimetres=0.5|0.4 m=0.4|six inches=0.1524|a metre and a half=1.5"
+        "|ten feet=3.048|a foot=0.3048|20 cm=0.2|fifty centimetres=0.5|0.4 m=0.4|six inches=0.1524"
+        "|a metre and a half=1.5"
     ),
     degrees=_amounts(
         "90 degrees=90|ninety degrees=90|forty five degrees=45|45°=45|30 deg=30|a hundred and eighty degrees=180"
@@ -148,7 +149,8 @@ EN = Tables(
         |{a}, afterwards {b}|first {a}, then {b}|first {a} and then {b}|{a}, followed by this: {b}|{a} before you {b}
         |{a}, and before you {b} do nothing else|after you {a}, {b}|once you {a}, {b}|when you have done that: {b} {a}
         |{a}. When you're done, {b}|{a}, and when that is done {b}|{a}. After this, {b}|{a}... {b}|1. {a} 2. {b}
-        |{a} {b}|{a} first, then {b}|{a}, and then afterwards {b}|{a} + {b}|{a}, as well as {b}|not only {a}, but also {b}"""
+        |{a} {b}|{a} first, then {b}|{a}, and then afterwards {b}|{a} + {b}|{a}, as well as {b}
+        |not only {a}, but also {b}"""
     ),
     reversed_joins=_list(
         """{b} after you {a}|before you {b}, {a}|{b}, but first {a}|{b}, but {a} first|{b}, but before that {a}
@@ -156,28 +158,54 @@ EN = Tables(
         |{b}, having first done this: {a}"""
     ),
     activity_joins=_list(
-        "after {a}, {b}|after {a} {b}|{b} after {a}|{b} once done {a}|when you're done {a}, {b}|when you are done {a} {b}"
+        "after {a}, {b}|after {a} {b}|{b} after {a}|{b} once done {a}|when you're done {a}, {b}"
+        "|when you are done {a} {b}"
     ),
     activity_reversed=_list("{b} before {a}|before {a}, {b}|before {a} {b}|{b} and only then go {a}"),
     purposes=[
-        " so i can see better", " so that we can film it", " because i am bored", " so that nobody trips",
-        " to get a better view", " in order to see the door", " so the kids can see you", " for the video",
-    ],  # fmt: skip
+        " so i can see better",
+        " so that we can film it",
+        " because i am bored",
+        " so that nobody trips",
+        " to get a better view",
+        " in order to see the door",
+        " so the kids can see you",
+        " for the video",
+    ],
     remarks=[
-        ", i will watch", ", it's fun", ", the cat is in another room", ", nobody is here", ", good robot",
-        ", the floor is clean", ", what a nice day", ", my friends are watching", ", well done",
-    ],  # fmt: skip
+        ", i will watch",
+        ", it's fun",
+        ", the cat is in another room",
+        ", nobody is here",
+        ", good robot",
+        ", the floor is clean",
+        ", what a nice day",
+        ", my friends are watching",
+        ", well done",
+    ],
     denials=[", but don't {}", ", don't {}", " and do not {}", " without {}", ". Never {}", " instead of {}"],
     counts={
-        " twice": 2, " three times": 3, " two times": 2, " 2 times": 2, " 3 times": 3, " four times": 4,
-        ", twice": 2, " 2x": 2, " once": 1, " thrice": 3,
-    },  # fmt: skip
+        " twice": 2,
+        " three times": 3,
+        " two times": 2,
+        " 2 times": 2,
+        " 3 times": 3,
+        " four times": 4,
+        ", twice": 2,
+        " 2x": 2,
+        " once": 1,
+        " thrice": 3,
+    },
     counted=frozenset(["hello", "sit", "stand", "clap", "shake", "heart", "stretch", "backflip", "photo"]),
     ahead={"twice: ": 2, "three times: ": 3, "do this twice: ": 2, "do the following 3 times: ": 3, "2 times: ": 2},
     afterwards={
-        ", and do all of that twice": 2, ". Do everything two times": 2, ". Repeat all of that": 2,
-        ". Do all this three times.": 3, ", then do it all again": 2, ", and repeat everything once": 2,
-    },  # fmt: skip
+        ", and do all of that twice": 2,
+        ". Do everything two times": 2,
+        ". Repeat all of that": 2,
+        ". Do all this three times.": 3,
+        ", then do it all again": 2,
+        ", and repeat everything once": 2,
+    },
 )
 
 ZH = Tables(
@@ -247,7 +275,16 @@ ZH = Tables(
     activity_joins=(),
     activity_reversed=(),
     purposes=["，为了看清楚", "，好让大家看见", "，这样能看得清楚", "，免得绊倒人", "，因为我很无聊", "让我看清楚点"],
-    remarks=["，我看着", "，我很无聊", "，这样很好", "，前面没有人", "，地板很干净", "，大家都在看", "，真乖", "，天气真好"],
+    remarks=[
+        "，我看着",
+        "，我很无聊",
+        "，这样很好",
+        "，前面没有人",
+        "，地板很干净",
+        "，大家都在看",
+        "，真乖",
+        "，天气真好",
+    ],
     denials=["，不要{}", "，别{}", "，但是不用{}", "而不是{}", "，千万别{}"],
     counts={"两次": 2, "三次": 3, "两遍": 2, "2次": 2, "3遍": 3, "，两次": 2, "一次": 1, "两下": 2},
     counted=frozenset(["hello", "sit", "stand", "clap", "shake", "heart", "backflip"]),

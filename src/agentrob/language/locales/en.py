@@ -197,7 +197,8 @@ TABLE = {
         |as quickly as possible""",
     "faster=er": "faster|more quickly|a bit faster|a little faster|much faster|speed up|hurry up|hurry",
     # ---------------------------------------------------------------- what joins and separates
-    "and": """and|then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
+    "and=both": "and",
+    "and": """then|and then|next|after that|afterwards|followed by|and after that|then next|and also|also
         |and finally|after which|and from there|once done|when done|when you are done|when that is done
         |and when done|and next|then after that|after this""",
     "comma": "but|instead|finally|but then|and just",

@@ -318,6 +318,11 @@ class _Reader(SentenceState):
     def _count(self, last: Draft, token: Token) -> None:
         if self._open() is not last and len(self.sentence.drafts) > 1:
             self.sentence.times_unclear = token
+        former = self.sentence.drafts[-2] if last.with_former and last is self.sentence.drafts[-1] else last
+        if former is not last and former.op and last.op and not former.counted and token.start != last.start:
+            self.sentence.times_unclear = (
+                token  # "sit and stand twice": the one, or both; "… and take two photos" is clear
+            )
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
@@ -361,6 +366,9 @@ class _Reader(SentenceState):
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
         joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
         draft.after_and = self.joined_by_and and not draft.joined
+        both = joined_by_and and self.tokens[self.at - 1].value == "both"
+        paused = self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.COMMA
+        draft.with_former = both and bool(self.sentence.drafts) and not draft.joined and not paused
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:

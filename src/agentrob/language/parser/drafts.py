@@ -43,6 +43,7 @@ class Draft:
     place: bool = False  # the destination is in unknown words
     spun: bool = False  # "spin around": once is half a turn, three times are three turns
     after_and: bool = False  # "and" or "then" stands before it
+    with_former: bool = False  # only "and" stands between it and the draft before
     hesitant: bool = False  # after an "uh"
     fixes: Token | None = None  # replaces the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)

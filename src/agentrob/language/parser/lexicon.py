@@ -54,7 +54,7 @@ class TokenKind(StrEnum):
     SOFT = "soft"  # politeness, hesitation, articles: no meaning of its own; values: see `Soft`
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
-    AND = "and"  # joins clauses: and, then
+    AND = "and"  # joins clauses: and, then; value "both": a count after it may be meant for both
     AFTER = "after"  # 后, 前: a direction, or after an action what joins (value "and") or a condition ("condition")
     COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
     END = "end"  # ends a sentence
@@ -210,7 +210,7 @@ PUNCTUATION = {
     "comma=colon": ":|：",
     "end": ".|!|…|。|！|．",
     "asked end": "?|？",
-    "and": "&|+",
+    "and=both": "&|+",
 }
 _SPELT = (
     TokenKind.MOVE,

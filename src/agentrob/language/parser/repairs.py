@@ -15,7 +15,9 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
     """Join afterthoughts with what they complete, and drop false starts."""
     joined: list[Draft] = []
     for draft in drafts:
-        late = draft.verb is None and not (draft.unknown or draft.stop_word)  # "… and wait five seconds" completes nothing
+        late = draft.verb is None and not (
+            draft.unknown or draft.stop_word
+        )  # "… and wait five seconds" completes nothing
         if draft.fixes is None and late and _completes(joined, draft):
             continue
         while joined and (draft.joined or draft.hesitant) and _is_false_start(joined[-1], draft):
