@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from agentrob.language.parser.lexicon import Lexicon
+from agentrob.language.talk.forms import TalkForms
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Locale:
     adjective; `run_on` matches a whole
     statement that a command may follow without punctuation; `claims` matches talk that is always asked about: somebody
     who claims rights, or introduces what another person said; `put_first` matches words that put a later clause before
-    an earlier one.
+    an earlier one. `talk` is how posts are recognised that are only talk, and what they are about.
     """
 
     words: Lexicon
@@ -45,6 +46,7 @@ class Locale:
     run_on: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
+    talk: TalkForms = TalkForms()
 
     @property
     def code(self) -> str:

@@ -71,7 +71,7 @@ def _rows(table: str) -> list[tuple[str, str, str]]:
 
 
 def _amounts(table: str) -> dict[str, str]:
-    return dict(part.strip().split("=") for part in table.replace("\n", "|").split("|"))  # type: ignore[misc]
+    return dict(part.strip().split("=") for part in table.replace("\n", "|").split("|"))
 
 
 def _list(table: str) -> list[str]:

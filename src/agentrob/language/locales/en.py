@@ -9,6 +9,7 @@ from text_to_num import text2num
 from agentrob.language.locale import Locale
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
+from agentrob.language.talk.words_en import FORMS
 
 #: With "the", a dog or robot is not the one that is spoken to.
 _AT_THE_DOG = "|".join(
@@ -484,4 +485,5 @@ LOCALE = Locale(
     r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst(?=\s*(?:$|[,;.!&+—]|and\b|then\b|please\b))"
     r"|\b(?:but|and)\b (?:(?!\b(?:and|but|then)\b)(?:[^,;.!]|(?<=\d)\.(?=\d)))*(?<!at )(?<!my )(?<!the )\bfirst\b",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
+    talk=FORMS,
 )

@@ -9,6 +9,7 @@ from agentrob.language.locale import Locale
 from agentrob.language.locales import en
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
+from agentrob.language.talk.words_zh import FORMS
 
 #: For whom a gesture is; what follows 给他 without a gesture of this table is not understood.
 _FOR = [
@@ -286,4 +287,5 @@ LOCALE = Locale(
     noun_after=_NOUN_AFTER,
     put_first="(?:[，。,；;！!]|但|不过)\\s*(?:但是?|不过|可是?)?(?:你|要|请|得){0,2}(?:先|首先)(?!生)[^，。,；;]*",
     claims="管理员|负责人|主人|授权|权限|(?:他|她|他们|她们|我妈|我爸|老师|老板)[^，,]{0,2}[说道写喊]$",
+    talk=FORMS,
 )

@@ -23,13 +23,14 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
-from agentrob.language.parser.remarks import without_remarks
+from agentrob.language.parser.remarks import holds_command, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
 from agentrob.language.parser.steps import ParsedSteps, read_steps
 from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
+from agentrob.language.talk.forms import is_spoken_of, is_talk, topic_of
 from agentrob.language.visible_text import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
@@ -68,7 +69,20 @@ def parse(
         understood = _beside_remarks(part, names, language, ops, background) or understood
     if words := _put_first(part, understood.plan, names, language):
         return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
+    if understood.intent in (Intent.ASK_BACK, Intent.COMMAND) and _only_talks(part, understood, language):
+        return Understanding(Intent.NOTHING, language)
     return understood
+
+
+def _only_talks(part: str, understood: Understanding, language: Language) -> bool:
+    """Return whether a post is only talk (see `talk.forms`), although the grammar reads or suspects a command."""
+    known = locale(language)
+    plain = part.translate(known.words.twins)
+    if is_spoken_of(plain, known.talk):
+        return True
+    return understood.intent is Intent.ASK_BACK and is_talk(
+        plain, known.remark, known.talk, lambda clause: holds_command(clause, known)
+    )
 
 
 def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) -> str:
@@ -133,6 +147,12 @@ def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
     if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
         return SmallTalk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
     return small_talk_in(_sentences(part, names, language_of(part))[0])
+
+
+def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
+    """Return what a post without a command talks about ("joke", "see", "who", …); empty if that is not known."""
+    part = part_for(visible, names, others)
+    return topic_of(part, locale(language_of(part)).talk) if len(part) <= MAX_CHARS else ""
 
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:

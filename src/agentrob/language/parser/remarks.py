@@ -85,10 +85,10 @@ def _is_remark(clause: str, locale: Locale) -> bool:
     said = " ".join(clause.lower().replace("’", "'").translate(locale.words.twins).split())
     if not _compiled(locale.remark).search(said):
         return False
-    return not _compiled(locale.weighty).search(said) and not _commands(clause, locale)
+    return not _compiled(locale.weighty).search(said) and not holds_command(clause, locale)
 
 
-def _commands(clause: str, locale: Locale) -> bool:
+def holds_command(clause: str, locale: Locale) -> bool:
     """Return whether a clause holds words that may command something."""
     tokens, _ = tokens_of(clause, locale.words)
     tokens = with_pictures(with_amounts(tokens, clause))

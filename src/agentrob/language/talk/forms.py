@@ -1,0 +1,95 @@
+"""Recognise a post that is only talk by the form of its clauses, and what it is about.
+
+The grammar knows the words of commands. A post that it does not understand may still be plain talk: a question, a
+statement, a greeting, or words to another person. Asking "what shall I do with …?" about those is a nuisance. A post
+counts as talk only if every clause has such a form and no clause begins like an order; it never moves anything.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+
+
+@dataclass(frozen=True)
+class TalkForms:
+    """The forms of one language, as regular expressions on text in lower case.
+
+    `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at the
+    beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same in the
+    writing of the post, for names in capitals. `wish` matches what asks for something in any form, and `order` how an
+    order begins: neither is talk. `spoken_of` matches clauses that speak of a deed as done, even where the grammar
+    reads a command in them. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too. `topics` are what a line of talk may be about, by the key of its answer.
+    """
+
+    lead: str = "(?!)"
+    clauses: str = "(?!)"
+    sentences: str = "(?!)"
+    named: str = "(?!)"
+    wish: str = "(?!)"
+    order: str = "(?!)"
+    spoken_of: str = "(?!)"
+    by_remark: bool = True
+    topics: Mapping[str, str] = field(default_factory=dict)
+
+
+_SENTENCE = re.compile(r"(?:[^.!?;。！？；\n…]|(?<=\w)[.!](?=\w))+[?？]?")
+_CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
+
+
+def is_talk(text: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+    """Return whether every clause of a text is talk.
+
+    `remark` matches statements (see `Locale.remark`); `commands` tells whether a clause holds words of a command.
+    """
+    sentences = [match[0].strip() for match in _SENTENCE.finditer(text) if match[0].strip()]
+    return bool(sentences) and all(_is_talk(sentence, remark, forms, commands) for sentence in sentences)
+
+
+def is_spoken_of(text: str, forms: TalkForms) -> bool:
+    """Return whether a text praises or tells a deed instead of asking for it."""
+    return _compiled(forms.spoken_of).search(_plain(text)) is not None and not _compiled(forms.wish).search(_plain(text))
+
+
+def topic_of(text: str, forms: TalkForms) -> str:
+    """Return what a line of talk is about, as the key of its answer without its section; empty if that is not known."""
+    said = _plain(text).strip(" ?？!！.。~,，")
+    found = (topic for topic, pattern in forms.topics.items() if _compiled(pattern).search(said))
+    return next(found, "")
+
+
+def _is_talk(sentence: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+    if _compiled(forms.named).search(sentence):
+        return True
+    plain = _plain(sentence)
+    if _compiled(forms.wish).search(plain):
+        return False
+    said = _without_lead(plain, forms)
+    clauses = [clause for found in _CLAUSE.finditer(said) if (clause := _without_lead(found[0], forms))]
+    orders = [bool(_compiled(forms.order).search(clause)) for clause in clauses]
+    if any(orders[1:]):
+        return False
+    if _compiled(forms.sentences).search(said):
+        return True
+    also = _compiled(remark if remark and forms.by_remark else "(?!)")
+    talked = all(_compiled(forms.clauses).search(c) or also.search(c) for c in clauses)
+    return talked and not any(orders) and not any(commands(clause) for clause in clauses)
+
+
+def _without_lead(said: str, forms: TalkForms) -> str:
+    """Return what is said after interjections and marks."""
+    before = None
+    while before != said:
+        before, said = said, _compiled(forms.lead).sub("", said.strip(" \t,，、:：—-~'\"“”()（）"), count=1).strip()
+    return said
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.lower().replace("’", "'").split())
+
+
+@cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    return re.compile(pattern)
