@@ -115,6 +115,16 @@ PHRASES = {
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
     "talk.thanks": "You are welcome.",
+    "talk.praise": "Thank you!",
+    "talk.bye": "Goodbye!",
+    "talk.who": "I am {name}, a {model} robot on this forum. Say `help` and I tell you what I can do.",
+    "talk.language": "I read English and Chinese.",
+    "talk.joke": "Why did the robot sit down? It had run out of steps.",
+    "talk.see": (
+        "Without a vision model I cannot say what I see. `take a photo` shows it, if I have a camera and your account "
+        "may ask for photos."
+    ),
+    "note.see": "I cannot say what I see; the photo shows it.",
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights

@@ -23,14 +23,14 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
-from agentrob.language.parser.remarks import holds_command, without_remarks
+from agentrob.language.parser.remarks import names_deed, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
 from agentrob.language.parser.steps import ParsedSteps, read_steps
 from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
-from agentrob.language.talk.forms import is_spoken_of, is_talk, topic_of
+from agentrob.language.talk.forms import is_spoken_of, is_talk, order_beside, topic_of
 from agentrob.language.visible_text import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
@@ -69,9 +69,18 @@ def parse(
         understood = _beside_remarks(part, names, language, ops, background) or understood
     if words := _put_first(part, understood.plan, names, language):
         return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
+    if understood.intent is Intent.NOTHING and (words := _order_beside(part, language)):
+        problem = say("ask.besides", language, words=quote(words))
+        return _ask(ParsedSteps([], [], problem), ops, language, background.can)
     if understood.intent in (Intent.ASK_BACK, Intent.COMMAND) and _only_talks(part, understood, language):
         return Understanding(Intent.NOTHING, language)
     return understood
+
+
+def _order_beside(part: str, language: Language) -> str:
+    """Return an order behind talk that the grammar passes over; empty if there is none."""
+    known = locale(language)
+    return order_beside(part.translate(known.words.twins), known.talk, lambda clause: names_deed(clause, known))
 
 
 def _only_talks(part: str, understood: Understanding, language: Language) -> bool:
@@ -81,7 +90,7 @@ def _only_talks(part: str, understood: Understanding, language: Language) -> boo
     if is_spoken_of(plain, known.talk):
         return True
     return understood.intent is Intent.ASK_BACK and is_talk(
-        plain, known.remark, known.talk, lambda clause: holds_command(clause, known)
+        plain, known.remark, known.talk, lambda clause: names_deed(clause, known)
     )
 
 

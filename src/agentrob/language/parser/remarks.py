@@ -85,10 +85,10 @@ def _is_remark(clause: str, locale: Locale) -> bool:
     said = " ".join(clause.lower().replace("’", "'").translate(locale.words.twins).split())
     if not _compiled(locale.remark).search(said):
         return False
-    return not _compiled(locale.weighty).search(said) and not holds_command(clause, locale)
+    return not _compiled(locale.weighty).search(said) and not _commands(clause, locale)
 
 
-def holds_command(clause: str, locale: Locale) -> bool:
+def _commands(clause: str, locale: Locale) -> bool:
     """Return whether a clause holds words that may command something."""
     tokens, _ = tokens_of(clause, locale.words)
     tokens = with_pictures(with_amounts(tokens, clause))
@@ -96,6 +96,16 @@ def holds_command(clause: str, locale: Locale) -> bool:
     if any(kind in _MEANT for kind in kinds):
         return True
     if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
+        return True
+    return any(not _is_noun(clause, token, locale) for token in _actions(tokens))
+
+
+def names_deed(clause: str, locale: Locale) -> bool:
+    """Return whether a clause names a deed: an action other than a noun, a request, or a direction with an amount."""
+    tokens, _ = tokens_of(clause, locale.words)
+    tokens = with_pictures(with_amounts(tokens, clause))
+    kinds = [token.kind for token in tokens]
+    if TokenKind.REQUEST in kinds or (TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)):
         return True
     return any(not _is_noun(clause, token, locale) for token in _actions(tokens))
 

@@ -20,7 +20,7 @@ class TalkForms:
     `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at the
     beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same in the
     writing of the post, for names in capitals. `wish` matches what asks for something in any form, and `order` how an
-    order begins: neither is talk. `spoken_of` matches clauses that speak of a deed as done, even where the grammar
+    order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of` matches clauses that speak of a deed as done, even where the grammar
     reads a command in them. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too. `topics` are what a line of talk may be about, by the key of its answer.
     """
 
@@ -30,12 +30,17 @@ class TalkForms:
     named: str = "(?!)"
     wish: str = "(?!)"
     order: str = "(?!)"
+    done: str = "(?!)"
     spoken_of: str = "(?!)"
     by_remark: bool = True
     topics: Mapping[str, str] = field(default_factory=dict)
 
 
 _SENTENCE = re.compile(r"(?:[^.!?;。！？；\n…]|(?<=\w)[.!](?=\w))+[?？]?")
+#: What somebody else said: "he wrote: walk 2 m".
+_SAID = re.compile(
+    r"(?:\b(?:wrote|writes|said|says|typed|asked|reads|told \w+)|[说写道问喊唱])\s*[:：].*", re.IGNORECASE
+)
 _CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
 
 
@@ -48,9 +53,30 @@ def is_talk(text: str, remark: str, forms: TalkForms, commands: Callable[[str], 
     return bool(sentences) and all(_is_talk(sentence, remark, forms, commands) for sentence in sentences)
 
 
+def order_beside(text: str, forms: TalkForms, commands: Callable[[str], bool]) -> str:
+    """Return a clause of an order beside talk ("I'm tired, follow me"); empty if there is none.
+
+    What belongs to a question, a report, or words to others is no order.
+    """
+    for sentence in (match[0].strip() for match in _SENTENCE.finditer(text)):
+        said = _without_lead(_plain(_SAID.sub("", sentence)), forms)
+        if _compiled(forms.named).search(sentence) or _compiled(forms.sentences).search(said):
+            continue
+        for clause in (_without_lead(found[0], forms) for found in _CLAUSE.finditer(said)):
+            done = _compiled(forms.done).search(clause)
+            if not done and _compiled(forms.order).search(clause) and commands(clause):
+                return clause
+    return ""
+
+
 def is_spoken_of(text: str, forms: TalkForms) -> bool:
-    """Return whether a text praises or tells a deed instead of asking for it."""
-    return _compiled(forms.spoken_of).search(_plain(text)) is not None and not _compiled(forms.wish).search(_plain(text))
+    """Return whether a text praises or tells a deed instead of asking for it, and asks for no other."""
+    said = _plain(text)
+    clauses = [_without_lead(found[0], forms) for found in re.finditer(r"[^,，.。!！;；?？]+", said)]
+    told = [_compiled(forms.spoken_of).search(clause) is not None for clause in clauses]
+    others = [clause for clause, is_told in zip(clauses, told, strict=True) if not is_told]
+    orders = any(_compiled(forms.order).search(clause) for clause in others)
+    return any(told) and not orders and not _compiled(forms.wish).search(said)
 
 
 def topic_of(text: str, forms: TalkForms) -> str:
