@@ -157,11 +157,8 @@ EN = Tables(
         |{b} once you {a}|{b}. Before that, {a}|{b} as soon as you {a}|{b}, and {a} beforehand|{b} last, {a} first
         |{b}, having first done this: {a}"""
     ),
-    activity_joins=_list(
-        "after {a}, {b}|after {a} {b}|{b} after {a}|{b} once done {a}|when you're done {a}, {b}"
-        "|when you are done {a} {b}"
-    ),
-    activity_reversed=_list("{b} before {a}|before {a}, {b}|before {a} {b}|{b} and only then go {a}"),
+    activity_joins=_list("after {a}, {b}|{b} after {a}|{b} once done {a}|when you're done {a}, {b}"),
+    activity_reversed=_list("{b} before {a}|before {a}, {b}|{b} and only then go {a}"),
     purposes=[
         " so i can see better",
         " so that we can film it",

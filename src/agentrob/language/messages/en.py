@@ -40,13 +40,14 @@ PHRASES = {
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
+    "ask.first": "{words} puts a later step first; please say the steps in the order in which I shall do them.",
     "ask.place": (
-        "I cannot {words}: that needs a vision model, which I do not have. I do not recognise places or things; "
-        "I walk by distance and turn by angle."
+        "I cannot {words}: that needs a vision model, which I do not have; my owner can configure one. I do not "
+        "recognise places or things; I walk by distance and turn by angle."
     ),
     "ask.eyes": (
-        "{words}: that needs a vision model, which I do not have. I do not recognise places or things; I walk by "
-        "distance and turn by angle."
+        "{words}: that needs a vision model, which I do not have; my owner can configure one. I do not recognise "
+        "places or things; I walk by distance and turn by angle."
     ),
     "ask.hands": "{words}: I cannot do that. I can: {can}.",
     "ask.path": "{words}: I cannot follow curves, figures or compass directions; I walk straight and turn by angle.",

@@ -68,7 +68,10 @@ def parse(
     if remarks and understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
         understood = _beside_remarks(part, names, language, ops, background) or understood
     if words := _put_first(part, understood.plan, names, language):
-        return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
+        steps = list(understood.plan.steps)
+        swapped = [steps[::-1]] if len(steps) == 2 else []  # noqa: PLR2004
+        problem = say("ask.first", language, words=quote(words))
+        return _ask(ParsedSteps([], [], problem, offers=swapped), ops, language, background.can)
     if understood.intent is Intent.NOTHING and (words := _order_beside(part, language)):
         problem = say("ask.besides", language, words=quote(words))
         return _ask(ParsedSteps([], [], problem), ops, language, background.can)
@@ -195,22 +198,33 @@ def _ask(
     reading: ParsedSteps, ops: frozenset[Op], language: Language, can: Capabilities | None = None
 ) -> Understanding:
     understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
-    limits = can or Capabilities("", ops)
-    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in _examples(limits, reading.hints))
+    known = can or Capabilities("", ops)
+    offers = _offered(known, reading.offers) or [_general_example(known)]
+    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in offers)
     question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
     return Understanding(Intent.ASK_BACK, language, question=question)
 
 
-def _examples(can: Capabilities, hints: Sequence[Sequence[Primitive]]) -> list[list[Primitive]]:
-    """Return two commands that work with this robot, first those similar to what was not understood."""
-    steps = help_examples(can)
-    firsts = {step.op: step for step in reversed(steps)}
-    chain = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
-    pictured = [firsts[op] for op in (Op.TURN, Op.GET_FRONT_IMAGE) if op in firsts]
-    found = [[within(step, can) for step in steps] for steps in hints if all(_goes(step, can) for step in steps)]
-    found += [c for c in (chain, pictured) if len(c) > 1]
-    found += [chain] + [[step] for step in steps if step.op not in (Op.MOVE, Op.TURN)]
-    return [c for at, c in enumerate(found) if c and c not in found[:at]][:2]
+def _general_example(can: Capabilities) -> list[Primitive]:
+    """Return a command that works with this robot, for a post from which none can be made."""
+    firsts = {step.op: step for step in reversed(help_examples(can))}
+    motions = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
+    return motions or list(firsts.values())[:1]
+
+
+#: The most sentences that a question offers.
+_MOST_OFFERS = 2
+
+
+def _offered(can: Capabilities, plans: Sequence[Sequence[Primitive]]) -> list[list[Primitive]]:
+    """Return at most two of these plans, each shortened to what this robot can do in one step and in one command."""
+    found: list[list[Primitive]] = []
+    for plan in plans:
+        steps = [within(step, can) for step in plan]
+        far = sum(step.distance_m or 0.0 for step in steps) > can.limits.command_m
+        if all(_goes(step, can) for step in steps) and 0 < len(steps) <= can.limits.command_steps and not far:
+            found += [steps] if steps not in found else []
+    return found[:_MOST_OFFERS]
 
 
 def _goes(step: Primitive, can: Capabilities) -> bool:

@@ -34,9 +34,20 @@ class ParsedSteps:
     problem: str = ""
     picture_after: TokenKind | None = None
     hints: list[list[Primitive]] = field(default_factory=list)  # candidates for the first step that was not understood
+    hinted_at: int = 0  # how many steps stand before that one
+    doubts: int = 0  # how many things were not understood
+    offers: list[list[Primitive]] = field(
+        default_factory=list
+    )  # whole plans that may have been meant, likely ones first
 
     def object_to(self, problem: str) -> None:
+        self.doubts += bool(problem)
         self.problem = self.problem or problem
+
+    def hint(self, steps: list[list[Primitive]]) -> None:
+        """Note what the step that was not understood may have been."""
+        if steps and not self.hints:
+            self.hints, self.hinted_at = steps, len(self.steps)
 
     def note(self, note: str) -> None:
         if note not in self.notes:
@@ -109,6 +120,7 @@ class _StepBuilder:
         self.reading = ParsedSteps([], [])
         self.waits = False
         self.besides = ""
+        self.alone = True  # one draft is the whole post
         self.ahead: Draft | None = None  # what is repeated is said after it
 
     def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
@@ -130,6 +142,7 @@ class _StepBuilder:
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
         drafts, unclear = corrected(drafts)
+        self.alone = len(drafts) == 1
         if unclear is not None:
             reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
         for at, draft in enumerate(drafts, 1):
@@ -144,12 +157,40 @@ class _StepBuilder:
         sent = next((s.sent for s in sentences if s.sent is not None), None)
         if sent is not None and reading.steps and _PICTURE not in reading.steps:  # "walk 1 m and post it"
             reading.object_to(self._say("ask.words", self.text[sent.start : sent.end]))
-        if self.waits and reading.steps:  # all but the waiting would work
-            reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
+        if reading.problem and not (unclear or any(s.fix_unclear or s.cancelled for s in sentences)):
+            reading.offers = self._offers(sentences)
         return reading
+
+    def _offers(self, sentences: Sequence[Sentence]) -> list[list[Primitive]]:
+        """Return whole plans made from this post that may have been meant.
+
+        A step that was not understood is replaced by what it may have been, if nothing else is in doubt; otherwise the
+        rest is offered. An order that is in doubt is offered both ways.
+        """
+        reading = self.reading
+        if reading.hints and reading.doubts == 1 and not self.waits:
+            before, after = reading.steps[: reading.hinted_at], reading.steps[reading.hinted_at :]
+            return [[*before, *hint, *after] for hint in reading.hints]
+        if not reading.steps:
+            return reading.hints if reading.doubts == 1 else []
+        counts = next((s.times_unclear for s in sentences if s.times_unclear is not None), None)
+        times = int(counts.value) if counts is not None and isinstance(counts.value, float) else 0
+        last = reading.steps[-times:] if times else []
+        if 1 < times == len(last) and last.count(last[0]) == times:  # "sit and stand twice": the one, or both
+            return [reading.steps, [*reading.steps[:-times], last[0]] * times]
+        if any(s.condition is not None for s in sentences) and len(reading.steps) > 1:
+            return [reading.steps, reading.steps[::-1]] if len(reading.steps) == 2 else []  # noqa: PLR2004
+        return [reading.steps]
+
+    def _hint(self, draft: Draft) -> None:
+        """Note what a draft may have been, if it says enough: not a number beside other things ("at 9"), nor words."""
+        goes = draft.verb in (TokenKind.MOVE, TokenKind.TURN)
+        says = draft.direction is not None if draft.unknown else goes or draft.direction is not None or self.alone
+        if says and (goes or not draft.unknown):
+            self.reading.hint(_hints(draft))
 
     def _account(self, sentence: Sentence, first: int) -> None:
         """Account for what accompanies the steps of a post, of which the first is at `first`.
@@ -222,7 +263,7 @@ class _StepBuilder:
         if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
             return self._say("ask.wait", said)
         if draft.odd_number:
-            self.reading.hints = self.reading.hints or _hints(draft)
+            self._hint(draft)
             return self._say("ask.number", said)
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
@@ -258,7 +299,7 @@ class _StepBuilder:
             step, problem = _PICTURE, ""
         if step is None:
             reading.object_to(problem)
-            reading.hints = reading.hints or _hints(draft)
+            self._hint(draft)
         elif not 1 <= draft.times <= MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
         elif draft.each is not None:

@@ -23,7 +23,7 @@ _QUESTION = (
     r"|(?:is|are|was|were|does|did|has|isn't|aren't|wasn't|doesn't|didn't|hasn't|would|should|may|might|could|can)"
     r" (?:i|we|it|he|she|they|this|that|these|those|there|the|a|an|my|our|his|her|your|any\w*|some\w*|every\w*|all"
     r"|[a-z]+'s)\b"
-    r"|(?:do|have|had|am|don't|haven't) (?:i|we|they|he|she|it|people|robots|dogs|any\w*)\b"
+    r"|(?:do|have|had|am|don't|haven't) (?:i|we|they|he|she|people|robots|dogs|any\w*)\b"
     r"|(?:are|were|do|did|have|had|was|don't|didn't|haven't|aren't) (?:you|u|ya)\b(?! able| mind)"
     rf"|(?:can|could|will|would) (?:you|u|ya) (?:{_MENTAL}|be (?:at|in|there|here|available|online)|come to the)\b"
     r"|any(?:one|body) (?!please)|has any(?:one|body)|(?:did|does|has|is|was|will) [a-z]+ (?:ever|always|still"
