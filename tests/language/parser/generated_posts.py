@@ -158,7 +158,7 @@ EN = Tables(
         |{b}, having first done this: {a}"""
     ),
     activity_joins=_list("after {a}, {b}|{b} after {a}|{b} once done {a}|when you're done {a}, {b}"),
-    activity_reversed=_list("{b} before {a}|before {a}, {b}|{b} and only then go {a}"),
+    activity_reversed=_list("{b} before {a}|before {a}, {b}"),
     purposes=[
         " so i can see better",
         " so that we can film it",
