@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from agentrob.language.parser.lexicon import Lexicon
+from agentrob.language.parser.order import OrderWords
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,9 @@ class Locale:
     `run_on` a whole statement that a command may follow without punctuation; `begins` where a statement may begin that
     follows a command without punctuation; `claims` talk that is always asked about: somebody claims rights, or
     introduces what another person said. `put_first` matches words that put a later clause before an earlier one.
+
+    `in_order` lists the words by which `parser.order` restates clauses in the order of doing. `called` matches names
+    for a robot where one is called: "Rover, sit".
     """
 
     words: Lexicon
@@ -49,6 +53,8 @@ class Locale:
     begins: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
+    in_order: OrderWords | None = None
+    called: str = ""
 
     @property
     def code(self) -> str:

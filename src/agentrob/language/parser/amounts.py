@@ -19,6 +19,7 @@ _AMOUNT_OF = {
 }
 
 
+_MEASURES = (*_AMOUNT_OF.values(), TokenKind.NUMBER)
 _LONGEST_PICTURE = 6
 _INCH_M = 0.0254
 
@@ -82,6 +83,8 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     encouragement.
     """
     token = tokens[at]
+    if token.kind is TokenKind.SHOW and token.value == "picture":
+        return replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value)
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return replace(token, kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]
@@ -92,10 +95,20 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
         and following[0].kind is TokenKind.DURATION
     ):
         return replace(token, kind=TokenKind.BEYOND)  # 等五秒再挥手
+    if token.kind is TokenKind.CONDITION and token.value == "hedge" and following and following[0].kind in _MEASURES:
+        return replace(token, kind=TokenKind.SOFT, value=None)  # "maybe two feet"
+    if token.kind is TokenKind.CONDITION and token.value == "after" and _joins_actions(tokens, at):
+        return replace(token, kind=TokenKind.AND, value=None)
     if token.kind is not TokenKind.GO_AHEAD:
         return token
     goes = bool(following) and following[0].kind is TokenKind.LENGTH
     return Token(TokenKind.DIR if goes else TokenKind.SOFT, "forward" if goes else None, token.start, token.end)
+
+
+def _joins_actions(tokens: Sequence[Token], at: int) -> bool:
+    """ "Wave and after clap": nothing but a gesture, or its end, follows."""
+    kinds = [t.kind for t in tokens[at + 1 : at + 3]]
+    return at > 0 and tokens[at - 1].kind is TokenKind.AND and kinds[:1] == [TokenKind.OP] and len(kinds) == 1
 
 
 def _append(found: list[Token], amount: Token, unit_m: float) -> None:
@@ -133,8 +146,10 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     elif unit.kind is TokenKind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
         value += 0.5
         end += 1
-    scaled = value * (float(unit.value) if isinstance(unit.value, float) else 1.0)
-    return Token(_AMOUNT_OF[unit.kind], scaled, tokens[at].start, tokens[end - 1].end), end - at
+    one = float(unit.value) if isinstance(unit.value, float) else 1.0
+    more = any(t.value in (Soft.MORE, Soft.ONE_MORE) for t in tokens[max(at - 1, 0) : end])
+    kind = _AMOUNT_OF[unit.kind]
+    return Token(kind, value * one, tokens[at].start, tokens[end - 1].end, one, more), end - at
 
 
 def _are_inches(tokens: Sequence[Token], at: int) -> bool:
@@ -156,7 +171,7 @@ def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None
     first = tokens[at]
     if first.kind is TokenKind.HALF:
         return 0.5, at + 1
-    if first.kind is TokenKind.SOFT and first.value == 1:
+    if first.kind is TokenKind.SOFT and first.value in (1, Soft.ONE_MORE):
         following = tokens[at + 1].kind if at + 1 < len(tokens) else None
         return (
             (1.0, at + 1)
@@ -196,8 +211,12 @@ def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | Non
 
     A digit with a unit of its own does not count.
     """
-    if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
+    if at >= len(tokens) or tokens[at].start != tokens[at - 1].end:
         return None
+    if text[tokens[at].start - 1].isascii():  # 1m50
+        tail = text[tokens[at].start : tokens[at].end]
+        metres = tokens[at - 1].value == 1.0 and tokens[at].kind is TokenKind.NUMBER
+        return float(tail) / 100 if metres and len(tail) == 2 and tail.isdigit() else None
     if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, TokenKind.NUMBER, TokenKind.HALF, TokenKind.WORD):
         return None
     if tokens[at].kind is TokenKind.HALF:

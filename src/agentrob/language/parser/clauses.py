@@ -314,12 +314,17 @@ class _Reader(SentenceState):
             self._unknown(token)
 
     def _count(self, last: Draft, token: Token) -> None:
-        if self._open() is not last and len(self.sentence.drafts) > 1:
+        if len(self.sentence.drafts) > 1 and (self._open() is not last or self._is_pair(last)):
             self.sentence.times_unclear = token
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
             last.amount = replace(last.amount, value=360.0)
+
+    def _is_pair(self, last: Draft) -> bool:
+        """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
+        gestures = all(d.op not in (None, Op.GET_FRONT_IMAGE) and not d.counted for d in self.sentence.drafts[-2:])
+        return gestures and last.after_and
 
     def _counts(self, last: Draft) -> bool:
         """Return whether a count applies to the last draft: "wave twice", "wave, twice"."""

@@ -23,6 +23,7 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
+from agentrob.language.parser.order import in_order
 from agentrob.language.parser.remarks import without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
@@ -67,9 +68,13 @@ def parse(
     if len(understood.plan.steps) > 1 and (first := re.search(locale(language).put_first, part.lower())):
         words = first[0].strip(" ,.;!，。；！")  # "walk 1 m, but wave first": the other way round
         return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
-    if remarks and understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
-        return _beside_remarks(part, names, language, ops, background) or understood
-    return understood
+    if not remarks or understood.intent not in (Intent.ASK_BACK, Intent.NOTHING):
+        return understood
+    return (
+        _in_order(part, names, language, ops, background)
+        or _beside_remarks(part, names, language, ops, background)
+        or understood
+    )
 
 
 def _understood(
@@ -101,6 +106,27 @@ def _beside_remarks(
     return replace(understood, plan=replace(understood.plan, notes=notes))
 
 
+def _in_order(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the command when its clauses are put into the order of doing; None if they cannot be."""
+    words = locale(language).in_order
+    if words is None:
+        return None
+
+    def steps(text: str) -> int:
+        understood = _understood(text, names, language, ops, background)
+        return len(understood.plan.steps) if understood.intent is Intent.COMMAND else 0
+
+    restated = in_order(part, words, steps)
+    if restated == part:
+        return None
+    understood = _understood(restated, names, language, ops, background)
+    if understood.intent is not Intent.COMMAND:
+        understood = _beside_remarks(restated, names, language, ops, background) or understood
+    return understood if understood.intent is Intent.COMMAND else None
+
+
 def commands_nothing(words: str, language: Language) -> bool:
     """Return whether words are only politeness or a remark, which may be left out beside a command (law 18).
 
@@ -128,8 +154,15 @@ def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = locale(language).words
     called = _without_names(without_statements(part, locale(language).stated), names, words)
+    if pet_names := locale(language).called:
+        called = re.sub(pet_names, _without_name, called, flags=re.IGNORECASE)
     tokens, mistyped = tokens_of(called, words)
     return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
+
+
+def _without_name(call: re.Match[str]) -> str:
+    start, end = (at - call.start() for at in call.span("name"))
+    return call[0][:start] + " " * (end - start) + call[0][end:]
 
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:

@@ -44,7 +44,7 @@ class TokenKind(StrEnum):
     TIMES = "times"
     MORE_TIMES_UNIT = "more_times_unit"  # "three more times": besides the first
     MORE_TIMES = "more_times"
-    SHOW = "show"  # take, send, 拍: with a picture after it
+    SHOW = "show"  # take, send, 拍: with a picture after it; value "picture": also one alone: "snap"
     PICTURE = "picture"
     OF = "of"  # what follows a picture or a greeting is its subject and commands nothing; values "look", "watch": 看看
     EACH = "each"  # "after each movement"; value: after which operation only
@@ -64,7 +64,7 @@ class TokenKind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the sentence is not a command
-    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
+    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after"
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
     FIX = "fix"  # "no wait", 不对: what follows corrects what was said
@@ -89,6 +89,8 @@ class Soft(StrEnum):
     TOWARDS = "towards"  # an unknown word after it is a place
     OBJECT = "object"  # 把: belongs to the thing after it
     SEND = "send"  # "post it": a picture, which must have been taken
+    MORE = "more"  # "three more feet": as before
+    ONE_MORE = "one_more"  # "another foot": one, before a unit, as before
     FOR = "for"  # 给, 对: for whom something is to be done
 
 
@@ -97,12 +99,17 @@ Value = float | str | None
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A phrase with its meaning; `start` and `end` are its position in the text."""
+    """A phrase with its meaning; `start` and `end` are its position in the text.
+
+    Of an amount `unit` is one unit in metres, degrees or seconds; `more` says that it is "more", "another".
+    """
 
     kind: TokenKind
     value: Value = None
     start: int = 0
     end: int = 0
+    unit: float = 0.0
+    more: bool = False
 
 
 class Piece(NamedTuple):

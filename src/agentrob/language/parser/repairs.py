@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import Token, TokenKind
@@ -150,10 +151,18 @@ def _overlay(last: Draft, fix: Draft) -> bool:
         return False
     last.end = max(last.end, fix.end)
     last.direction = fix.direction or last.direction
-    last.amount = fix.amount or last.amount
+    last.amount = _in_same_unit(fix.amount, last.amount)
     last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None
     last.slow, last.speed_mps = last.slow or fix.slow, last.speed_mps if fix.speed_mps is None else fix.speed_mps
     return True
+
+
+def _in_same_unit(amount: Token | None, before: Token | None) -> Token | None:
+    """Return the amount that counts: "3 feet, no, make it 5" means feet."""
+    if amount is None or before is None or amount.kind is not TokenKind.NUMBER or not before.unit:
+        return amount or before
+    value = amount.value * before.unit if isinstance(amount.value, float) else amount.value
+    return replace(amount, kind=before.kind, value=value, unit=before.unit)
 
 
 def _alike(amount: Token, other: Token) -> bool:

@@ -96,6 +96,8 @@ _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 #: Numbers that are degrees when only a side is said with them: nobody steps 90 of anything aside.
 _USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
+#: Numbers that are degrees when nothing else is said with them.
+_WHOLE_TURNS = (180.0, 360.0)
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -291,12 +293,18 @@ class _StepBuilder:
         if draft.verb is None and draft.direction is None and kind is TokenKind.DURATION:  # "a photo in 5 seconds"
             self.waits = True
             return None, self._say("ask.wait", said)
+        if draft.verb is None and draft.direction is None and kind is TokenKind.NUMBER and value in _WHOLE_TURNS:
+            return self._turn(draft, value, said)  # "180"
+        if draft.verb is None and draft.direction is None and draft.amount and draft.amount.more:
+            if kind is TokenKind.LENGTH:  # "one more foot"
+                return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
+        if draft.back and kind is TokenKind.LENGTH and self._turned_around():  # "turn around and go back 2 m"
+            return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        first = draft.amount is not None and draft.amount.start == draft.start  # "90 left"; "left ninety" is asked back
-        angle = first and draft.verb is None and draft.direction in _SIDES and value in _USUAL_ANGLES
+        angle = draft.verb is None and draft.direction in _SIDES and value in _USUAL_ANGLES  # "90 left"
         turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE or (kind is TokenKind.NUMBER and angle)
         if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
@@ -307,6 +315,15 @@ class _StepBuilder:
                 else self._turn(draft, value, said)
             )
         return self._move(draft, value, said)
+
+    def _last_direction(self) -> Direction | None:
+        """Return the direction of the last walk of the post, or else of the thread."""
+        before = [step for plan in self.background.history for step in plan.steps] + self.reading.steps
+        return next((step.direction for step in reversed(before) if step.op is Op.MOVE), None)
+
+    def _turned_around(self) -> bool:
+        steps = self.reading.steps
+        return bool(steps) and steps[-1].op is Op.TURN and steps[-1].degrees == 180.0
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
         direction = draft.direction

@@ -41,7 +41,7 @@ WORDS = RemarkWords(
             |trust|do|go|now|move|moving)|(?:is|are|was|were) not|'(?:s|re) not|i(?:'m| am) not (?!\w+ing\b)|(?:is|are|was|were|have|has|wo|ca|would
             |could)n't(?! wait\b| believe\b)|cannot""",
         "order": r"commands?|orders?(?<!in order)|posts?|example|motion|moving|movements?|more|less",
-        "amount": r"""(?:met(?:re|er)s?|feet|foot|inch|inches|yards?|steps?|paces?|degrees?)(?! (?:of|long|wide|tall|high
+        "amount": r"""(?:(?:centi)?met(?:re|er)s?|(?<!')m|cm|mm|km|ft|feet|foot|inch|inches|yards?|steps?|paces?|degrees?)(?! (?:of|long|wide|tall|high
             |outside|inside|today|in here|celsius)\b)""",
         "request": r"""please|pls|tell|let me|let us|show me|send|report|i'd|we'd|i want|we want|i need|we need|i would
             |we would|(?:wants?|needs?|likes?|loves?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?|have)
