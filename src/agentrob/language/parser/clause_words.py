@@ -160,9 +160,10 @@ class SentenceState:
             self.sentence.denial_unclear = self.sentence.denial_unclear or token
 
     def _cancel(self, token: Token) -> None:
-        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind"
+        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind", perhaps ", just wave"
             self.fixing = token
-            self.sentence.fix_unclear = token
+            if self.cur:
+                self.cur.closed = True
         elif self.mode is not Mode.TALK:
             self.sentence.cancelled = self.sentence.cancelled or token
 

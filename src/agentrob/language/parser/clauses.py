@@ -105,6 +105,8 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
+        if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
+            self.sentence.stays = self.denied
         if token.kind in (
             TokenKind.MOVE,
             TokenKind.TURN,
@@ -324,7 +326,7 @@ class _Reader(SentenceState):
     def _is_pair(self, last: Draft) -> bool:
         """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
         gestures = all(d.op not in (None, Op.GET_FRONT_IMAGE) and not d.counted for d in self.sentence.drafts[-2:])
-        return gestures and last.after_and
+        return gestures and last.paired
 
     def _counts(self, last: Draft) -> bool:
         """Return whether a count applies to the last draft: "wave twice", "wave, twice"."""
@@ -364,6 +366,7 @@ class _Reader(SentenceState):
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
         joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
         draft.after_and = self.joined_by_and and not draft.joined
+        draft.paired = joined_by_and and self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.OP
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:

@@ -37,6 +37,9 @@ from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, 
 #: Longer texts are not parsed as commands (stops still are), so that parsing stays fast.
 MAX_CHARS = 2_000
 _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
+#: Longer texts are parsed once, as they stand.
+_LONGEST_RESTATED = 500
+_CLAUSE_END = re.compile(r"(?<!\d)[,.;!](?!\d)|[，。；！\n]")
 _NOTHING_KNOWN = ParseContext()
 
 
@@ -68,11 +71,13 @@ def parse(
     if len(understood.plan.steps) > 1 and (first := re.search(locale(language).put_first, part.lower())):
         words = first[0].strip(" ,.;!，。；！")  # "walk 1 m, but wave first": the other way round
         return _ask(ParsedSteps([], [], say("ask.words", language, words=quote(words))), ops, language, background.can)
-    if not remarks or understood.intent not in (Intent.ASK_BACK, Intent.NOTHING):
+    unclear = understood.intent in (Intent.ASK_BACK, Intent.NOTHING)
+    if not remarks or not unclear or len(part) > _LONGEST_RESTATED:
         return understood
     return (
         _in_order(part, names, language, ops, background)
         or _beside_remarks(part, names, language, ops, background)
+        or _command_within(part, names, language, ops, background)
         or understood
     )
 
@@ -104,6 +109,22 @@ def _beside_remarks(
     told = [say("note.left_out", language, words=quote(words)) for words in remarks]
     notes = (*understood.plan.notes, *told)
     return replace(understood, plan=replace(understood.plan, notes=notes))
+
+
+def _command_within(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return a question about what stands beside a complete command in a post that would get no answer."""
+    clauses = [clause.strip() for clause in _CLAUSE_END.split(part) if clause.strip()]
+    if _understood(part, names, language, ops, background).intent is not Intent.NOTHING or len(clauses) < 2:
+        return None
+    for clause in clauses:
+        understood = _understood(clause, names, language, ops, background)
+        if understood.intent is Intent.COMMAND:
+            beside = next((other for other in clauses if other != clause), clause)
+            problem = say("ask.besides", language, words=quote(beside))
+            return _ask(ParsedSteps([], [], problem), ops, language, background.can)
+    return None
 
 
 def _in_order(

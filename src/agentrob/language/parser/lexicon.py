@@ -64,10 +64,11 @@ class TokenKind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the sentence is not a command
-    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after"
+    #: if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after".
+    CONDITION = "condition"
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
-    FIX = "fix"  # "no wait", 不对: what follows corrects what was said
+    FIX = "fix"  # "no wait", 不对: what follows corrects what was said; value "amount": "make it", in the same unit
     CANCEL = "cancel"  # "never mind": cancels earlier posts
     HELP = "help"
     STATUS = "status"  # value "battery": also within a question; "asked": only there

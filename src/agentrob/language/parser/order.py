@@ -8,14 +8,16 @@ is, and the grammar asks about it.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 #: Counts the steps of a text, 0 if it is not a complete command.
 StepCounter = Callable[[str], int]
 
-_LABEL = re.compile(r"(?:^|(?<=[\s.,;!]))\s*(?:(?:step|part|number|no\.?)\s*)?(?P<number>\d)\s*[.:)](?!\d)", re.IGNORECASE)
+_LABEL = re.compile(
+    r"(?:^|(?<=[\s.,;!]))\s*(?:(?:step|part|number|no\.?)\s*)?(?P<number>\d)\s*[.:)](?!\d)", re.IGNORECASE
+)
 _SENTENCE = re.compile(r"(?:[^.!?\n;]|\.(?=\d))+")
 
 
@@ -36,6 +38,7 @@ class OrderWords:
     polite: str  # before a gerund, requests it: "would you mind"
     then: str  # joins what is done first with what is done later
     never: str  # denies an imperative
+    idioms: Sequence[tuple[str, str]] = ()  # patterns, and what they are in plain words
 
     @cached_property
     def _acting(self) -> str:
@@ -93,6 +96,8 @@ _JOINED = re.compile(r"(?:\b(?:and|then|or)|,)\s*$|\band\b|,", re.IGNORECASE)
 def in_order(part: str, words: OrderWords, steps: StepCounter) -> str:
     """Return the text restated in the order of doing; unchanged if nothing in it can be."""
     text = _without_labels(part)
+    for pattern, plain in words.idioms:
+        text = re.sub(pattern, plain, text, flags=re.IGNORECASE)
     text = _SENTENCE.sub(lambda sentence: _restated(sentence[0], words, steps), text)
     return text
 
@@ -130,8 +135,10 @@ def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
 def _without_labels(part: str) -> str:
     """Replace the numbers of a list by sentence ends: "1. turn left 2. wave", "step 1: …"; they count from one."""
     found = list(_LABEL.finditer(part))
-    if len(found) < 2 or part[: found[0].start()].strip() or [int(m["number"]) for m in found] != list(
-        range(1, len(found) + 1)
+    if (
+        len(found) < 2
+        or part[: found[0].start()].strip()
+        or [int(m["number"]) for m in found] != list(range(1, len(found) + 1))
     ):
         return part
     return _LABEL.sub(". ", part)

@@ -18,19 +18,18 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 
 _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)[.,:](?=\d)|(?<=\w)\.(?=\w))+")
+_SENTENCE_END = re.compile(r"[.!?;\n]")
 #: After a clause: it is a question, or it introduces what somebody said.
 _LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？:：]")
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.BEYOND, TokenKind.AGAIN)
 #: Tokens with which a command may begin after a statement.
-_BEGINNING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.SHOW, TokenKind.DIR, TokenKind.REQUEST)
-#: Tokens that belong to them: "… and turn", "… slowly walk", "6 feet forward".
+_BEGINNING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.SHOW, TokenKind.REQUEST)
+#: Tokens that belong to them: "… and turn", "… slowly walk".
 _BEFORE_BEGINNING = (
     TokenKind.AND,
     TokenKind.COMMA,
     TokenKind.SLOW,
     TokenKind.FASTER,
-    TokenKind.LENGTH,
-    TokenKind.ANGLE,
     TokenKind.MOVE,
     TokenKind.TURN,
     TokenKind.OP,
@@ -61,11 +60,25 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     """Blank out the remarks of a post; also return them, in order."""
     if not locale.remark:
         return part, []
-    found = [span for span in _clauses(part, locale) if _is_remark(part[span[0] : span[1]], locale)]
+    spans = list(clauses_of(part, locale))
+    found = [(start, end) for start, end in spans if _is_remark(part[start:end], locale)]
+    if any(_says_where(part, end, spans, locale) for _, end in found):
+        return part, []
     blanked = part
     for start, end in found:
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
+
+
+def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
+    """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
+    following = next(((start, stop) for start, stop in spans if start >= end), None)
+    if following is None or not locale.run_on:
+        return False
+    kinds = [token.kind for token in _tokens(part[slice(*following)], locale)]
+    verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
+    sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
+    return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
 
 
 def carries_weight(words: str, locale: Locale, *, asked: bool = False) -> bool:
@@ -74,7 +87,7 @@ def carries_weight(words: str, locale: Locale, *, asked: bool = False) -> bool:
     return _compiled(pattern).search(_plain(words, locale)) is not None
 
 
-def _clauses(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
+def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
     """Yield the clauses between punctuation marks, each split where a purpose or a reason begins, or where a statement
     and a command meet. Questions and what introduces a quotation are passed over."""
     purpose = _compiled(locale.purpose) if locale.purpose else None

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
-from agentrob.language.parser.lexicon import TokenKind
+from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.parser.remarks import carries_weight
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
@@ -112,6 +112,7 @@ class _StepBuilder:
         self.reading = ParsedSteps([], [])
         self.waits = False
         self.besides = ""
+        self.gives_units = False  # some step without a verb has a length with its unit
         self.ahead: Draft | None = None  # what is repeated is said after it
 
     def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
@@ -132,9 +133,8 @@ class _StepBuilder:
             if drafts and sentence.cancelled:  # "Turn left. Never mind."
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
-        drafts, unclear = corrected(drafts)
-        if unclear is not None:
-            reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        drafts = self._corrected(sentences, drafts)
+        self.gives_units = any(d.verb is None and d.direction and _is_length(d.amount) for d in drafts)
         for at, draft in enumerate(drafts, 1):
             if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
                 self.waits = True
@@ -153,6 +153,23 @@ class _StepBuilder:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
         return reading
+
+    def _corrected(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> list[Draft]:
+        """Apply corrections; object to unclear ones, and to a walk in a post that denies walking."""
+        self._note_cancelled(drafts)
+        settled_drafts, unclear = corrected(drafts)
+        stays = next((s.stays for s in sentences if s.stays), None)
+        if stays and any(d.is_motion and d.verb is not TokenKind.TURN for d in settled_drafts):
+            self.reading.object_to(self._say("ask.denial", self.text[stays.start : stays.end]))
+        if unclear is not None:
+            self.reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        return settled_drafts
+
+    def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
+        """Note what is left out because "never mind" stands after it."""
+        fixes = [draft.fixes for draft in drafts if draft.fixes and draft.fixes.kind is TokenKind.CANCEL]
+        if fixes and drafts[0].start < fixes[-1].start:
+            self.reading.note(self._say("note.left_out", self.text[drafts[0].start : fixes[-1].end]))
 
     def _account(self, sentence: Sentence, first: int) -> None:
         """Account for what accompanies the steps of a post, of which the first is at `first`.
@@ -175,15 +192,15 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark):
+            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark, sentence.report):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
 
-    def _carries_weight(self, beside: Remark) -> bool:
+    def _carries_weight(self, beside: Remark, told: bool) -> bool:
         """Return whether a remark may change what is asked, or how dangerous that is, or claims rights."""
         known, remark = locale(self.language), self.text[beside.start : beside.end]
-        asked = beside.kind is RemarkKind.QUESTION
+        asked = beside.kind is RemarkKind.QUESTION or told  # what was done before has amounts
         return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
@@ -293,18 +310,21 @@ class _StepBuilder:
         if draft.verb is None and draft.direction is None and kind is TokenKind.DURATION:  # "a photo in 5 seconds"
             self.waits = True
             return None, self._say("ask.wait", said)
-        if draft.verb is None and draft.direction is None and kind is TokenKind.NUMBER and value in _WHOLE_TURNS:
-            return self._turn(draft, value, said)  # "180"
-        if draft.verb is None and draft.direction is None and draft.amount and draft.amount.more:
-            if kind is TokenKind.LENGTH:  # "one more foot"
-                return self._move(replace(draft, direction=self._last_direction()), value, said)
+        alone = draft.verb is None and draft.direction is None and draft.amount is not None
+        if alone and kind is TokenKind.NUMBER and value in _WHOLE_TURNS:  # "180"
+            return self._turn(draft, value, said)
+        if alone and draft.amount and draft.amount.more and kind is TokenKind.LENGTH:  # "one more foot"
+            return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
         if draft.back and kind is TokenKind.LENGTH and self._turned_around():  # "turn around and go back 2 m"
             return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        angle = draft.verb is None and draft.direction in _SIDES and value in _USUAL_ANGLES  # "90 left"
+        # "90 left"; "left 90" alone is asked back, but not where lengths have their unit: "forward 2 m, left 90"
+        first = draft.amount is not None and draft.amount.start == draft.start
+        side = draft.verb is None and draft.direction in _SIDES
+        angle = side and value in _USUAL_ANGLES and (first or self.gives_units)
         turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE or (kind is TokenKind.NUMBER and angle)
         if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
@@ -372,6 +392,10 @@ class _StepBuilder:
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _is_length(amount: Token | None) -> bool:
+    return amount is not None and amount.kind is TokenKind.LENGTH
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:

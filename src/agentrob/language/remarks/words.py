@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-
+_LINE_END = re.compile(r"\s*\n\s*(?=\|)")
 _PHRASE = re.compile(r"(?:[^|()]|\((?:[^()]|\([^()]*\))*\))+")
 
 
@@ -16,7 +16,8 @@ def one_of(*lists: str) -> str:
 
     A phrase may be a pattern; what stands in its parentheses is not split.
     """
-    phrases = {" ".join(phrase.split()) for words in lists for phrase in _PHRASE.findall(words)} - {""}
+    joined = [_LINE_END.sub("", words) for words in lists]
+    phrases = {" ".join(phrase.split()) for words in joined for phrase in _PHRASE.findall(words)} - {""}
     return "(?:" + "|".join(p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))) + ")"
 
 
