@@ -24,11 +24,11 @@ class Locale:
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
     in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
-    the meaning or the danger of a command, and is never left out; `dangerous` what of it is about danger;
-    `noun_after` the words before a noun or an adjective;
-    `run_on` a whole statement that a command may follow without punctuation; `begins` where a statement may begin that
-    follows a command without punctuation; `claims` talk that is always asked about: somebody claims rights, or
-    introduces what another person said. `put_first` matches words that put a later clause before an earlier one.
+    the meaning or the danger of a command, and is never left out; `dangerous` what of it is about danger; `noun_after`
+    the words before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation;
+    `begins` where a statement may begin that follows a command without punctuation; `claims` talk that is always asked
+    about: somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody
+    says of a place. `put_first` matches words that put a later clause before an earlier one.
 
     `in_order` lists the words by which `parser.order` restates clauses in the order of doing. `called` matches names
     for a robot where one is called: "Rover, sit".
@@ -51,6 +51,7 @@ class Locale:
     noun_after: str = ""
     run_on: str = ""
     begins: str = ""
+    never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
     in_order: OrderWords | None = None

@@ -35,22 +35,20 @@ TABLE = {
     "again=back": """come back to where you started|come back to the start|come back to where you were
         |come back to your starting point|head back to where you started|head back to the start
         |return to where you began|go back to your starting point|go back to your starting position
-        |go back to your original position|return to your starting place
-        |come back to where you began|come back to your original position
-        |move back to where you were|move back to where you started|back to where you began
-        |back to your starting point|walk back to the start|walk back to where you started
+        |go back to your original position|return to your starting place|come back to where you began
+        |come back to your original position|move back to where you were|move back to where you started
+        |back to where you began|back to your starting point|walk back to the start|walk back to where you started
         |go back to where you began|walk back to where you began|come back|come back here|return
         |go back to where you were|back to where you were|back to the start|go back to the start
         |go back to where you started|back to where you started|return to the start|undo that|undo
-        |return to where you were|return to where you started|return to your starting point
-        |retrace your steps|go back to start|return to start|go back where you came from
-        |walk back to where you were|go back to where you came from|return to your starting position
-        |return to your original position""",
+        |return to where you were|return to where you started|return to your starting point|retrace your steps
+        |go back to start|return to start|go back where you came from|walk back to where you were
+        |go back to where you came from|return to your starting position|return to your original position""",
     "turn": """continue your turn|angle|angle yourself|point yourself|orient yourself|turn your body|begin turning
-        |begin rotating|start rotating|start to turn|keep spinning|reorient|look|continue turning
-        |keep turning|keep rotating|continue rotating|try turning|start turning|continue to turn
-        |keep on turning|turn|rotate|pivot|spin|face|swivel|angle at|yaw|pan|make a turn|do a turn
-        |take a turn|twist|veer|turn yourself|rotate yourself|swing""",
+        |begin rotating|start rotating|start to turn|keep spinning|reorient|look|continue turning|keep turning
+        |keep rotating|continue rotating|try turning|start turning|continue to turn|keep on turning|turn|rotate|pivot
+        |spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer|turn yourself|rotate yourself
+        |swing""",
     "turn dir=left": """bear left|hook left|a left|do a left|hang left|turn in a left direction|angle left
         |angle to the left|angle to your left|a left turn|a left hand turn|make a left|take a left|hang a left
         |make a left turn|take a left turn|do a left turn|hard left turn|make a left hand turn|make a hard left""",
@@ -234,12 +232,11 @@ TABLE = {
     "comma": "but|instead|finally|but then|and just",
     "comma=word": "just|only|rather",
     "no": "no|nope|nah",
-    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean
-        |i meant|or rather|correction|actually no|no actually|actually|scratch that|strike that|oops|whoops
-        |my mistake|my bad|er no|uh no|um no|no i mean|no i meant|i meant to say|no not that|not that|wait i mean
-        |wait i meant|or actually|wait actually|wait sorry|oh wait|oh sorry|sorry wait|ah no|ah wait|oh no|no oops
-        |oops i meant|oops i mean|oops no|on second thought|on second thoughts|no hold on|no hang on|hang on no
-        |i should say""",
+    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
+        |or rather|correction|actually no|no actually|actually|scratch that|strike that|oops|whoops|my mistake|my bad
+        |er no|uh no|um no|no i mean|no i meant|i meant to say|no not that|not that|wait i mean|wait i meant|or actually
+        |wait actually|wait sorry|oh wait|oh sorry|sorry wait|ah no|ah wait|oh no|no oops|oops i meant|oops i mean
+        |oops no|on second thought|on second thoughts|no hold on|no hang on|hang on no|i should say""",
     "fix=amount": """make that|make it|no make that|no make it|rather make it|sorry make it|sorry make that
         |wait make that|oh wait make that|oh wait make it|wait make it|oops make that|actually make it
         |actually make that|make it rather|or make it|or make that|better make it|let's make it|let's make that""",
@@ -265,27 +262,24 @@ TABLE = {
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
     "request": """may i ask you to|can i ask you to|could i ask you to|i ask you to|i'd ask you to|i would ask you to
-        |might i ask you to|can i get you to|could i get you to|would it be possible for you to
-        |would it be possible to|is it possible to|would you be able to|would you be so kind as to
-        |would you be kind enough to|be so nice and|be so good and|be nice and|be a good sport and
-        |would you like to|do you want to|wanna|i'm asking you to|let's see you|let me see you
-        |can you just|could you just|could you maybe|could you possibly|can you maybe|go and
-        |i command you to|i order you to|i hereby command you to|your job is to|you are to|you're to
-        |i instruct you to|you shall|be sure and|see if you can|could you kindly|can you kindly
-        |would you kindly|i beg you to|please do|just go and|get the robot to|ask the robot to
-        |make the robot|let the robot|get it to|have it|make it please|let it|let him|let her
-        |have him|have her|make him|make her|get him to|get her to|i'd be happy if you
-        |it would be nice if you|i'd like it if you|i'd love for you to|i would love for you to
-        |i would love you to|could u|can u|would u|will u|could you pls|can you pls|don't forget to
-        |do not forget to|don't forget|do not forget|dont forget|dont forget to|never forget to
-        |please don't forget to|please don't forget|remember to|make sure to|make sure you
-        |be sure to|please remember to|can you|could you|would you|will you|please|pls|plz
-        |can you please|could you please|would you please|do me a favor and|do me a favour and
-        |be a dear and|please go ahead and|go ahead and|let's have you|please could you
-        |please can you|please would you|your task is to|your next task is to|are you able to
-        |are you able to please|is it possible for you to|how about you|why don't you|would you mind
-        |you have to|you must|can we|could we|may i have|can i have|can i get|could i have
-        |could i get|kindly|have the robot|tell the robot to|robot please""",
+        |might i ask you to|can i get you to|could i get you to|would it be possible for you to|would it be possible to
+        |is it possible to|would you be able to|would you be so kind as to|would you be kind enough to|be so nice and
+        |be so good and|be nice and|be a good sport and|would you like to|do you want to|wanna|i'm asking you to
+        |let's see you|let me see you|can you just|could you just|could you maybe|could you possibly|can you maybe
+        |go and|i command you to|i order you to|i hereby command you to|your job is to|you are to|you're to
+        |i instruct you to|you shall|be sure and|see if you can|could you kindly|can you kindly|would you kindly
+        |i beg you to|please do|just go and|get the robot to|ask the robot to|make the robot|let the robot|get it to
+        |have it|make it please|let it|let him|let her|have him|have her|make him|make her|get him to|get her to
+        |i'd be happy if you|it would be nice if you|i'd like it if you|i'd love for you to|i would love for you to
+        |i would love you to|could u|can u|would u|will u|could you pls|can you pls|don't forget to|do not forget to
+        |don't forget|do not forget|dont forget|dont forget to|never forget to|please don't forget to
+        |please don't forget|remember to|make sure to|make sure you|be sure to|please remember to|can you|could you
+        |would you|will you|please|pls|plz|can you please|could you please|would you please|do me a favor and
+        |do me a favour and|be a dear and|please go ahead and|go ahead and|let's have you|please could you
+        |please can you|please would you|your task is to|your next task is to|are you able to|are you able to please
+        |is it possible for you to|how about you|why don't you|would you mind|you have to|you must|can we|could we
+        |may i have|can i have|can i get|could i have|could i get|kindly|have the robot|tell the robot to
+        |robot please""",
     "request=stated": """i'm hoping you can|i was hoping you would|i was wondering if you can|i wonder if you could
         |i wonder if you can|i would be happy if you could|i would love it if you could
         |i would appreciate it if you could|i'd love to have you|i'd love to see you|i'd like to see you
@@ -338,8 +332,8 @@ TABLE = {
         |status|state|where are you|how is your battery|battery level|how are you|what is your status|what's your status
         |are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
         |are you ready|what is your battery|what's your battery level|are you busy|are you online""",
-    "soft=uh": """ahem|psst|argh|ugh|whew|phew|yay|cough|woof|beep|ta da|tada|hrm|mmm|aha|uh huh|um um|erm so|ahh|ohh
-        |ooh|eek|gosh|oof|uhhhh|ummm|hmmm|errr|um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh""",
+    "soft=uh": """excuse me|pardon me|ahem|psst|argh|ugh|whew|phew|yay|cough|woof|beep|ta da|tada|hrm|mmm|aha|uh huh
+        |um um|erm so|ahh|ohh|ooh|eek|gosh|oof|uhhhh|ummm|hmmm|errr|um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh""",
     "soft=in": "in",
     "soft=the": "the|your",
     "soft=to": "to",
@@ -363,60 +357,49 @@ TABLE = {
         |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|no problem|no worries
         |thanks again|thank you again|dear""",
     "soft ": """if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
-        |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want
-        |if you want to|if you wish|if you feel like it|if you're up for it
-        |if it's not too much trouble|if it isn't too much trouble|if that works
-        |if that works for you|if you would be so kind|if it pleases you|if you're ready
-        |if you are ready|if you're not busy|if you have time|could you please do|if i may ask|ish
-        |or thereabout|or something|or something like that|or whatever|or so|give or take a few
-        |give or take a bit|give or take a little|give or take a couple|give or take a degree
-        |give or take an inch|give or take a foot|to be exact|to be precise|to be safe
-        |just to be safe|ballpark|in the ballpark of|in the region of|something like|just about
-        |a good|an even|exactly about|an estimated|at an angle of|by an angle of|through an angle of
-        |an angle of|by about|by around|by roughly|by approximately|for about|for around|for roughly
-        |the needful|do the needful|little|big|nice big|nice little|friendly|for starters
-        |to begin with|to begin|before anything else|next thing|last thing|from where you are now
-        |exactly where you are|over there|up there|out there|from over there
-        |from your current position|from your current location|from your current spot
-        |in your current position|from here on|as a favor|as a favour|as you are|just like that
-        |just like before|for good measure|if you will|you know|you see|i mean you know|basically
-        |literally|pretty please|thank you please|thanks please|por favor|would be great
-        |would be good|that'd be great|that'd be nice|that would be good|that would be perfect
-        |that would be lovely|that would be awesome|that would be wonderful|easy does it|steadily
-        |smoothly|nice and easy|on the double|chop chop|hop to it|when you get a chance
-        |when you get a moment|when you have a moment|when you have a minute|when you have time
-        |when you have a second|whenever you are ready|whenever you're ready|whenever you can
-        |whenever you like|as usual|as before|as always|in that direction|in this direction
-        |to that side|to this side|somewhere around|give or take|more or less|let's say
-        |plus or minus|i suppose|kind of|sort of|simply|asap|task:|your task:|command:|your command:
-        |here is your command:|here is your task:|do the following:|do this:|do this for me:
-        |be a good dog and|be a good robot and|be a good boy and|do as i say:|the following:
-        |instruction:|new task:|next task:|new command:|a full|a complete|completely|fully
-        |all the way|entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed
-        |at speed|yourself|me|us|you|my|our|it|that|this|at|by|for|on the spot|in place|on your left
-        |mhm|ah|oh|or thereabouts|would ya|will ya|would you please|well|so|like|okay|ok|kay|mkay|k
-        |alright|all right|right now|now|yes|yeah|yep|yup|sure|please please|great|good|nice|perfect
-        |excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful|beautiful|sounds good
-        |no rush|take your time|all set|copy|copy that|roger|ten four|very good|lovely|brilliant
-        |splendid|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time
-        |on the ground|one time|on the floor|in the room|here|in total|total|in all|overall|as well
-        |too|again please|for me please|both of you|you both|you two|all of you|both robots|for us
-        |if it is safe|if it's safe|when safe|safely|from this angle|from this position
-        |from that angle|from that position|from this spot|from this view|nicely|politely|kind sir
-        |doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
-        |the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great
-        |you are doing great|there we go|here we go|robot|dog|doggy|buddy|my friend|friend|first
-        |first up|firstly|secondly|third|thirdly|to start|lastly|about|around|approximately|roughly
-        |approx|maybe about|at least|exactly|precisely|side|direction|way|hand side|straight away
-        |immediately|directly|now then|if you can|if you're able|if you are able|if possible
-        |if you please|if you could|if you would|if you don't mind|when you are ready
-        |when you're ready|when ready|when you can|do|do a|make a|make|give me|perform|perform a
-        |execute|i'm ready|i am ready|ready|i think|i guess|i believe|keep straight|with|on|as
-        |be so kind and|be so kind to|would be nice|from your location|no hurry|no hurry at all
-        |no rush at all|today|sir|from your position|go on and|your body|your camera
-        |with your camera|with the camera|everyone|everybody|all|both|each|each of you|of you
-        |at normal speed|there you go|that would be great|that would be nice|at your own pace|final
-        |last|feel free to""",
+        |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want|if you want to
+        |if you wish|if you feel like it|if you're up for it|if it's not too much trouble|if it isn't too much trouble
+        |if that works|if that works for you|if you would be so kind|if it pleases you|if you're ready|if you are ready
+        |if you're not busy|if you have time|could you please do|if i may ask|ish|or thereabout|or something
+        |or something like that|or whatever|or so|give or take a few|give or take a bit|give or take a little
+        |give or take a couple|give or take a degree|give or take an inch|give or take a foot|to be exact|to be precise
+        |to be safe|just to be safe|ballpark|in the ballpark of|in the region of|something like|just about|a good
+        |an even|exactly about|an estimated|at an angle of|by an angle of|through an angle of|an angle of|by about
+        |by around|by roughly|by approximately|for about|for around|for roughly|the needful|do the needful|little|big
+        |nice big|nice little|friendly|for starters|to begin with|to begin|before anything else|next thing|last thing
+        |from where you are now|exactly where you are|over there|up there|out there|from over there
+        |from your current position|from your current location|from your current spot|in your current position
+        |from here on|as a favor|as a favour|as you are|just like that|just like before|for good measure|if you will
+        |you know|you see|i mean you know|basically|literally|pretty please|thank you please|thanks please|por favor
+        |would be great|would be good|that'd be great|that'd be nice|that would be good|that would be perfect
+        |that would be lovely|that would be awesome|that would be wonderful|easy does it|steadily|smoothly|nice and easy
+        |on the double|chop chop|hop to it|when you get a chance|when you get a moment|when you have a moment
+        |when you have a minute|when you have time|when you have a second|whenever you are ready|whenever you're ready
+        |whenever you can|whenever you like|as usual|as before|as always|in that direction|in this direction
+        |to that side|to this side|somewhere around|give or take|more or less|let's say|plus or minus|i suppose|kind of
+        |sort of|simply|asap|task:|your task:|command:|your command:|here is your command:|here is your task:
+        |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and|do as i say:
+        |the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely|fully|all the way
+        |entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|yourself|me|us|you|my|our
+        |it|that|this|at|by|for|on the spot|in place|on your left|mhm|ah|oh|or thereabouts|would ya|will ya
+        |would you please|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah|yep|yup|sure
+        |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
+        |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|lovely|brilliant
+        |splendid|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground
+        |one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|again please|for me please
+        |both of you|you both|you two|all of you|both robots|for us|if it is safe|if it's safe|when safe|safely
+        |from this angle|from this position|from that angle|from that position|from this spot|from this view|nicely
+        |politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
+        |the same amount|so please|so then|okay so|doing a good job|doing great|you're doing great|you are doing great
+        |there we go|here we go|robot|dog|doggy|buddy|my friend|friend|first|first up|firstly|secondly|third|thirdly
+        |to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly|precisely|side|direction
+        |way|hand side|straight away|immediately|directly|now then|if you can|if you're able|if you are able|if possible
+        |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
+        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think|i guess
+        |i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location|no hurry
+        |no hurry at all|no rush at all|today|sir|from your position|go on and|your body|your camera|with your camera
+        |with the camera|everyone|everybody|all|both|each|each of you|of you|at normal speed|there you go
+        |that would be great|that would be nice|at your own pace|final|last|feel free to""",
 }
 
 
@@ -538,6 +521,7 @@ LOCALE = Locale(
     noun_after=REMARKS.noun_after,
     run_on=REMARKS.run_on,
     begins=REMARKS.begins,
+    never_where=REMARKS.never_where,
     in_order=_ORDER,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",
     put_first=r"(?:[,;.]|\b(?:and|but|then)\b)[^,;.]*(?<!at )\bfirst\W*$",

@@ -75,7 +75,10 @@ def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: L
     following = next(((start, stop) for start, stop in spans if start >= end), None)
     if following is None or not locale.run_on:
         return False
-    kinds = [token.kind for token in _tokens(part[slice(*following)], locale)]
+    clause = part[slice(*following)]
+    kinds = [token.kind for token in _tokens(clause, locale)]
+    if _plain(clause, locale).partition(" ")[0] in locale.never_where.split("|"):
+        return False
     verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
     sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
     return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
@@ -143,7 +146,7 @@ def _commands(clause: str, locale: Locale) -> bool:
     """Return whether a clause holds words that may command something."""
     tokens = _tokens(clause, locale)
     kinds = [token.kind for token in tokens]
-    if any(kind in _MEANT for kind in kinds):
+    if any(token.kind in _MEANT and token.value != "after" for token in tokens):  # "… after the night" is a time
         return True
     if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
         return True

@@ -86,6 +86,7 @@ WORDS = RemarkWords(
     governs_verb="""if|when|who|that(?!')|which|where|what(?!')|how|because|than|or|but|and|see|sees|saw|seen|watch
        |watches|watched|make|makes|made|let|lets|help|helps|helped|hear|heard|want|wants|wanted|like|likes|liked|love
        |loves|need|needs|told|tell|tells|say|says|said|ask|asks|asked|to""",
+    never_where="forward|forwards|backward|backwards|back",
     before_noun="""the|a|an|my|our|his|her|their|its|this|that|is|are|was|were|wide|very|still|already|new|last|next
        |your|no|any|of|for|at|on|some|good|great""",
 )

@@ -46,6 +46,7 @@ class RemarkWords:
     robot: str  # words for the robot after them
     unfinished: str  # a statement cannot end in these: a verb after them belongs to it
     governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
+    never_where: str  # directions that nobody says of a place: "forward"
     before_noun: str  # a word after one of these is a noun or adjective, also if it may be an action: "my turn"
 
     @cached_property
@@ -95,8 +96,10 @@ class RemarkWords:
     @cached_property
     def run_on(self) -> str:
         """Match a whole statement that a command may follow without punctuation: "the kids are gone move forward"."""
-        finished = rf"(?!.*\b{one_of(self.unfinished)}$)(?!.*\b{one_of(self.governs_verb)}\b)"
-        return rf"{finished}{self._lead}(?:{self._statement} [\w' -]*\w|{one_of(self.exclamations)}\b[\w' -]*)$"
+        finished = rf"(?!.*\b{one_of(self.unfinished)}$)"
+        plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)"
+        words = r"[\w' -]*"
+        return rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{one_of(self.exclamations)}\b{words})$"
 
     @cached_property
     def begins(self) -> str:
