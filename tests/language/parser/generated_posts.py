@@ -37,10 +37,11 @@ class Tables:
 
     `motions` are (order, activity, step) with {metres} or {degrees} for an amount, `deeds` the same without, `beyond`
     deeds that no robot here can do. `joins` join two orders in the order said; `reversed_joins` put the second first.
-    `activity_joins` have an activity as {a}; `*_reversed` likewise. `frames` stand around an order and change nothing.
+    `stop` ends a sentence. `activity_joins` have an activity as {a}; `*_reversed` likewise. `frames` stand around an order and change nothing.
     `counts` follow a gesture; `ahead` and `afterwards` repeat the whole post.
     """
 
+    stop: str
     motions: Sequence[tuple[str, str, str]]
     metres: Mapping[str, str]
     degrees: Mapping[str, str]
@@ -79,6 +80,7 @@ def _list(table: str) -> list[str]:
 
 
 EN = Tables(
+    stop=". ",
     motions=_rows(
         """walk forward {metres} / walking forward {metres} = F{}
         walk {metres} / walking {metres} = F{}
@@ -206,6 +208,7 @@ EN = Tables(
 )
 
 ZH = Tables(
+    stop="。",
     motions=_rows(
         """前进{metres} / = F{}
         往前走{metres} / = F{}
@@ -303,13 +306,17 @@ class _Writer:
     def __init__(self, rng: random.Random, tables: Tables) -> None:
         self._rng, self._tables = rng, tables
         self._constructs: list[str] = []
+        self._paired = False  # a pair out of order was said last
 
     def post(self) -> Post:
         rng, tables = self._rng, self._tables
         wanted = rng.choice((2, 2, 3))
-        text, plans = self._one()
-        for at in range(1, wanted):
-            text, plans = self._joined(text, plans, last=at == wanted - 1)
+        begins = rng.random() < 0.1  # with a pair out of order
+        text, plans = self._in_other_order() if begins else self._one()
+        if begins and wanted > 1:
+            wanted -= 1
+        for _ in range(1, wanted):
+            text, plans = self._joined(text, plans)
         if rng.random() < 0.06:
             text, plans = self._denied(text, plans)
         if rng.random() < 0.07:
@@ -357,11 +364,14 @@ class _Writer:
             text += rng.choice(tables.remarks)
         return text, frozenset([steps])
 
-    def _joined(self, text: str, plans: frozenset[Steps], last: bool) -> tuple[str, frozenset[Steps]]:
+    def _joined(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
         """Join a further deed."""
         rng, tables = self._rng, self._tables
+        if self._paired:  # what follows a pair without a stop may be meant for either of the two
+            return self._after_pair(text, plans)
         if rng.random() < 0.2:
-            return self._in_other_order(text, plans)
+            more, theirs = self._in_other_order()
+            return f"{text}{tables.stop}{more}", frozenset(a + b for a in plans for b in theirs)
         join = rng.choice(tables.joins)
         if join in ("when you have done that: {b} {a}", "{a}, and before you {b} do nothing else"):
             join = "{a}, {b}"  # says the order in a way that nobody can tell
@@ -372,20 +382,27 @@ class _Writer:
         self._constructs.append("join" if len(join) < 14 else "long join")
         return join.format(a=text, b=more), frozenset(a + b for a in plans for b in theirs)
 
-    def _in_other_order(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
-        """Put a further deed before or after what was said, in words that say which comes first."""
+    def _after_pair(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
+        """Add a deed in a sentence of its own."""
+        self._paired = False
+        more, theirs = self._one()
+        return f"{text}{self._tables.stop}{more}", frozenset(a + b for a in plans for b in theirs)
+
+    def _in_other_order(self) -> tuple[str, frozenset[Steps]]:
+        """Return a sentence of two deeds that says which of them comes first."""
         rng, tables = self._rng, self._tables
         kinds = [kind for kind in ("reversed_joins", "activity_joins", "activity_reversed") if getattr(tables, kind)]
         kind = rng.choice(kinds)
-        self._constructs.append(kind.replace("_", " "))
         join: str = rng.choice(getattr(tables, kind))
-        if kind == "reversed_joins":  # {b} is what was said so far, {a} comes first
-            deed = self._deed()
-            return join.format(a=deed.order, b=text), frozenset(deed.steps + plan for plan in plans)
-        deed = self._deed(activity=True)
-        first = kind == "activity_joins"
-        joined = frozenset(deed.steps + plan if first else plan + deed.steps for plan in plans)
-        return join.format(a=deed.activity, b=text), joined
+        said, plans = self._one()
+        self._constructs.append(kind.replace("_", " "))
+        self._paired = True
+        first = kind != "activity_reversed"
+        other = self._deed(activity=kind != "reversed_joins")
+        words = other.order if kind == "reversed_joins" else other.activity
+        joined = frozenset(other.steps + plan if first else plan + other.steps for plan in plans)
+        # "When you're done turning, wave": the turn may be one that was ordered before.
+        return join.format(a=words, b=said), joined | plans if "done" in join else joined
 
     def _denied(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
         """Add a deed that is not to be done."""

@@ -280,6 +280,7 @@ COUNTS = {
     "sit twice and stand twice": "sit sit stand stand",
     "wave and take two photos": "hello photo photo",
     "挥手两次，再坐下": "hello hello sit",
+    "forward 0.4 m, then half a metre forward": "F0.4 F0.5",
 }
 
 
@@ -328,6 +329,11 @@ def test_law_18_a_deed_that_is_said_to_come_first_is_never_done_later(text: str,
         "往右移动1米，我很无聊以后捡球",
         "握手，好让大家看见完给他做个后空翻",
         "stand up & walk 1 m, and repeat everything once",
+        "move one metre to the left frobnicated",
+        "move 10 feet to the left, the floor is clean after clapping",
+        "turn right so the kids can see you & frobnicate",
+        "before you walk 1 m, do a backflip, and do all of that twice",
+        "右转，天气真好并且数椅子",
     ],
 )
 def test_law_18_a_deed_within_or_after_a_remark_is_asked_back(text: str) -> None:

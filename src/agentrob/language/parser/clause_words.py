@@ -160,9 +160,10 @@ class SentenceState:
             self.sentence.denial_unclear = self.sentence.denial_unclear or token
 
     def _cancel(self, token: Token) -> None:
-        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind"
+        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind", perhaps ", just wave"
             self.fixing = token
-            self.sentence.fix_unclear = token
+            if self.cur:
+                self.cur.closed = True
         elif self.mode is not Mode.TALK:
             self.sentence.cancelled = self.sentence.cancelled or token
 
@@ -238,7 +239,8 @@ class SentenceState:
         """Extend the current remark to this token."""
         if self.remark is None:
             return
-        self.remark.end = token.end
+        after = self.soft_after.get(self.at)
+        self.remark.end = after[-1].end if after else token.end
         self.remark.beyond |= token.kind is TokenKind.MORE_STOP  # 有人就停，走两米
         self.remark.actions |= self.mode is Mode.TALK and self._runs_on(token)
         if self.mode is Mode.TALK and (self.begins or self.remark.kind is RemarkKind.WISH):

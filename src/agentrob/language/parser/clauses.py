@@ -106,6 +106,8 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
+        if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
+            self.sentence.stays = self.denied
         if token.kind in (
             TokenKind.MOVE,
             TokenKind.TURN,
@@ -316,17 +318,17 @@ class _Reader(SentenceState):
             self._unknown(token)
 
     def _count(self, last: Draft, token: Token) -> None:
-        if self._open() is not last and len(self.sentence.drafts) > 1:
+        if len(self.sentence.drafts) > 1 and (self._open() is not last or self._is_pair(last)):
             self.sentence.times_unclear = token
-        former = self.sentence.drafts[-2] if last.with_former and last is self.sentence.drafts[-1] else last
-        if former is not last and former.op and last.op and not former.counted and token.start != last.start:
-            self.sentence.times_unclear = (
-                token  # "sit and stand twice": the one, or both; "… and take two photos" is clear
-            )
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
             last.amount = replace(last.amount, value=360.0)
+
+    def _is_pair(self, last: Draft) -> bool:
+        """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
+        gestures = all(d.op not in (None, Op.GET_FRONT_IMAGE) and not d.counted for d in self.sentence.drafts[-2:])
+        return gestures and last.paired
 
     def _counts(self, last: Draft) -> bool:
         """Return whether a count applies to the last draft: "wave twice", "wave, twice"."""
@@ -366,9 +368,7 @@ class _Reader(SentenceState):
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
         joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
         draft.after_and = self.joined_by_and and not draft.joined
-        both = joined_by_and and self.tokens[self.at - 1].value == "both"
-        paused = self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.COMMA
-        draft.with_former = both and bool(self.sentence.drafts) and not draft.joined and not paused
+        draft.paired = joined_by_and and self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.OP
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:

@@ -23,6 +23,7 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
+from agentrob.language.parser.order import in_order
 from agentrob.language.parser.remarks import names_deed, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
@@ -37,6 +38,9 @@ from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, 
 #: Longer texts are not parsed as commands (stops still are), so that parsing stays fast.
 MAX_CHARS = 2_000
 _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
+#: Longer texts are parsed once, as they stand.
+_LONGEST_RESTATED = 500
+_CLAUSE_END = re.compile(r"(?<!\d)[,.;!](?!\d)|[，。；！\n]")
 _NOTHING_KNOWN = ParseContext()
 
 
@@ -65,11 +69,17 @@ def parse(
     if len(part) > MAX_CHARS:
         return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
     understood = _understood(part, names, language, ops, background)
-    if remarks and understood.intent in (Intent.ASK_BACK, Intent.NOTHING):
-        understood = _beside_remarks(part, names, language, ops, background) or understood
+    unclear = understood.intent in (Intent.ASK_BACK, Intent.NOTHING)
+    if remarks and unclear and len(part) <= _LONGEST_RESTATED:
+        understood = (
+            _in_order(part, names, language, ops, background)
+            or _beside_remarks(part, names, language, ops, background)
+            or _command_within(part, names, language, ops, background)
+            or understood
+        )
     if words := _put_first(part, understood.plan, names, language):
         steps = list(understood.plan.steps)
-        swapped = [steps[::-1]] if len(steps) == 2 else []  # noqa: PLR2004
+        swapped = [steps[::-1]] if len(steps) == 2 else []
         problem = say("ask.first", language, words=quote(words))
         return _ask(ParsedSteps([], [], problem, offers=swapped), ops, language, background.can)
     if understood.intent is Intent.NOTHING and (words := _order_beside(part, language)):
@@ -103,7 +113,10 @@ def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) 
         return ""
     rest, _ = without_remarks(part, locale(language))
     for found in re.finditer(locale(language).put_first, rest.lower()):
-        if _understood(rest[: found.start()], names, language, frozenset(), _NOTHING_KNOWN).plan.steps:
+        before = rest[: found.start()]
+        read = _understood(before, names, language, frozenset(), _NOTHING_KNOWN)
+        read = _in_order(before, names, language, frozenset(), _NOTHING_KNOWN) or read
+        if read.plan.steps:
             return found[0].strip(" ,.;!，。；！")
     return ""
 
@@ -135,6 +148,46 @@ def _beside_remarks(
     told = [say("note.left_out", language, words=quote(words)) for words in remarks]
     notes = (*understood.plan.notes, *told)
     return replace(understood, plan=replace(understood.plan, notes=notes))
+
+
+def _command_within(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return a question about what stands beside a complete command in a post that would get no answer."""
+    clauses = [clause.strip() for clause in _CLAUSE_END.split(part) if clause.strip()]
+    if _understood(part, names, language, ops, background).intent is not Intent.NOTHING or len(clauses) < 2:
+        return None
+    for clause in clauses:
+        understood = _understood(clause, names, language, ops, background)
+        if understood.intent is Intent.COMMAND:
+            beside = next((other for other in clauses if other != clause), clause)
+            problem = say("ask.besides", language, words=quote(beside))
+            return _ask(ParsedSteps([], [], problem), ops, language, background.can)
+    return None
+
+
+def _in_order(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the command when its clauses are put into the order of doing; None if they cannot be."""
+    words = locale(language).in_order
+    if words is None:
+        return None
+
+    def steps(text: str) -> int:
+        understood = _understood(text, names, language, ops, background)
+        return len(understood.plan.steps) if understood.intent is Intent.COMMAND else 0
+
+    restated = in_order(part, words, steps)
+    tokens, _ = tokens_of(restated, locale(language).words)
+    if restated == part or any(
+        token.kind is TokenKind.AGAIN for token in tokens
+    ):  # "all of that": what, in which order
+        return None
+    understood = _understood(restated, names, language, ops, background)
+    if understood.intent is not Intent.COMMAND:
+        understood = _beside_remarks(restated, names, language, ops, background) or understood
+    return understood if understood.intent is Intent.COMMAND else None
 
 
 def commands_nothing(words: str, language: Language) -> bool:
@@ -170,8 +223,15 @@ def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = locale(language).words
     called = _without_names(without_statements(part, locale(language).stated), names, words)
+    if pet_names := locale(language).called:
+        called = re.sub(pet_names, _without_name, called, flags=re.IGNORECASE)
     tokens, mistyped = tokens_of(called, words)
     return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
+
+
+def _without_name(call: re.Match[str]) -> str:
+    start, end = (at - call.start() for at in call.span("name"))
+    return call[0][:start] + " " * (end - start) + call[0][end:]
 
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:

@@ -18,10 +18,25 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 
 _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)[.,:](?=\d)|(?<=\w)\.(?=\w))+")
+_SENTENCE_END = re.compile(r"[.!?;\n]")
 #: After a clause: it is a question, or it introduces what somebody said.
 _LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？:：]")
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.BEYOND, TokenKind.AGAIN)
+#: Tokens with which a command may begin after a statement.
+_BEGINNING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.SHOW, TokenKind.REQUEST)
+#: Tokens that belong to them: "… and turn", "… slowly walk".
+_BEFORE_BEGINNING = (
+    TokenKind.AND,
+    TokenKind.COMMA,
+    TokenKind.SLOW,
+    TokenKind.FASTER,
+    TokenKind.MOVE,
+    TokenKind.TURN,
+    TokenKind.OP,
+)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
+#: Longer clauses are not split, so that parsing stays fast.
+_LONGEST_RUN_ON = 200
 #: Tokens that ask for something, or change what is asked.
 _MEANT = (
     TokenKind.REQUEST,
@@ -45,44 +60,85 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     """Blank out the remarks of a post; also return them, in order."""
     if not locale.remark:
         return part, []
-    found = [(start, end) for start, end in _clauses(part, locale) if _is_remark(part[start:end], locale)]
+    spans = list(clauses_of(part, locale))
+    found = [(start, end) for start, end in spans if _is_remark(part[start:end], locale)]
+    if any(_says_where(part, end, spans, locale) for _, end in found):
+        return part, []
     blanked = part
     for start, end in found:
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
 
 
-def _clauses(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
-    """Yield the clauses between punctuation marks, each split where a purpose or reason begins. Questions and
-    what introduces a quotation are passed over."""
+def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
+    """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
+    following = next(((start, stop) for start, stop in spans if start >= end), None)
+    if following is None or not locale.run_on:
+        return False
+    clause = part[slice(*following)]
+    kinds = [token.kind for token in _tokens(clause, locale)]
+    if _plain(clause, locale).partition(" ")[0] in locale.never_where.split("|"):
+        return False
+    verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
+    sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
+    return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
+
+
+def carries_weight(words: str, locale: Locale, *, asked: bool = False) -> bool:
+    """Return whether a remark may change what a command means, or how dangerous it is; a question only the latter."""
+    pattern = locale.dangerous if asked else locale.weighty
+    return _compiled(pattern).search(_plain(words, locale)) is not None
+
+
+def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
+    """Yield the clauses between punctuation marks, each split where a purpose or a reason begins, or where a statement
+    and a command meet. Questions and what introduces a quotation are passed over."""
     purpose = _compiled(locale.purpose) if locale.purpose else None
     for match in _CLAUSE.finditer(part):
         if not match[0].strip() or _LEADS_ON.match(part, match.end()):
             continue
-        begun = purpose.search(match[0]) if purpose else None
-        if begun and match[0][: begun.start()].strip():
-            yield match.start(), match.start() + begun.start()
-            yield match.start() + begun.start(), match.end()
-        elif told := _statement_before_action(match[0], locale):
-            yield match.start(), match.start() + told
+        begun = purpose.search(match[0].lower()) if purpose else None
+        at = begun.start() if begun and match[0][: begun.start()].strip() else _meeting(match[0], locale)
+        if at:
+            yield match.start(), match.start() + at
+            yield match.start() + at, match.end()
         else:
             yield match.start(), match.end()
 
 
-def _statement_before_action(clause: str, locale: Locale) -> int:
-    """Return the length of a statement that a command follows without a pause; 0 if there is none."""
-    if not locale.run_on:
+def _meeting(clause: str, locale: Locale) -> int:
+    """Return where a statement and a command meet without a pause, in either order; 0 if nowhere."""
+    if not locale.run_on or len(clause) > _LONGEST_RUN_ON:
         return 0
-    tokens, _ = tokens_of(clause, locale.words)
-    first = next((t for t in tokens if t.kind in _ACTIONS and not _is_noun(clause, t, locale)), None)
-    if first is None or first.kind is TokenKind.BEYOND:
+    tokens = _tokens(clause, locale)
+    at = next((i for i, t in enumerate(tokens) if t.kind in _BEGINNING and not _is_noun(clause, t, locale)), None)
+    if at is None:
         return 0
-    said = " ".join(clause[: first.start].lower().replace("’", "'").split())
-    return first.start if _compiled(locale.run_on).search(said) else 0
+    first = tokens[at]
+    while at and tokens[at - 1].kind in _BEFORE_BEGINNING:
+        at -= 1
+    before = clause[: tokens[at].start]
+    if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
+        return tokens[at].start
+    for begun in _compiled(locale.begins).finditer(clause.lower(), first.end):
+        statement = clause[begun.start() :]
+        if any(token.kind is TokenKind.DIR for token in _tokens(statement, locale)):
+            continue  # "move one metre to the left beforehand"
+        if _compiled(locale.run_on).search(_plain(statement, locale)) and _is_remark(statement, locale):
+            return begun.start()
+    return 0
+
+
+def _tokens(clause: str, locale: Locale) -> list[Token]:
+    return with_pictures(with_amounts(tokens_of(clause, locale.words)[0], clause))
+
+
+def _plain(words: str, locale: Locale) -> str:
+    return " ".join(words.lower().replace("’", "'").translate(locale.words.twins).split())
 
 
 def _is_remark(clause: str, locale: Locale) -> bool:
-    said = " ".join(clause.lower().replace("’", "'").translate(locale.words.twins).split())
+    said = _plain(clause, locale)
     if not _compiled(locale.remark).search(said):
         return False
     return not _compiled(locale.weighty).search(said) and not _commands(clause, locale)
@@ -90,10 +146,9 @@ def _is_remark(clause: str, locale: Locale) -> bool:
 
 def _commands(clause: str, locale: Locale) -> bool:
     """Return whether a clause holds words that may command something."""
-    tokens, _ = tokens_of(clause, locale.words)
-    tokens = with_pictures(with_amounts(tokens, clause))
+    tokens = _tokens(clause, locale)
     kinds = [token.kind for token in tokens]
-    if any(kind in _MEANT for kind in kinds):
+    if any(token.kind in _MEANT and token.value != "after" for token in tokens):  # "… after the night" is a time
         return True
     if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
         return True

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field, replace
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
-from agentrob.language.parser.lexicon import TokenKind
+from agentrob.language.parser.lexicon import Token, TokenKind
+from agentrob.language.parser.remarks import carries_weight
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -106,6 +107,8 @@ _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 #: Numbers that are degrees when only a side is said with them: nobody steps 90 of anything aside.
 _USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
+#: Numbers that are degrees when nothing else is said with them.
+_WHOLE_TURNS = (180.0, 360.0)
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -121,6 +124,8 @@ class _StepBuilder:
         self.waits = False
         self.besides = ""
         self.alone = True  # one draft is the whole post
+        self.unclear = False  # whether it is unclear what a correction corrects
+        self.gives_units = False  # some step without a verb has a length with its unit
         self.ahead: Draft | None = None  # what is repeated is said after it
 
     def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
@@ -141,10 +146,9 @@ class _StepBuilder:
             if drafts and sentence.cancelled:  # "Turn left. Never mind."
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
-        drafts, unclear = corrected(drafts)
+        drafts = self._corrected(sentences, drafts)
         self.alone = len(drafts) == 1
-        if unclear is not None:
-            reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        self.gives_units = any(d.verb is None and d.direction and _is_length(d.amount) for d in drafts)
         for at, draft in enumerate(drafts, 1):
             if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
                 self.waits = True
@@ -160,7 +164,7 @@ class _StepBuilder:
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
-        if reading.problem and not (unclear or any(s.fix_unclear or s.cancelled for s in sentences)):
+        if reading.problem and not (self.unclear or any(s.fix_unclear or s.cancelled for s in sentences)):
             reading.offers = self._offers(sentences)
         return reading
 
@@ -182,7 +186,7 @@ class _StepBuilder:
         if 1 < times == len(last) and last.count(last[0]) == times:  # "sit and stand twice": the one, or both
             return [reading.steps, [*reading.steps[:-times], last[0]] * times]
         if any(s.condition is not None for s in sentences) and len(reading.steps) > 1:
-            return [reading.steps, reading.steps[::-1]] if len(reading.steps) == 2 else []  # noqa: PLR2004
+            return [reading.steps, reading.steps[::-1]] if len(reading.steps) == 2 else []
         return [reading.steps]
 
     def _hint(self, draft: Draft) -> None:
@@ -191,6 +195,24 @@ class _StepBuilder:
         says = draft.direction is not None if draft.unknown else goes or draft.direction is not None or self.alone
         if says and (goes or not draft.unknown):
             self.reading.hint(_hints(draft))
+
+    def _corrected(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> list[Draft]:
+        """Apply corrections; object to unclear ones, and to a walk in a post that denies walking."""
+        self._note_cancelled(drafts)
+        settled_drafts, unclear = corrected(drafts)
+        self.unclear = unclear is not None
+        stays = next((s.stays for s in sentences if s.stays), None)
+        if stays and any(d.is_motion and d.verb is not TokenKind.TURN for d in settled_drafts):
+            self.reading.object_to(self._say("ask.denial", self.text[stays.start : stays.end]))
+        if unclear is not None:
+            self.reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        return settled_drafts
+
+    def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
+        """Note what is left out because "never mind" stands after it."""
+        fixes = [draft.fixes for draft in drafts if draft.fixes and draft.fixes.kind is TokenKind.CANCEL]
+        if fixes and drafts[0].start < fixes[-1].start:
+            self.reading.note(self._say("note.left_out", self.text[drafts[0].start : fixes[-1].end]))
 
     def _account(self, sentence: Sentence, first: int) -> None:
         """Account for what accompanies the steps of a post, of which the first is at `first`.
@@ -213,11 +235,16 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            claims = re.search(locale(self.language).claims, words.lower()) is not None
-            if remark.kind is RemarkKind.WISH or half or asks or claims:
+            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark, sentence.report):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
+
+    def _carries_weight(self, beside: Remark, told: bool) -> bool:
+        """Return whether a remark may change what is asked, or how dangerous that is, or claims rights."""
+        known, remark = locale(self.language), self.text[beside.start : beside.end]
+        asked = beside.kind is RemarkKind.QUESTION or told  # what was done before has amounts
+        return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead
@@ -326,12 +353,21 @@ class _StepBuilder:
         if draft.verb is None and draft.direction is None and kind is TokenKind.DURATION:  # "a photo in 5 seconds"
             self.waits = True
             return None, self._say("ask.wait", said)
+        alone = draft.verb is None and draft.direction is None and draft.amount is not None
+        if alone and kind is TokenKind.NUMBER and value in _WHOLE_TURNS:  # "180"
+            return self._turn(draft, value, said)
+        if alone and draft.amount and draft.amount.more and kind is TokenKind.LENGTH:  # "one more foot"
+            return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
+        if draft.back and kind is TokenKind.LENGTH and self._turned_around():  # "turn around and go back 2 m"
+            return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        first = draft.amount is not None and draft.amount.start == draft.start  # "90 left"; "left ninety" is asked back
-        angle = first and draft.verb is None and draft.direction in _SIDES and value in _USUAL_ANGLES
+        # "90 left"; "left 90" alone is asked back, but not where lengths have their unit: "forward 2 m, left 90"
+        first = draft.amount is not None and draft.amount.start == draft.start
+        side = draft.verb is None and draft.direction in _SIDES
+        angle = side and value in _USUAL_ANGLES and (first or self.gives_units)
         turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE or (kind is TokenKind.NUMBER and angle)
         if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
@@ -342,6 +378,15 @@ class _StepBuilder:
                 else self._turn(draft, value, said)
             )
         return self._move(draft, value, said)
+
+    def _last_direction(self) -> Direction | None:
+        """Return the direction of the last walk of the post, or else of the thread."""
+        before = [step for plan in self.background.history for step in plan.steps] + self.reading.steps
+        return next((step.direction for step in reversed(before) if step.op is Op.MOVE), None)
+
+    def _turned_around(self) -> bool:
+        steps = self.reading.steps
+        return bool(steps) and steps[-1].op is Op.TURN and steps[-1].degrees == 180.0
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
         direction = draft.direction
@@ -390,6 +435,10 @@ class _StepBuilder:
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _is_length(amount: Token | None) -> bool:
+    return amount is not None and amount.kind is TokenKind.LENGTH
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:
