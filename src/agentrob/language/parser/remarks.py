@@ -117,6 +117,8 @@ def _meeting(clause: str, locale: Locale) -> int:
     first = tokens[at]
     while at and tokens[at - 1].kind in _BEFORE_BEGINNING:
         at -= 1
+    if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
+        return 0
     before = clause[: tokens[at].start]
     if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
         return tokens[at].start
