@@ -14,7 +14,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import carries_weight
+from agentrob.language.parser.remarks import carries_weight, holds_action
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -199,7 +199,7 @@ class _StepBuilder:
                 self.reading.note(self._say("note.left_out", words))
 
     def _carries_weight(self, beside: Remark, sentence: Sentence) -> bool:
-        """Return whether a remark may change what is asked, or how dangerous that is, or claims rights.
+        """Return whether a remark may change what is asked or how dangerous that is, claims rights, or holds a command.
 
         The remark is judged to the end of its clause: "I'm not sure, …".
         """
@@ -208,6 +208,8 @@ class _StepBuilder:
             ends.append(pause.start())
         known, remark = locale(self.language), self.text[beside.start : min(ends, default=len(self.text))]
         asked = beside.kind is RemarkKind.QUESTION or sentence.report  # what was done before has amounts
+        if beside.kind is RemarkKind.REMARK and not sentence.report and holds_action(remark, known):
+            return True
         return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
