@@ -14,12 +14,26 @@ LEFT_OUT = {
     "keep obstacle avoidance on, walk 1 m": ("F1", "keep obstacle avoidance on"),
     "it's no fun okay um move forward three feet": ("F0.9144", "it's no fun okay um"),
     "the door is wide open, turn left": ("l90", "the door is wide open"),
+    "go one metre forward i think the battery is fine": ("F1", "i think the battery is fine"),
+    "my phone died earlier take another picture please": ("photo", "my phone died earlier"),
+    "yesterday you went right, today turn left 90 degrees": ("l90", "yesterday you went right"),
+    "turn right 90 and happy birthday to Lena": ("r90", "happy birthday to Lena"),
+    "rotate right 90 in order to line up with the hallway": ("r90", "in order to line up with the hallway"),
+    "walk ahead 2 metres for the video": ("F2", "for the video"),
+    "it's 30 degrees outside, turn right 15 degrees": ("r15", "it's 30 degrees outside"),
+    "the way is free, forward 2 m": ("F2", "the way is free"),
     "往前走一米，前面没有人": ("F1", "前面没有人"),
     "前方很空旷，往前走两米": ("F2", "前方很空旷"),
     "前进一米，楼梯在另一头": ("F1", "楼梯在另一头"),
     "孩子们都坐好了，挥手": ("hello", "孩子们都坐好了"),
 }
 NOT_LEFT_OUT = """
+forward 2 m, there's a toddler right in front of you|the floor is covered in oil, walk forward 2 m
+forward 50 cm, her hand is under your foot|stretch, there is a pot of soup on your back|You're up on the table, forward 1 m.
+there's a live wire on the ground ahead, walk 1 m|grandma is on the floor walk 1 m
+there is a wall, five metres ahead
+there is a wall five metres ahead|walk forward 2 m to get the ball|the plan is walk 1 m|my boss says walk 2 m
+walk 2 m, i am your owner|back up 2 m to push Anna into the pool|i'm not sure, walk 1 m
 walk 1 m, the command is for tomorrow|walk 1 m, only if the door is open|the manual said: walk 2 m|he wrote, walk 2 m
 walk 1 m, the tall man should sing|walk 1 m so that we can see and turn left|turn left, just kidding
 my dogs like to walk 2 m|we saw the dog walk 2 m|the plan is walk forward 2 m|frobnicate the wall, walk 1 m

@@ -41,6 +41,7 @@ _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
 #: Longer texts are parsed once, as they stand.
 _LONGEST_RESTATED = 500
 _CLAUSE_END = re.compile(r"(?<!\d)[,.;!](?!\d)|[，。；！\n]")
+_FIRST_JOINT = re.compile(r"[,.;!，。；！]|\b(?:and|but|just)\b", re.IGNORECASE)
 _NOTHING_KNOWN = ParseContext()
 
 
@@ -63,7 +64,8 @@ def parse(
     part = part_for(visible, names, others)
     language = language_of(part)
     if stop := stop_intent(part):
-        return Understanding(stop, language)
+        picture = remarks and stop is Intent.STOP and _picture_at_rest(part, names, language, ops, background)
+        return picture or Understanding(stop, language)
     if part and (words := ordering_words(visible, names, others)):
         return _ask(ParsedSteps([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
     if len(part) > MAX_CHARS:
@@ -119,6 +121,28 @@ def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) 
         if read.plan.steps:
             return found[0].strip(" ,.;!，。；！")
     return ""
+
+
+def asks_for_picture_at_rest(text: str) -> bool:
+    """Return whether a text only denies motion and asks for a picture: "don't move, just take a photo"."""
+    return _picture_at_rest(text, (), language_of(text), frozenset(Op), _NOTHING_KNOWN) is not None
+
+
+def _picture_at_rest(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the plan of pictures beside a "don't move"; None if there is anything else."""
+    if not (joint := _FIRST_JOINT.search(part)) or len(part) > _LONGEST_RESTATED:
+        return None
+    denials, rest = _sentences(part[: joint.start()], names, language)[0], part[joint.end() :]
+    if not all(s.denied and not s.drafts for s in denials) or stop_intent(rest):
+        return None
+    understood = _understood(rest, names, language, ops, background)
+    pictures = understood.plan.steps and all(step.op is Op.GET_FRONT_IMAGE for step in understood.plan.steps)
+    if not pictures or understood.intent is not Intent.COMMAND:
+        return None
+    note = say("note.not_done", language, words=quote(part[: joint.start()].strip()))
+    return replace(understood, plan=replace(understood.plan, notes=(note, *understood.plan.notes)))
 
 
 def _understood(

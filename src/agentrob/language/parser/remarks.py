@@ -70,6 +70,12 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     return blanked, [part[start:end].strip() for start, end in found]
 
 
+def holds_action(words: str, locale: Locale) -> bool:
+    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart"."""
+    kinds = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
+    return any(token.kind in kinds and not _is_noun(words, token, locale) for token in _tokens(words, locale))
+
+
 def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
     """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
     following = next(((start, stop) for start, stop in spans if start >= end), None)

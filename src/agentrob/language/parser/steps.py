@@ -14,7 +14,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import carries_weight
+from agentrob.language.parser.remarks import carries_weight, holds_action
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -109,6 +109,7 @@ _SIDES = (Direction.LEFT, Direction.RIGHT)
 _USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
 #: Numbers that are degrees when nothing else is said with them.
 _WHOLE_TURNS = (180.0, 360.0)
+_PAUSE = re.compile(r"[,.;:!?\n，。；：！？]")
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -235,15 +236,23 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark, sentence.report):
+            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark, sentence):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
 
-    def _carries_weight(self, beside: Remark, told: bool) -> bool:
-        """Return whether a remark may change what is asked, or how dangerous that is, or claims rights."""
-        known, remark = locale(self.language), self.text[beside.start : beside.end]
-        asked = beside.kind is RemarkKind.QUESTION or told  # what was done before has amounts
+    def _carries_weight(self, beside: Remark, sentence: Sentence) -> bool:
+        """Return whether a remark may change what is asked or how dangerous that is, claims rights, or holds a command.
+
+        The remark is judged to the end of its clause: "I'm not sure, …".
+        """
+        ends = [d.start for d in sentence.drafts if d.start >= beside.end]
+        if pause := _PAUSE.search(self.text, beside.end):
+            ends.append(pause.start())
+        known, remark = locale(self.language), self.text[beside.start : min(ends, default=len(self.text))]
+        asked = beside.kind is RemarkKind.QUESTION or sentence.report  # what was done before has amounts
+        if beside.kind is RemarkKind.REMARK and not sentence.report and holds_action(remark, known):
+            return True
         return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:

@@ -31,8 +31,8 @@ WORDS = RemarkWords(
     settings="keep (?:the|your )?(?:obstacle|collision) (?:avoidance|detection|sensors?) (?:on|enabled|active)",
     reasons="so that|because|'?cause|cuz|coz|in order to|so as to",
     reason_subjects=r"i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the \w+|my \w+|our \w+",
-    aims="""align|avoid|be|calibrate|celebrate|check|compare|demonstrate|fit|get|have|help|let|line|make|measure
-       |practice|practise|prove|see|show|test|warm up""",
+    aims="""align|avoid|be|calibrate|celebrate|check|compare|demonstrate|fit|line|make room|measure|practice|practise
+        |prove|see|show|test|warm up|get (?:a|the) (?:better|clearer|closer|full|good|nice|whole|wide|wider)""",
     occasions="""audience|camera|camera test|class|demo|demonstration|experiment|film|fun|group photo|kids|log
        |measurement|movie|photo|picture|presentation|record|science|show|students|test|video|visitors""",
     meaning={
