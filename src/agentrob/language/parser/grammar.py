@@ -111,7 +111,7 @@ def _only_talks(part: str, understood: Understanding, language: Language) -> boo
 
 def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) -> str:
     """Return the words that put a later clause before an earlier one ("walk 1 m, but wave first"); empty if none do."""
-    if len(plan.steps) < 2:
+    if len(plan.steps) < 2 or not re.search(locale(language).put_first, part.lower()):
         return ""
     rest, _ = without_remarks(part, locale(language))
     for found in re.finditer(locale(language).put_first, rest.lower()):

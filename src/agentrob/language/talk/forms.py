@@ -72,6 +72,8 @@ def order_beside(text: str, forms: TalkForms, commands: Callable[[str], bool]) -
 def is_spoken_of(text: str, forms: TalkForms) -> bool:
     """Return whether a text praises or tells a deed instead of asking for it, and asks for no other."""
     said = _plain(text)
+    if not _compiled(forms.spoken_of.replace("^", "").replace("$", "")).search(said):
+        return False
     clauses = [_without_lead(found[0], forms) for found in re.finditer(r"[^,，.。!！;；?？]+", said)]
     told = [_compiled(forms.spoken_of).search(clause) is not None for clause in clauses]
     others = [clause for clause, is_told in zip(clauses, told, strict=True) if not is_told]
