@@ -134,7 +134,7 @@ async def test_law_15_a_stop_asks_no_model(text: str) -> None:
             "But I do not find there how often to do it.",
         ),
         (
-            "@quadruped pull forward one meter and then turn right 45",
+            "@quadruped wobble forward one meter and then turn right 45",
             {"action": "turn", "direction": "right", "amount": 45, "unit": "deg", "words": "turn right 45"},
             "But you seem to want more than this.",
         ),

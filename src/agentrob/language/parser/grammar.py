@@ -22,7 +22,7 @@ from agentrob.language.messages.plan_text import outline, sentence
 from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
-from agentrob.language.parser.lexicon import Lexicon, TokenKind, tokens_of, without_statements
+from agentrob.language.parser.lexicon import Lexicon, Soft, TokenKind, tokens_of, without_statements
 from agentrob.language.parser.order import in_order
 from agentrob.language.parser.remarks import names_deed, without_remarks
 from agentrob.language.parser.repetition import ParseContext
@@ -226,6 +226,31 @@ def commands_nothing(words: str, language: Language) -> bool:
     remarks = [r for s in sentences for r in s.remarks]
     plain = all(r.kind is RemarkKind.REMARK and not (r.actions or r.beyond) for r in remarks)
     return plain and not any(marked) and not any(s.drafts or s.asked for s in sentences)
+
+
+_ASIDE_KINDS = (TokenKind.CONDITION, TokenKind.BEYOND, TokenKind.EACH)
+_LEADS_TO_THING = (Soft.TO, Soft.THE, Soft.TOWARDS, Soft.OBJECT)
+
+
+def asks_for_more(words: str, language: Language) -> bool:
+    """Return whether the words that an action leaves over change or extend it (law 18): a condition, an order in time,
+    a place or a thing, an ability that robots lack. Unknown words alone may be how somebody speaks.
+    """
+    tokens, _ = tokens_of(words, locale(language).words)
+    if any(token.kind in _ASIDE_KINDS or token.value == "place" for token in tokens):
+        return True
+    return any(
+        before.kind is TokenKind.SOFT and before.value in _LEADS_TO_THING and after.kind is TokenKind.WORD
+        for before, after in pairwise(tokens)
+    )
+
+
+def reorders(text: str, language: Language) -> bool:
+    """Return whether a text may put a later clause before an earlier one ("…, but first wave", "wave after …")."""
+    tokens, _ = tokens_of(text, locale(language).words)
+    return any(t.kind is TokenKind.CONDITION for t in tokens) or bool(
+        re.search(locale(language).put_first, text.lower())
+    )
 
 
 def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> SmallTalk | None:
