@@ -37,7 +37,8 @@ class Tables:
 
     `motions` are (order, activity, step) with {metres} or {degrees} for an amount, `deeds` the same without, `beyond`
     deeds that no robot here can do. `joins` join two orders in the order said; `reversed_joins` put the second first.
-    `stop` ends a sentence. `activity_joins` have an activity as {a}; `*_reversed` likewise. `frames` stand around an order and change nothing.
+    `stop` ends a sentence. `activity_joins` have an activity as {a}; `*_reversed` likewise. `frames` stand around an
+    order and change nothing.
     `counts` follow a gesture; `ahead` and `afterwards` repeat the whole post.
     """
 

@@ -275,7 +275,7 @@ def test_a_question_about_plain_posts_is_the_exception() -> None:
 
 COUNTS = {
     "sit twice and wave": "sit sit hello",
-    "wave and then sit twice": "hello sit sit",
+    "wave, then sit twice": "hello sit sit",
     "walk 1 m and wave twice": "F1 hello hello",
     "sit twice and stand twice": "sit sit stand stand",
     "wave and take two photos": "hello photo photo",

@@ -214,6 +214,15 @@ def _in_order(
     return understood if understood.intent is Intent.COMMAND else None
 
 
+def _repeats(text: str, language: Language) -> bool:
+    """Return whether a text repeats what was said ("do all of that twice"): where its parts stand then matters."""
+    read = with_pictures(with_amounts(tokens_of(text, locale(language).words)[0], text))
+    tokens = [token for token in read if token.kind is not TokenKind.SOFT]
+    following = [token.kind for token in tokens[1:]] + [TokenKind.END]
+    acts = (TokenKind.OP, TokenKind.MOVE, TokenKind.TURN)  # "again take a photo"
+    return any(t.kind is TokenKind.AGAIN and after not in acts for t, after in zip(tokens, following, strict=True))
+
+
 def commands_nothing(words: str, language: Language) -> bool:
     """Return whether words are only politeness or a remark, which may be left out beside a command (law 18).
 

@@ -20,8 +20,9 @@ class TalkForms:
     `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at the
     beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same in the
     writing of the post, for names in capitals. `wish` matches what asks for something in any form, and `order` how an
-    order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of` matches clauses that speak of a deed as done, even where the grammar
-    reads a command in them. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too. `topics` are what a line of talk may be about, by the key of its answer.
+    order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of` matches clauses that
+    speak of a deed as done, even where the grammar reads a command in them. `by_remark`: a clause in the form of a
+    remark (`Locale.remark`) is talk too. `topics` are what a line of talk may be about, by the key of its answer.
     """
 
     lead: str = "(?!)"
