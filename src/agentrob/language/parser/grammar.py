@@ -203,10 +203,7 @@ def _in_order(
         return len(understood.plan.steps) if understood.intent is Intent.COMMAND else 0
 
     restated = in_order(part, words, steps)
-    tokens, _ = tokens_of(restated, locale(language).words)
-    if restated == part or any(
-        token.kind is TokenKind.AGAIN for token in tokens
-    ):  # "all of that": what, in which order
+    if restated == part or _repeats(restated, language):
         return None
     understood = _understood(restated, names, language, ops, background)
     if understood.intent is not Intent.COMMAND:
