@@ -193,8 +193,10 @@ class _StepBuilder:
     def _hint(self, draft: Draft) -> None:
         """Note what a draft may have been, if it says enough: not a number beside other things ("at 9"), nor words."""
         goes = draft.verb in (TokenKind.MOVE, TokenKind.TURN)
-        says = draft.direction is not None if draft.unknown else goes or draft.direction is not None or self.alone
-        if says and (goes or not draft.unknown):
+        says = goes or draft.direction is not None or self.alone
+        if draft.unknown:
+            says = goes and draft.direction is not None and draft.amount is None
+        if says:
             self.reading.hint(_hints(draft))
 
     def _corrected(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> list[Draft]:
