@@ -70,10 +70,15 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     return blanked, [part[start:end].strip() for start, end in found]
 
 
-def holds_action(words: str, locale: Locale) -> bool:
-    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart"."""
-    kinds = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
-    return any(token.kind in kinds and not _is_noun(words, token, locale) for token in _tokens(words, locale))
+def holds_action(words: str, locale: Locale, *, asked: bool = False) -> bool:
+    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart".
+
+    In a question only a direction with an amount counts.
+    """
+    tokens = _tokens(words, locale)
+    kinds = [token.kind for token in tokens if not _is_noun(words, token, locale)]
+    measured = TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
+    return measured or (not asked and any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds))
 
 
 def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:

@@ -178,8 +178,10 @@ class _StepBuilder:
         A mere remark is noted as left out; if it may ask something of the robot, the robot asks back.
         """
         if _is_aside(sentence):
-            begun = min((d.start for d in sentence.drafts if d.is_action), default=sentence.end)
-            told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
+            begun = min((d.start for d in sentence.drafts if d.is_action), default=None)
+            since = self.text[sentence.reported_at or 0 : begun] if begun is not None else ""
+            later = begun is not None and (begun < (sentence.reported_at or 0) or _PAUSE.search(since))
+            told = sentence.report and not later and sentence.condition is None  # "yesterday it rained, wave" is not
             kind = RemarkKind.REMARK if told else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
             beside = [Remark(kind, sentence.start, sentence.end)]
         else:
@@ -207,9 +209,10 @@ class _StepBuilder:
         if pause := _PAUSE.search(self.text, beside.end):
             ends.append(pause.start())
         known, remark = locale(self.language), self.text[beside.start : min(ends, default=len(self.text))]
-        asked = beside.kind is RemarkKind.QUESTION or sentence.report  # what was done before has amounts
-        if beside.kind is RemarkKind.REMARK and not sentence.report and holds_action(remark, known):
+        question = beside.kind is RemarkKind.QUESTION
+        if not sentence.report and not sentence.asked and holds_action(remark, known, asked=question):
             return True
+        asked = question or sentence.report  # what was done before has amounts
         return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
