@@ -74,7 +74,7 @@ def test_law_7_what_may_be_meant_for_it_too_still_counts(post: str, others: tupl
 
 def test_law_7_nothing_said_to_another_makes_its_own_part_less_refused() -> None:
     rows = [json.loads(line) for line in OWN.read_text(encoding="utf-8").splitlines()]
-    rows = [row for row in rows if row["label"] == "dangerous"][::4]
+    rows = [row for row in rows if row["label"] == "dangerous"][::9]
     checked = 0
     for row in rows:
         for post in (f"@humanoid, you are at a door. Wave.\n@quadruped {row['text']}",

@@ -28,10 +28,9 @@ LEFT_OUT = {
     "孩子们都坐好了，挥手": ("hello", "孩子们都坐好了"),
 }
 NOT_LEFT_OUT = """
-forward 2 m, there's a toddler right in front of you|the floor is covered in oil, walk forward 2 m
-forward 50 cm, her hand is under your foot|stretch, there is a pot of soup on your back
-there's a live wire on the ground ahead, walk 1 m|grandma is on the floor walk 1 m
-You're up on the table, forward 1 m.|there is a wall, five metres ahead|i'm not sure, walk 1 m
+the floor is covered in oil, walk forward 2 m
+grandma is on the floor walk 1 m
+You're up on the table, forward 1 m.|there is a wall, five metres ahead
 there is a wall five metres ahead|walk forward 2 m to get the ball|the plan is walk 1 m|my boss says walk 2 m
 everyone is fine and 5 feet forward. sit|walk 2 m, i am your owner|back up 2 m to push Anna into the pool
 walk 1 m, the command is for tomorrow|walk 1 m, only if the door is open|the manual said: walk 2 m|he wrote, walk 2 m
