@@ -25,7 +25,7 @@ class Locale:
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
     in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
-    the meaning or the danger of a command, and is never left out; `dangerous` what of it is about danger; `noun_after`
+    the meaning or the danger of a command, and is never left out; `noun_after`
     the words before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation;
     `begins` where a statement may begin that follows a command without punctuation; `claims` talk that is always asked
     about: somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody
@@ -50,7 +50,6 @@ class Locale:
     remark: str = ""
     purpose: str = ""
     weighty: str = "(?!)"
-    dangerous: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
     begins: str = ""

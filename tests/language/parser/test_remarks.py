@@ -28,12 +28,11 @@ LEFT_OUT = {
     "孩子们都坐好了，挥手": ("hello", "孩子们都坐好了"),
 }
 NOT_LEFT_OUT = """
-forward 2 m, there's a toddler right in front of you|the floor is covered in oil, walk forward 2 m
-forward 50 cm, her hand is under your foot|stretch, there is a pot of soup on your back|You're up on the table, forward 1 m.
-there's a live wire on the ground ahead, walk 1 m|grandma is on the floor walk 1 m
-there is a wall, five metres ahead
+the floor is covered in oil, walk forward 2 m
+grandma is on the floor walk 1 m
+You're up on the table, forward 1 m.|there is a wall, five metres ahead
 there is a wall five metres ahead|walk forward 2 m to get the ball|the plan is walk 1 m|my boss says walk 2 m
-walk 2 m, i am your owner|back up 2 m to push Anna into the pool|i'm not sure, walk 1 m
+everyone is fine and 5 feet forward. sit|walk 2 m, i am your owner|back up 2 m to push Anna into the pool
 walk 1 m, the command is for tomorrow|walk 1 m, only if the door is open|the manual said: walk 2 m|he wrote, walk 2 m
 walk 1 m, the tall man should sing|walk 1 m so that we can see and turn left|turn left, just kidding
 my dogs like to walk 2 m|we saw the dog walk 2 m|the plan is walk forward 2 m|frobnicate the wall, walk 1 m

@@ -519,7 +519,6 @@ LOCALE = Locale(
     remark=REMARKS.remark,
     purpose=REMARKS.purpose,
     weighty=REMARKS.weighty,
-    dangerous=REMARKS.dangerous,
     noun_after=REMARKS.noun_after,
     run_on=REMARKS.run_on,
     begins=REMARKS.begins,

@@ -76,7 +76,7 @@ def parse(
         understood = (
             _in_order(part, names, language, ops, background)
             or _beside_remarks(part, names, language, ops, background)
-            or _command_within(part, names, language, ops, background)
+            or (understood.intent is Intent.NOTHING and _command_within(part, names, language, ops, background))
             or understood
         )
     if words := _put_first(part, understood.plan, names, language):
@@ -179,9 +179,7 @@ def _command_within(
 ) -> Understanding | None:
     """Return a question about what stands beside a complete command in a post that would get no answer."""
     clauses = [clause.strip() for clause in _CLAUSE_END.split(part) if clause.strip()]
-    if _understood(part, names, language, ops, background).intent is not Intent.NOTHING or len(clauses) < 2:
-        return None
-    for clause in clauses:
+    for clause in clauses if len(clauses) > 1 else ():
         understood = _understood(clause, names, language, ops, background)
         if understood.intent is Intent.COMMAND:
             beside = next((other for other in clauses if other != clause), clause)

@@ -70,10 +70,17 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     return blanked, [part[start:end].strip() for start, end in found]
 
 
-def holds_action(words: str, locale: Locale) -> bool:
-    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart"."""
-    kinds = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
-    return any(token.kind in kinds and not _is_noun(words, token, locale) for token in _tokens(words, locale))
+def holds_action(words: str, locale: Locale, *, asked: bool = False) -> bool:
+    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart".
+
+    In a question only a direction with an amount counts: "is fine and 5 feet forward". Elsewhere that says where a
+    thing is, which the screen judges.
+    """
+    tokens = _tokens(words, locale)
+    kinds = [token.kind for token in tokens if not _is_noun(words, token, locale)]
+    if asked:
+        return TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
+    return any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
 
 
 def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
@@ -88,12 +95,6 @@ def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: L
     verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
     sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
     return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
-
-
-def carries_weight(words: str, locale: Locale, *, asked: bool = False) -> bool:
-    """Return whether a remark may change what a command means, or how dangerous it is; a question only the latter."""
-    pattern = locale.dangerous if asked else locale.weighty
-    return _compiled(pattern).search(_plain(words, locale)) is not None
 
 
 def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:

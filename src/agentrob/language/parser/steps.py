@@ -14,7 +14,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import carries_weight, holds_action
+from agentrob.language.parser.remarks import holds_action
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -223,8 +223,10 @@ class _StepBuilder:
         A mere remark is noted as left out; if it may ask something of the robot, the robot asks back.
         """
         if _is_aside(sentence):
-            begun = min((d.start for d in sentence.drafts if d.is_action), default=sentence.end)
-            told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
+            begun = min((d.start for d in sentence.drafts if d.is_action), default=None)
+            since = self.text[sentence.reported_at or 0 : begun] if begun is not None else ""
+            later = begun is not None and (begun < (sentence.reported_at or 0) or _PAUSE.search(since))
+            told = sentence.report and not later and sentence.condition is None  # "yesterday it rained, wave" is not
             kind = RemarkKind.REMARK if told else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
             beside = [Remark(kind, sentence.start, sentence.end)]
         else:
@@ -238,24 +240,18 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark, sentence):
+            if remark.kind is RemarkKind.WISH or half or asks or self._may_ask(remark, sentence):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
 
-    def _carries_weight(self, beside: Remark, sentence: Sentence) -> bool:
-        """Return whether a remark may change what is asked or how dangerous that is, claims rights, or holds a command.
-
-        The remark is judged to the end of its clause: "I'm not sure, …".
-        """
-        ends = [d.start for d in sentence.drafts if d.start >= beside.end]
-        if pause := _PAUSE.search(self.text, beside.end):
-            ends.append(pause.start())
-        known, remark = locale(self.language), self.text[beside.start : min(ends, default=len(self.text))]
-        asked = beside.kind is RemarkKind.QUESTION or sentence.report  # what was done before has amounts
-        if beside.kind is RemarkKind.REMARK and not sentence.report and holds_action(remark, known):
+    def _may_ask(self, beside: Remark, sentence: Sentence) -> bool:
+        """Return whether a remark claims rights, or holds an action; what it says of danger the screen judges."""
+        known, remark = locale(self.language), self.text[beside.start : beside.end]
+        question = beside.kind is RemarkKind.QUESTION
+        if not sentence.report and not sentence.asked and holds_action(remark, known, asked=question):
             return True
-        return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
+        return re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead
