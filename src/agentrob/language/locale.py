@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from agentrob.language.parser.lexicon import Lexicon
+from agentrob.language.parser.lexicon import Lexicon, Token
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,8 @@ class Locale:
     adjective; `run_on` matches a whole
     statement that a command may follow without punctuation; `claims` matches talk that is always asked about: somebody
     who claims rights, or introduces what another person said; `put_first` matches words that put a later clause before
-    an earlier one.
+    an earlier one; `talk` matches posts that command nothing although they hold words of commands. `phrases` rewrites
+    the tokens of a post where several words mean something else than each by itself.
     """
 
     words: Lexicon
@@ -45,6 +46,8 @@ class Locale:
     run_on: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
+    talk: str = "(?!)"
+    phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
 
     @property
     def code(self) -> str:
