@@ -19,14 +19,15 @@ class Locale:
     lists words for all robots at once ("both of you"). `stated` is a regular expression for the beginning of
     a clause that states where something is and would otherwise be parsed as a command (前面五米是墙). `order` lists
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
-    for ("when"). The following are regular expressions for `parser.remarks`: `remark` matches clauses in the form of a
-    statement, purpose or reason; `purpose` matches where one begins within a clause; `weighty` matches clauses that may
-    change what a command means, and are never left out; `noun_after` matches the words before a noun or an
-    adjective; `run_on` matches a whole
-    statement that a command may follow without punctuation; `claims` matches talk that is always asked about: somebody
-    who claims rights, or introduces what another person said; `put_first` matches words that put a later clause before
-    an earlier one; `talk` matches posts that command nothing although they hold words of commands. `phrases` rewrites
-    the tokens of a post where several words mean something else than each by itself.
+    for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
+
+    Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
+    in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
+    the meaning or the danger of a command, and is never left out; `dangerous` what of it is about danger;
+    `noun_after` the words before a noun or an adjective;
+    `run_on` a whole statement that a command may follow without punctuation; `begins` where a statement may begin that
+    follows a command without punctuation; `claims` talk that is always asked about: somebody claims rights, or
+    introduces what another person said. `put_first` matches words that put a later clause before an earlier one.
     """
 
     words: Lexicon
@@ -42,11 +43,12 @@ class Locale:
     remark: str = ""
     purpose: str = ""
     weighty: str = "(?!)"
+    dangerous: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
+    begins: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
-    talk: str = "(?!)"
     phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
 
     @property

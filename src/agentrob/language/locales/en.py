@@ -9,6 +9,7 @@ from text_to_num import text2num
 from agentrob.language.locale import Locale
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
+from agentrob.language.remarks.english import WORDS as REMARKS
 
 #: With "the", a dog or robot is not the one that is spoken to.
 _AT_THE_DOG = "|".join(
@@ -321,7 +322,7 @@ TABLE = {
         |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
         |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think
         |i guess|i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location
-        |sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
+        |no hurry|no hurry at all|no rush at all|today|right now|sir|from your position|go on and|your body|your camera|with your camera|with the camera|everyone|everybody
         |all|both|each|each of you|of you|at normal speed|there you go|that would be great|that would be nice
         |at your own pace|final|last|feel free to""",
 }
@@ -385,75 +386,6 @@ def _decimals(said: str) -> float:
     return float("0." + "".join(str(text2num(word, "en")) for word in said.split()))
 
 
-_BE = r"(?:is|are|was|were|am)(?:n't)?"
-_FINITE = (
-    rf"(?:{_BE}|has|have|had|will|would|could|can|might|must|did|does|looks?|seems?|feels?|likes?|loves?|hates?"
-    r"|believes?|knows?|thinks?|wants?|needs?|works?|says?|smells?|sounds?|hopes?|lives?|trusts?|enjoys?|deserves?"
-    r"|went|came|bought|saw|got|took|made|died|swept|ran|won|lost|broke|slept|ate|built|gave|left|paid|forgot"
-    r"|brought|heard|found|met|taught|drove|flew|began|[a-z]{2,}ed|[a-z]+'(?:s|re|m|ve|ll))"
-)
-_SUBJECT = (
-    r"(?:the|my|our|his|her|their|your|its|this|that|these|those|a|an|some|all|both|most|every|each|no|any"
-    r"|every(?:one|body|thing)|no(?:body|thing|ne)|some(?:one|body|thing)|any(?:one|body|thing)|i|we|he|she|they|it"
-    r"|there|here|today|yesterday|dad|mum|mom|grandma|grandpa|even my|one of (?:us|them|my|our))"
-)
-_LEAD = r"(?:ok|okay|so|well|and|but|oh|ah|um|uh|hey|lol|haha|anyway|alright|by the way|btw|fyi|you know|see|look)"
-#: Why something is to be done, within a clause.
-_PURPOSE = (
-    r"\b(?:so that|because|'?cause|cuz|coz|in order to|so as to|just in case you wonder"
-    r"|so (?:i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the \w+|my \w+|our \w+)(?:'ll|'d)? (?!am\b)\w+)\b"
-)
-#: A statement (subject and verb), a purpose or a reason, or a standing setting that is on anyway.
-_REMARK = (
-    rf"^(?:{_LEAD} )*(?:{_SUBJECT}(?:'(?:s|re|m|ve|ll|d)\b|\b(?: [\w'-]+){{0,6}}? {_FINITE}\b)"
-    rf"|(?:i|we|they|he|she) \w+|you(?:'re| are| were| look| seem| went| did| must be)\b"
-    rf"|[a-z][\w-]*(?:'s| {_BE}| looks| seems| has| have)\b"
-    r"|so that\b|so (?:i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the|my|our)\b|because\b|'?cause\b"
-    r"|cuz\b|coz\b|in order to\b|so as to\b"
-    r"|to (?:get|see|show|avoid|make|let|help|test|line|fit|compare|have|be)\b(?= \w+ \w+)"
-    r"|(?:purpose|reason|note|context|background)$"
-    r"|(?:just )?(?:testing|curious|checking in)$|(?:no|what a|what an|happy|merry|such a|long live)"
-    r" (?:joke|hurry|rush|pressure|stress|big deal|doubt|offence|offense|day|view|nice \w+|lovely \w+|birthday|new year"
-    r"|christmas|easter|wonderful \w+|great \w+)\b"
-    r"|keep (?:the |your )?(?:obstacle|collision) (?:avoidance|detection|sensors?) (?:on|enabled|active)$)"
-)
-#: What may change the meaning or the danger of a command, or asks for something in the form of a statement.
-_WEIGHTY = (
-    r"\b(?:only|except|unless|instead|wrong|mistake\w*|forb[ia]d\w*|prohibit\w*|allow\w*|permi\w+|ban(?:s|ned)?|motion"
-    r"|moving|movements?|wait\w*|careful\w*|watch out|beware|mind the|ahead|in front|right there|edge|enough|mean|meant"
-    r"|tomorrow|tonight|later|commands?|orders?|posts?|example|ready|until|first|last one|rather|limit\w*|cancel\w*"
-    r"|stop\w*|halt\w*|too (?:far|much|fast|close|long|near|many)|more|less|metres?|meters?|steps?|degrees?|slow\w*|fast\w*"
-    r"|(?:in|on|under|behind|near|beside|below|above|around|at|by|to|towards?|over|against|before|between|with|of"
-    r"|inside|close to|next to|across|for|from|onto|into|round) (?:you|yourself|your \w+)"
-    r"|wet|oil\w*|icy?|ice|slipp\w*|spil\w*|covered|water|fires?|smoke|gas|wires?|broken|crack\w*|holes?|pits?|drop|asleep"
-    r"|sleeping|lying|lies|hurts?|fragile|loose|steep|blood|glass|hot|burn\w*|sharp|knife|knives|weapons?|off|disabled"
-    r"|unplugged|barefoot|blind|deaf|afraid|scared|danger\w*|risk\w*|safety|baby|toddler|secret\w*|hack\w*|password"
-    r"|you(?:'re| are| were)?(?: \w+){0,3} (?:on|in|under|at|near|above|against|inside|by|over|beside|next|up)\b"
-    r"|(?:want|need|like|love|wish|hope|expect|ask|order|prefer|require|ought|supposed|let|make|have)\w*"
-    r"(?: \w+){0,2}? (?:you|to|it|the robot|him)\b"
-    r"|i'd|we'd|i want|we want|i need|we need|i would|we would|should\w*|(?:don't|doesn't|didn't|do not|does not|not|never)"
-    r" (?:want|need|agree|like|mean|sure|think|care|trust|yet|do|go|now)\w*|(?:is|are|was|were|am|'s|'re|'m) not|isn't|aren't"
-    r"|haven't|hasn't|wasn't|weren't|won't|can't|cannot|wouldn't|couldn't"
-    r"|owners?|boss|admin\w*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)|developer|programmer"
-    r"|kidding|joking|jokes?|pretend\w*|(?:said|says?|wrote|writes?|told|tells?|asks?|asked|shout\w*|yell\w*|replie[ds]"
-    r"|answer\w*|suggest\w*|claim\w*|quote\w*|typed?|called|read|reads|heard|dream\w*|remember\w*|story|film|movie|book|game)"
-    r"(?! (?:it's|it is|it was|you're so|this is|hi|hello)\b)|what|which|who|whom|where|how|why|whether|please|pls|tell|let me|let us|show me|send|report)\b"
-)
-#: A whole statement, where a command follows it without a pause: "the kids have gone home move forward 1 m".
-_RUN_ON = (
-    rf"^(?:{_LEAD} )*(?:it's|that's|there's|i'm|we're|they're|you're|(?:my|the|our|your|all|nobody|everyone|everybody|it"
-    r"|i|we|you|they) (?:(?!who|that|which|where)[\w'-]+ ){0,5}?(?:is|are|am|was|were|has|have|had|died|swept|bought))"
-    r"(?! (?:to|not|how|what)\b)(?: (?!(?:to|if|when|who|that|which|see\w*|saw|watch\w*|make|made|let|help\w*|heard?"
-    r"|want\w*|like\w*|told|tell|say\w*|said|ask\w*|and|or|but|because|than)\b)[\w'-]+){1,8}?"
-    r"(?<!\bwill)(?<!\bcan)(?<!\bnot)(?<!\bdo)(?<!\bmust)(?<!\bshould)(?<!\bcould)(?<!\bwould)(?<!\bgoing)(?<!\byou)"
-    r"(?<!\bwe)(?<!\bi)(?<!\bthey)(?<!\bit)(?<!\bhe)(?<!\bshe)(?<!\bthem)(?<!\bof)(?<!\bin)(?<!\bfor)(?<!\bwith)(?<!\bthe)"
-    r"(?<!\bmy)(?<!\byour)(?<!\bour)(?<!\ba)(?<!\bno)(?<!\bjust)(?<!\bmay)(?<!\bmight)(?<!\bcannot)(?<!n't)"
-    r"(?<!people)(?<!\bdogs)(?<!\brobots)(?<!\bkids)(?<!\bis)(?<!\bare)(?<!\bwas)(?<!\bto)(?<!'s)(?<!ing)(?<!'m)(?<!'re)$"
-)
-_NOUN_AFTER = (
-    r"(?:^|\s)(?:the|a|an|my|our|his|her|their|its|this|that|is|are|was|were|\w+'s|wide|very|still|already|new|last|next|your"
-    r"|no|any|of|for|at|on|some|good|great)\s+$"
-)
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,
@@ -463,11 +395,13 @@ LOCALE = Locale(
         |after which|later|subsequently|thereafter|at the end|in the end""",
     waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
         |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
-    remark=_REMARK,
-    purpose=_PURPOSE,
-    weighty=_WEIGHTY,
-    noun_after=_NOUN_AFTER,
-    run_on=_RUN_ON,
+    remark=REMARKS.remark,
+    purpose=REMARKS.purpose,
+    weighty=REMARKS.weighty,
+    dangerous=REMARKS.dangerous,
+    noun_after=REMARKS.noun_after,
+    run_on=REMARKS.run_on,
+    begins=REMARKS.begins,
     put_first=r"(?:[,;.]|\b(?:and|but|then)\b)[^,;.]*(?<!at )\bfirst\W*$",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
 )

@@ -1,7 +1,7 @@
 """Chinese phrases of several words that mean less or more than their words one by one.
 
-Each function takes the tokens of a post and returns them rewritten: 左右各转30度 becomes two turns, 向老人挥手 a gesture,
-拍一张院子的照片 a picture. Positions stay, so that questions and notes quote the post.
+Each function takes the tokens of a post and returns them rewritten: 左右各转30度 becomes two turns, 向老人挥手 a
+gesture, 拍一张院子的照片 a picture. Positions stay, so that questions and notes quote the post.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
 def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
     """Rewrite the tokens of a Chinese post; `text` is the post."""
     said = text.translate(TWINS)
-    found = list(tokens)
-    for rewrite in (_stated, _timed, _waits, _after, _put_first, _gone, _with_recipients, _of_subjects, _counted_ahead, _shared):
-        found = rewrite(found, said)
+    found, characters = list(tokens), set(said)
+    for rewrite, needed in _REWRITES:
+        if characters & needed:
+            found = rewrite(found, said)
     return found
 
 
@@ -70,7 +71,7 @@ def _timed(tokens: list[Token], said: str) -> list[Token]:
             found[-1] = Token(TokenKind.DURATION, value * unit, number.start, token.end - 1)
             found.append(Token(TokenKind.AND, None, token.end - 1, token.end))
         else:
-            found.append(tokens[at])
+            found.append(token)
     return found
 
 
@@ -102,7 +103,9 @@ def _put_first(tokens: list[Token], said: str) -> list[Token]:
     first = tokens[at + 1 : at + 2]
     later, sooner = tokens[:at], tokens[at + 1 :]
     ends = [t.kind for t in sooner if t.kind in _BREAKS]
-    simple = all(t.kind in (TokenKind.OP, TokenKind.SOFT) for t in later) and not any(k is not TokenKind.END for k in ends)
+    simple = all(t.kind in (TokenKind.OP, TokenKind.SOFT) for t in later) and not any(
+        k is not TokenKind.END for k in ends
+    )
     if not at or not first or _text(first[0], said) != "先" or not simple or len(ends) > 1:
         return tokens
     end = [t for t in sooner if t.kind is TokenKind.END]
@@ -137,7 +140,10 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
         if token.kind is TokenKind.BEYOND and measured and directed and re.fullmatch("走?(?:过|出)[来去]", words):
             found.append(replace(token, kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
         elif token.kind is TokenKind.AGAIN and token.value == "back" and measured and words[0] == "退":
-            found += [replace(token, kind=TokenKind.MOVE, value=None), replace(token, kind=TokenKind.DIR, value="backward")]
+            found += [
+                replace(token, kind=TokenKind.MOVE, value=None),
+                replace(token, kind=TokenKind.DIR, value="backward"),
+            ]
         else:
             found.append(token)
     return found
@@ -178,7 +184,7 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
-    """拍一张院子的照片, 把眼前的东西拍下来: what the picture shows; what is beside or behind the robot is asked about."""
+    """拍一张院子的照片, 把眼前的东西拍下来: what the picture shows; what is beside or behind is asked about."""
     found: list[Token] = []
     at = 0
     while at < len(tokens):
@@ -292,3 +298,18 @@ def _fits(items: Sequence[Sequence[Token]], verbs: Sequence[Token], amount: Toke
         if not sided or amount.kind not in wanted.get(kind, (TokenKind.LENGTH, TokenKind.STEPS, TokenKind.DURATION)):
             return False
     return True
+
+
+#: Each rewriting, in this order, and characters of which it needs one: most posts need none.
+_REWRITES = (
+    (_stated, frozenset("是有")),
+    (_timed, frozenset("后")),
+    (_waits, frozenset("停不别")),
+    (_after, frozenset("后")),
+    (_put_first, frozenset("前")),
+    (_gone, frozenset("过出退")),
+    (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
+    (_of_subjects, frozenset("的把将")),
+    (_counted_ahead, frozenset("次遍回个下")),
+    (_shared, frozenset("各别")),
+)

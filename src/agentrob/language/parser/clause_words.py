@@ -238,7 +238,8 @@ class SentenceState:
         """Extend the current remark to this token."""
         if self.remark is None:
             return
-        self.remark.end = token.end
+        after = self.soft_after.get(self.at)
+        self.remark.end = after[-1].end if after else token.end
         self.remark.beyond |= token.kind is TokenKind.MORE_STOP  # 有人就停，走两米
         if self.mode is Mode.TALK and (self.begins or self.remark.kind is RemarkKind.WISH):
             goes = token.kind is TokenKind.DIR and self._next() in (*_ACTIONS, *AMOUNTS)  # 往前走

@@ -21,7 +21,23 @@ _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)
 #: After a clause: it is a question, or it introduces what somebody said.
 _LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？:：]")
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.BEYOND, TokenKind.AGAIN)
+#: Tokens with which a command may begin after a statement.
+_BEGINNING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.SHOW, TokenKind.DIR, TokenKind.REQUEST)
+#: Tokens that belong to them: "… and turn", "… slowly walk", "6 feet forward".
+_BEFORE_BEGINNING = (
+    TokenKind.AND,
+    TokenKind.COMMA,
+    TokenKind.SLOW,
+    TokenKind.FASTER,
+    TokenKind.LENGTH,
+    TokenKind.ANGLE,
+    TokenKind.MOVE,
+    TokenKind.TURN,
+    TokenKind.OP,
+)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
+#: Longer clauses are not split, so that parsing stays fast.
+_LONGEST_RUN_ON = 200
 #: Tokens that ask for something, or change what is asked.
 _MEANT = (
     TokenKind.REQUEST,
@@ -45,44 +61,67 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     """Blank out the remarks of a post; also return them, in order."""
     if not locale.remark:
         return part, []
-    found = [(start, end) for start, end in _clauses(part, locale) if _is_remark(part[start:end], locale)]
+    found = [span for span in _clauses(part, locale) if _is_remark(part[span[0] : span[1]], locale)]
     blanked = part
     for start, end in found:
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
 
 
+def carries_weight(words: str, locale: Locale, *, asked: bool = False) -> bool:
+    """Return whether a remark may change what a command means, or how dangerous it is; a question only the latter."""
+    pattern = locale.dangerous if asked else locale.weighty
+    return _compiled(pattern).search(_plain(words, locale)) is not None
+
+
 def _clauses(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
-    """Yield the clauses between punctuation marks, each split where a purpose or reason begins. Questions and
-    what introduces a quotation are passed over."""
+    """Yield the clauses between punctuation marks, each split where a purpose or a reason begins, or where a statement
+    and a command meet. Questions and what introduces a quotation are passed over."""
     purpose = _compiled(locale.purpose) if locale.purpose else None
     for match in _CLAUSE.finditer(part):
         if not match[0].strip() or _LEADS_ON.match(part, match.end()):
             continue
-        begun = purpose.search(match[0]) if purpose else None
-        if begun and match[0][: begun.start()].strip():
-            yield match.start(), match.start() + begun.start()
-            yield match.start() + begun.start(), match.end()
-        elif told := _statement_before_action(match[0], locale):
-            yield match.start(), match.start() + told
+        begun = purpose.search(match[0].lower()) if purpose else None
+        at = begun.start() if begun and match[0][: begun.start()].strip() else _meeting(match[0], locale)
+        if at:
+            yield match.start(), match.start() + at
+            yield match.start() + at, match.end()
         else:
             yield match.start(), match.end()
 
 
-def _statement_before_action(clause: str, locale: Locale) -> int:
-    """Return the length of a statement that a command follows without a pause; 0 if there is none."""
-    if not locale.run_on:
+def _meeting(clause: str, locale: Locale) -> int:
+    """Return where a statement and a command meet without a pause, in either order; 0 if nowhere."""
+    if not locale.run_on or len(clause) > _LONGEST_RUN_ON:
         return 0
-    tokens, _ = tokens_of(clause, locale.words)
-    first = next((t for t in tokens if t.kind in _ACTIONS and not _is_noun(clause, t, locale)), None)
-    if first is None or first.kind is TokenKind.BEYOND:
+    tokens = _tokens(clause, locale)
+    at = next((i for i, t in enumerate(tokens) if t.kind in _BEGINNING and not _is_noun(clause, t, locale)), None)
+    if at is None:
         return 0
-    said = " ".join(clause[: first.start].lower().replace("’", "'").split())
-    return first.start if _compiled(locale.run_on).search(said) else 0
+    first = tokens[at]
+    while at and tokens[at - 1].kind in _BEFORE_BEGINNING:
+        at -= 1
+    before = clause[: tokens[at].start]
+    if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
+        return tokens[at].start
+    for begun in _compiled(locale.begins).finditer(clause.lower(), first.end):
+        statement = clause[begun.start() :]
+        if _compiled(locale.run_on).search(_plain(statement, locale)) and _is_remark(statement, locale):
+            return begun.start()
+    return 0
+
+
+def _tokens(clause: str, locale: Locale) -> list[Token]:
+    tokens = with_pictures(with_amounts(tokens_of(clause, locale.words)[0], clause))
+    return locale.phrases(tokens, clause) if locale.phrases else tokens
+
+
+def _plain(words: str, locale: Locale) -> str:
+    return " ".join(words.lower().replace("’", "'").translate(locale.words.twins).split())
 
 
 def _is_remark(clause: str, locale: Locale) -> bool:
-    said = " ".join(clause.lower().replace("’", "'").translate(locale.words.twins).split())
+    said = _plain(clause, locale)
     if not _compiled(locale.remark).search(said):
         return False
     return not _compiled(locale.weighty).search(said) and not _commands(clause, locale)
@@ -90,8 +129,7 @@ def _is_remark(clause: str, locale: Locale) -> bool:
 
 def _commands(clause: str, locale: Locale) -> bool:
     """Return whether a clause holds words that may command something."""
-    tokens, _ = tokens_of(clause, locale.words)
-    tokens = with_pictures(with_amounts(tokens, clause))
+    tokens = _tokens(clause, locale)
     kinds = [token.kind for token in tokens]
     if any(kind in _MEANT for kind in kinds):
         return True

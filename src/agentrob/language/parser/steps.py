@@ -14,6 +14,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import TokenKind
+from agentrob.language.parser.remarks import carries_weight
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -172,11 +173,16 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            claims = re.search(locale(self.language).claims, words.lower()) is not None
-            if remark.kind is RemarkKind.WISH or half or asks or claims:
+            if remark.kind is RemarkKind.WISH or half or asks or self._carries_weight(remark):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
+
+    def _carries_weight(self, beside: Remark) -> bool:
+        """Return whether a remark may change what is asked, or how dangerous that is, or claims rights."""
+        known, remark = locale(self.language), self.text[beside.start : beside.end]
+        asked = beside.kind is RemarkKind.QUESTION
+        return carries_weight(remark, known, asked=asked) or re.search(known.claims, remark.lower()) is not None
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead
