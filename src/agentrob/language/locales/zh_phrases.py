@@ -22,7 +22,7 @@ _PERSON = (
 #: For whom a gesture is: perhaps described, with a known head or a short name.
 _RECIPIENT = re.compile(
     rf"(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
-    rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?)?{_PERSON}|(?:[那这][位个])?(?!{_PERSON})[^的，。]{{1,3}}"
+    rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON})[^的，。]{{1,3}}"
 )
 _PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
 _GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
@@ -60,7 +60,7 @@ def _next(tokens: Sequence[Token], at: int) -> Token | None:
 def _timed(tokens: list[Token], said: str) -> list[Token]:
     """走三秒后拍照: for three seconds, and then; 三秒后拍照 stays a delay."""
     found: list[Token] = []
-    for at, token in enumerate(tokens):
+    for token in tokens:
         number = found[-1] if found else None
         later = token.kind is TokenKind.CONDITION and token.value == "later" and _text(token, said)[0] in "秒分"
         motion = _before(found, len(found) - 1)
@@ -83,6 +83,21 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
         there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
         if token.kind is TokenKind.DIR and tokens[at + 1].kind in (TokenKind.LENGTH, TokenKind.STEPS) and there:
             found[at] = replace(token, kind=TokenKind.WORD, value=None)
+    return found
+
+
+def _told(tokens: list[Token], said: str) -> list[Token]:
+    """大家鼓掌了: others did it."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        who, following = tokens[at - 1] if at else None, tokens[at + 1 : at + 3]
+        others = (
+            who is not None and who.kind is TokenKind.SOFT and re.fullmatch("大家|同学|朋友|先生", _text(who, said))
+        )
+        ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
+        if token.kind in _VERBS and others and ended:
+            found.append(Token(TokenKind.REPORT, None, token.start, token.start))
+        found.append(token)
     return found
 
 
@@ -165,12 +180,13 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
         while end < len(tokens) and _is_noun(tokens[end]):
             end += 1
         words, op = _text(token, said), tokens[end] if end < len(tokens) else token
-        noun = said[token.end : op.start].strip()
+        prepared = token.start + 1 if words in ("给我", "给咱", "给我们", "给咱们") else token.end
+        noun = said[prepared : op.start].strip()
         sided = any(t.kind is TokenKind.DIR for t in tokens[at + 1 : end])
         known = _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
         gesture = op.kind is TokenKind.OP and op.value is not None and str(op.value).split("/")[0] in _GESTURES
-        pictured = op.value == Op.GET_FRONT_IMAGE and words in ("给", "为", "替", "帮")
-        if end > at + 1 and words in _PREPOSITIONS and (gesture or pictured) and known:
+        pictured = op.value == Op.GET_FRONT_IMAGE and words[0] in "给为替帮"
+        if end > at + 1 and (words in _PREPOSITIONS or prepared < token.end) and (gesture or pictured) and known:
             found.append(replace(op, start=token.start))
             at = end + 1
             continue
@@ -303,6 +319,7 @@ def _fits(items: Sequence[Sequence[Token]], verbs: Sequence[Token], amount: Toke
 #: Each rewriting, in this order, and characters of which it needs one: most posts need none.
 _REWRITES = (
     (_stated, frozenset("是有")),
+    (_told, frozenset("了")),
     (_timed, frozenset("后")),
     (_waits, frozenset("停不别")),
     (_after, frozenset("后")),
