@@ -129,10 +129,11 @@ def _put_first(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _after(tokens: list[Token], said: str) -> list[Token]:
-    """前进一米后左转: 后 is no direction between what is done and what comes next."""
+    """前进一米后左转, 挥手完坐下: no direction, but what joins what is done and what comes next."""
     found = list(tokens)
     for at, token in enumerate(tokens):
-        if token.kind is not TokenKind.DIR or _text(token, said) != "后":
+        words = _text(token, said)
+        if not (token.kind is TokenKind.DIR and words == "后") and not (token.kind is TokenKind.SOFT and words == "完"):
             continue
         before, following = _before(tokens, at), _next(tokens, at)
         done = before is not None and before.kind in (*_AMOUNTS, TokenKind.OP, TokenKind.TURN)
@@ -170,6 +171,40 @@ def _is_noun(token: Token) -> bool:
     return plain or token.kind in (TokenKind.SOFT, TokenKind.DIR)
 
 
+def _begun(tokens: list[Token], said: str) -> list[Token]:
+    """再拍 at the end: a picture; 我想看挥手: that is wanted; 坐下再站起来，做两遍: all of it again."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        words, following, before = _text(token, said), _next(tokens, at), found[-1] if found else None
+        ends = following is None or following.kind in _BREAKS
+        if token.kind is TokenKind.SHOW and words == "拍" and ends:
+            found.append(replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
+        elif token.kind is TokenKind.TURN and words == "看" and before is not None and before.kind is TokenKind.REQUEST:
+            wanted = following is not None and following.kind is TokenKind.OP and following.value != Op.GET_FRONT_IMAGE
+            found += [] if wanted else [token]
+        elif words in ("做", "来", "连做") and before is not None and before.kind is TokenKind.COMMA:
+            after = [t.kind for t in tokens[at + 1 : at + 3] if t.kind is not TokenKind.SOFT]
+            again = after[:1] == [TokenKind.TIMES] and (len(after) == 1 or after[1] in _BREAKS)
+            found.append(replace(token, kind=TokenKind.AGAIN, value="this") if again else token)
+        else:
+            found.append(token)
+    return found
+
+
+def _looked(tokens: list[Token], said: str) -> list[Token]:
+    """看一眼拍个照: one picture in two words."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        pair = [t for t in tokens[at + 1 : at + 4] if t.kind is not TokenKind.SOFT]
+        looks = token.value == Op.GET_FRONT_IMAGE and [t.value for t in pair[:1]] == ["look"]
+        if looks and [t.value for t in pair[1:2]] == [Op.GET_FRONT_IMAGE]:
+            continue
+        if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
+            continue
+        found.append(token)
+    return found
+
+
 def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
     """Drop for whom a gesture is, 向老人挥手; towards somebody, 朝大家走一米, is a place."""
     found: list[Token] = []
@@ -180,7 +215,9 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
         while end < len(tokens) and _is_noun(tokens[end]):
             end += 1
         words, op = _text(token, said), tokens[end] if end < len(tokens) else token
-        prepared = token.start + 1 if words in ("给我", "给咱", "给我们", "给咱们") else token.end
+        ahead = token.kind is TokenKind.DIR and words[0] in "向朝往冲" and said[token.end : token.end + 1] == "的"
+        to_me = words in ("给我", "给咱", "给我们", "给咱们")
+        prepared = token.start + 1 if to_me or ahead else token.end
         noun = said[prepared : op.start].strip()
         sided = any(t.kind is TokenKind.DIR for t in tokens[at + 1 : end])
         known = _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
@@ -322,9 +359,11 @@ _REWRITES = (
     (_told, frozenset("了")),
     (_timed, frozenset("后")),
     (_waits, frozenset("停不别")),
-    (_after, frozenset("后")),
+    (_after, frozenset("后完")),
     (_put_first, frozenset("前")),
     (_gone, frozenset("过出退")),
+    (_begun, frozenset("拍看做来")),
+    (_looked, frozenset("看瞧瞅")),
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
     (_of_subjects, frozenset("的把将")),
     (_counted_ahead, frozenset("次遍回个下")),

@@ -102,7 +102,8 @@ def _meeting(clause: str, locale: Locale) -> int:
     while at and tokens[at - 1].kind in _BEFORE_BEGINNING:
         at -= 1
     before = clause[: tokens[at].start]
-    if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
+    place = first.kind is TokenKind.DIR and tokens[at] is not first  # "there is a wall five metres ahead"
+    if before.strip() and not place and _compiled(locale.run_on).search(_plain(before, locale)):
         return tokens[at].start
     for begun in _compiled(locale.begins).finditer(clause.lower(), first.end):
         statement = clause[begun.start() :]
