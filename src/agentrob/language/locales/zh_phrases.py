@@ -21,10 +21,11 @@ _PERSON = (
 )
 #: For whom a gesture is: perhaps described, with a known head or a short name.
 _RECIPIENT = re.compile(
-    rf"(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
-    rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON})[^的，。]{{1,3}}"
+    rf"(?![给向对跟和朝冲往为把])(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
+    rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON}|[给向对跟和朝冲往为])[^的，。]{{1,3}}"
 )
 _PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
+_SOFT_PERSON = re.compile("大家|大伙|同学|朋友|先生|各位|你们?|您|每个人")
 _GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
 _ROBOT = re.compile("机器人|机器狗|小机器人|底盘|小车|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩")
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.TIMES)
@@ -220,7 +221,10 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
         prepared = token.start + 1 if to_me or ahead else token.end
         noun = said[prepared : op.start].strip()
         sided = any(t.kind is TokenKind.DIR for t in tokens[at + 1 : end])
-        known = _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
+        named = any(
+            t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in tokens[at + 1 : end]
+        )
+        known = named and _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
         gesture = op.kind is TokenKind.OP and op.value is not None and str(op.value).split("/")[0] in _GESTURES
         pictured = op.value == Op.GET_FRONT_IMAGE and words[0] in "给为替帮"
         if end > at + 1 and (words in _PREPOSITIONS or prepared < token.end) and (gesture or pictured) and known:
