@@ -25,6 +25,8 @@ _RECIPIENT = re.compile(
     rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON}|[给向对跟和朝冲往为])[^的，。]{{1,3}}"
 )
 _PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
+#: The most tokens of the words for a person or thing; unknown words have one for each character.
+_LONGEST_NOUN = 20
 _SOFT_PERSON = re.compile("大家|大伙|同学|朋友|先生|各位|你们?|您|每个人")
 _GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
 _ROBOT = re.compile("机器人|机器狗|小机器人|底盘|小车|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩")
@@ -212,23 +214,9 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
     at = 0
     while at < len(tokens):
         token = tokens[at]
-        end = at + 1
-        while end < len(tokens) and _is_noun(tokens[end]):
-            end += 1
-        words, op = _text(token, said), tokens[end] if end < len(tokens) else token
-        ahead = token.kind is TokenKind.DIR and words[0] in "向朝往冲" and said[token.end : token.end + 1] == "的"
-        to_me = words in ("给我", "给咱", "给我们", "给咱们")
-        prepared = token.start + 1 if to_me or ahead else token.end
-        noun = said[prepared : op.start].strip()
-        sided = any(t.kind is TokenKind.DIR for t in tokens[at + 1 : end])
-        named = any(
-            t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in tokens[at + 1 : end]
-        )
-        known = named and _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
-        gesture = op.kind is TokenKind.OP and op.value is not None and str(op.value).split("/")[0] in _GESTURES
-        pictured = op.value == Op.GET_FRONT_IMAGE and words[0] in "给为替帮"
-        if end > at + 1 and (words in _PREPOSITIONS or prepared < token.end) and (gesture or pictured) and known:
-            found.append(replace(op, start=token.start))
+        begun = _begin_of_recipient(token, said)
+        if begun and (end := _end_of_recipient(tokens, at, begun, said)):
+            found.append(replace(tokens[end], start=token.start))
             at = end + 1
             continue
         found.append(token)
@@ -240,6 +228,37 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
     return found
 
 
+def _begin_of_recipient(token: Token, said: str) -> int:
+    """Return where the words for somebody begin after a preposition, 0 if this is none: 给|奶奶, 给|我妈."""
+    words = _text(token, said)
+    if words in _PREPOSITIONS:
+        return token.end
+    described = token.kind is TokenKind.DIR and said[token.end : token.end + 1] == "的"
+    mine = words in ("给我", "给咱", "给我们", "给咱们")
+    return token.start + 1 if mine or (described and words[:1] in ("向", "朝", "往", "冲")) else 0
+
+
+def _end_of_recipient(tokens: Sequence[Token], at: int, begun: int, said: str) -> int:
+    """Return the position of the gesture that is for somebody, 0 if there is none; a picture may be taken for them."""
+    end = _end_of_noun(tokens, at + 1)
+    between = tokens[at + 1 : end]
+    op = str(tokens[end].value).split("/")[0] if end < len(tokens) and tokens[end].kind is TokenKind.OP else ""
+    if op not in _GESTURES and not (op == Op.GET_FRONT_IMAGE and said[tokens[at].start] in "给为替帮"):
+        return 0
+    noun = said[begun : tokens[end].start].strip()
+    named = any(t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in between)
+    sided = any(t.kind is TokenKind.DIR for t in between)
+    known = named and _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
+    return end if known else 0
+
+
+def _end_of_noun(tokens: Sequence[Token], at: int) -> int:
+    end = at
+    while end < len(tokens) and end - at < _LONGEST_NOUN and _is_noun(tokens[end]):
+        end += 1
+    return end
+
+
 def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
     """拍一张院子的照片, 把眼前的东西拍下来: what the picture shows; what is beside or behind is asked about."""
     found: list[Token] = []
@@ -249,8 +268,7 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
         end = at + 1
         count = next((t for t in tokens[end : end + 1] if t.kind in (TokenKind.TIMES, TokenKind.NUMBER)), None)
         end += count is not None
-        while end < len(tokens) and _is_noun(tokens[end]):
-            end += 1
+        end = _end_of_noun(tokens, end)
         goal = tokens[end] if end < len(tokens) else token
         between = tokens[at + 1 : end]
         ahead = not any(t.kind is TokenKind.DIR and t.value in _SIDES for t in between)
