@@ -98,6 +98,7 @@ UNDERSTOOD = {
         "鼓掌以后比个心": "clap heart",
         "首先坐下，其次挥手，末了鼓掌": "sit hello clap",
         "坐下之前先挥手": "hello sit",
+        "拍照之前先来个后空翻！往前走30公分": "backflip photo F0.3",
     },
     "politeness and particles": {
         "劳驾您往前走一米呗": "F1",

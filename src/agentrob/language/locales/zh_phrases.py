@@ -84,7 +84,8 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
     for at, token in enumerate(tokens[:-1]):
         following = _next(tokens, at + 1)
         there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
-        if token.kind is TokenKind.DIR and tokens[at + 1].kind in (TokenKind.LENGTH, TokenKind.STEPS) and there:
+        place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
+        if token.kind is TokenKind.DIR and place and tokens[at + 1].kind in _AMOUNTS and there:
             found[at] = replace(token, kind=TokenKind.WORD, value=None)
     return found
 
@@ -116,19 +117,15 @@ def _waits(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _put_first(tokens: list[Token], said: str) -> list[Token]:
-    """坐下之前先转一圈: the other way round, where nothing else follows."""
+    """坐下之前先转一圈: the other way round, where nothing else is said in the sentence."""
     at = next((n for n, t in enumerate(tokens) if t.kind is TokenKind.CONDITION and _text(t, said) == "之前"), 0)
-    first = tokens[at + 1 : at + 2]
-    later, sooner = tokens[:at], tokens[at + 1 :]
-    ends = [t.kind for t in sooner if t.kind in _BREAKS]
-    simple = all(t.kind in (TokenKind.OP, TokenKind.SOFT) for t in later) and not any(
-        k is not TokenKind.END for k in ends
-    )
-    if not at or not first or _text(first[0], said) != "先" or not simple or len(ends) > 1:
+    end = next((n for n, t in enumerate(tokens) if n > at and t.kind is TokenKind.END), len(tokens))
+    later, sooner = tokens[:at], tokens[at + 1 : end]
+    plain = all(t.kind in (TokenKind.OP, TokenKind.SOFT) for t in later) and not any(t.kind in _BREAKS for t in sooner)
+    if not at or not plain or not sooner or _text(sooner[0], said) != "先":
         return tokens
-    end = [t for t in sooner if t.kind is TokenKind.END]
     both = Token(TokenKind.AND, None, tokens[at].start, tokens[at].end)
-    return [*(t for t in sooner if t.kind is not TokenKind.END), both, *later, *end]
+    return [*sooner, both, *later, *tokens[end:]]
 
 
 def _after(tokens: list[Token], said: str) -> list[Token]:
