@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from agentrob.language.parser.lexicon import Lexicon
+from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import OrderWords
 from agentrob.language.talk.forms import TalkForms
 
@@ -21,7 +21,7 @@ class Locale:
     lists words for all robots at once ("both of you"). `stated` is a regular expression for the beginning of
     a clause that states where something is and would otherwise be parsed as a command (前面五米是墙). `order` lists
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
-    for ("when").
+    for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
     in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
@@ -59,6 +59,7 @@ class Locale:
     talk: TalkForms = TalkForms()
     in_order: OrderWords | None = None
     called: str = ""
+    phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
 
     @property
     def code(self) -> str:

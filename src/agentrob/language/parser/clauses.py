@@ -305,10 +305,23 @@ class _Reader(SentenceState):
         cur.scene = token.start == cur.start
         if token.value is not None:
             cur.watched = True
-            if token.value == "watch" and cur.joined and (before := self.sentence.drafts[-2]).op is not cur.op:
-                cur.unknown.append((before.start, token.end))  # 挥手给大家看看
+            if token.value in ("watch", "others") and cur.joined:
+                self._watch(cur, self.sentence.drafts[-2], token)
+                cur = self.cur or cur
         if not cur.closed and cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
             self.mode = Mode.SUBJECT
+
+    def _watch(self, cur: Draft, before: Draft, token: Token) -> None:
+        """Handle what others are to look at: a turn is seen itself, 转一圈给大家看看; 挥手给大家看看 is asked back."""
+        amount = before.amount
+        whole = amount is not None and amount.kind is TokenKind.ANGLE and not _value(amount) % 360
+        turns = before.is_motion and before.verb is TokenKind.TURN and amount is not None and not before.unknown
+        if turns and (whole or token.value == "others"):
+            self.sentence.drafts.remove(cur)
+            before.watched, self.cur = True, before
+            self.mode = Mode.SUBJECT
+        elif before.op is not cur.op:
+            cur.unknown.append((before.start, token.end))
 
     def _picture(self, token: Token) -> None:
         cur = self._open()

@@ -275,11 +275,13 @@ def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = locale(language).words
-    called = _without_names(without_statements(part, locale(language).stated), names, words)
+    called = _without_names(without_statements(part, locale(language).stated, words.twins), names, words)
     if pet_names := locale(language).called:
         called = re.sub(pet_names, _without_name, called, flags=re.IGNORECASE)
     tokens, mistyped = tokens_of(called, words)
-    return sentences_of(with_pictures(with_amounts(tokens, called))), mistyped
+    tokens = with_pictures(with_amounts(tokens, called))
+    phrases = locale(language).phrases
+    return sentences_of(phrases(tokens, called) if phrases else tokens), mistyped
 
 
 def _without_name(call: re.Match[str]) -> str:

@@ -397,10 +397,10 @@ def _slips(word: str) -> Iterator[str]:
 _CLAUSE = re.compile(r"(?:[^，,。.！!？?；;：:\n]|(?<=\d)\.(?=\d))+")
 
 
-def without_statements(part: str, stated: str) -> str:
+def without_statements(part: str, stated: str, twins: Mapping[int, int] | None = None) -> str:
     """Blank out clauses that state where something is, so that they are not parsed as commands: 前面五米是墙.
 
-    `stated` is a language's pattern for their beginning. Questions stay.
+    `stated` is a language's pattern for their beginning, in the standard characters of `twins`. Questions stay.
     """
     if not stated:
         return part
@@ -408,7 +408,7 @@ def without_statements(part: str, stated: str) -> str:
 
     def blank(clause: re.Match[str]) -> str:
         asked = part[clause.end() : clause.end() + 1] in ("?", "？")
-        found = None if asked else said.match(clause[0])
+        found = None if asked else said.match(clause[0].translate(twins or {}))
         return " " * found.end() + clause[0][found.end() :] if found else clause[0]
 
     return _CLAUSE.sub(blank, part)

@@ -127,7 +127,8 @@ def _meeting(clause: str, locale: Locale) -> int:
     if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
         return 0
     before = clause[: tokens[at].start]
-    if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
+    place = first.kind is TokenKind.DIR and tokens[at] is not first  # "there is a wall five metres ahead"
+    if before.strip() and not place and _compiled(locale.run_on).search(_plain(before, locale)):
         return tokens[at].start
     for begun in _compiled(locale.begins).finditer(clause.lower(), first.end):
         statement = clause[begun.start() :]
@@ -139,7 +140,8 @@ def _meeting(clause: str, locale: Locale) -> int:
 
 
 def _tokens(clause: str, locale: Locale) -> list[Token]:
-    return with_pictures(with_amounts(tokens_of(clause, locale.words)[0], clause))
+    tokens = with_pictures(with_amounts(tokens_of(clause, locale.words)[0], clause))
+    return locale.phrases(tokens, clause) if locale.phrases else tokens
 
 
 def _plain(words: str, locale: Locale) -> str:
@@ -166,8 +168,7 @@ def _commands(clause: str, locale: Locale) -> bool:
 
 def names_deed(clause: str, locale: Locale) -> bool:
     """Return whether a clause names a deed: an action other than a noun, a request, or a direction with an amount."""
-    tokens, _ = tokens_of(clause, locale.words)
-    tokens = with_pictures(with_amounts(tokens, clause))
+    tokens = _tokens(clause, locale)
     kinds = [token.kind for token in tokens]
     if TokenKind.REQUEST in kinds or (TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)):
         return True
