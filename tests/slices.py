@@ -37,14 +37,15 @@ def has_marker(path: Path, marker: str) -> bool:
     return f"mark.{marker}" in path.read_text(encoding="utf-8")
 
 
-def files_with(marker: str) -> list[str]:
-    """Every test file that uses this marker, relative to the repository."""
+@cache
+def files_with(marker: str) -> tuple[str, ...]:
+    """Every test file that uses this marker, relative to the repository. Cached, since it reads all of them."""
     files = sorted((ROOT / "tests").rglob("test_*.py"))
-    return [str(path.relative_to(ROOT)) for path in files if has_marker(path, marker)]
+    return tuple(str(path.relative_to(ROOT)) for path in files if has_marker(path, marker))
 
 
 def slow_files() -> list[str]:
-    return files_with("slow")
+    return list(files_with("slow"))
 
 
 def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[str]]:

@@ -3,54 +3,49 @@
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.agent.agent_scene import FINAL, ROBOT, Driver
-from tests.board.running_board import RunningBoard
-
-_AGENT = """
-import asyncio, sys
-from pathlib import Path
 from agentrob.agent.agent import RobotAgent
-from agentrob.process.logs import log_to_stderr
 from agentrob.config.forum import ForumConfig
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
+from agentrob.process.logs import log_to_stderr
 from agentrob.robots.driver.client import DriverClient
-name, settings, socket, data, url, token = sys.argv[1:]
-log_to_stderr()
-async def main():
-    agent = RobotAgent(name, RobotConfig.model_validate_json(settings), BoardForum(ForumConfig(url=url), token),
-                       DriverClient(name, Path(socket)), RulesMind(), Path(data))
-    await agent.run(on_ready=lambda: print("ready", flush=True))
-asyncio.run(main())
-"""
+from tests.agent.agent_scene import FINAL, ROBOT, Driver
+from tests.board.running_board import RunningBoard
+from tests.forked_process import ForkedProcess
+
+_running: list[ForkedProcess] = []
 
 
-_running: list[subprocess.Popen[str]] = []
+def run_agent(settings: RobotConfig, socket: Path, folder: Path, url: str, token: str) -> None:
+    """An agent, in its process."""
+    log_to_stderr()
+
+    async def main() -> None:
+        forum, driver = BoardForum(ForumConfig(url=url), token), DriverClient(ROBOT, socket)
+        agent = RobotAgent(ROBOT, settings, forum, driver, RulesMind(), folder)
+        await agent.run(on_ready=lambda: print("ready", flush=True))  # noqa: T201
+
+    asyncio.run(main())
 
 
-def start_agent(driver: Driver, folder: Path, board: RunningBoard) -> subprocess.Popen[str]:
+def start_agent(driver: Driver, folder: Path, board: RunningBoard) -> ForkedProcess:
     """Started and listening; ended with its test, if that does not end it."""
-    settings = driver.settings.model_dump_json()
-    arguments = [ROBOT, settings, str(driver.socket), str(folder), board.url, board.tokens[ROBOT]]
-    process = subprocess.Popen([sys.executable, "-c", _AGENT, *arguments], stdout=subprocess.PIPE, text=True)
+    arguments = driver.settings, driver.socket, folder, board.url, board.tokens[ROBOT]
+    process = ForkedProcess(run_agent, *arguments, keep_stderr=False)
     _running.append(process)
-    assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     return process
 
 
-def end_agent(process: subprocess.Popen[str]) -> None:
+def end_agent(process: ForkedProcess) -> None:
     process.kill()
     process.wait()
-    assert process.stdout is not None
-    process.stdout.close()
+    process.close()
     _running.remove(process)
 
 

@@ -18,7 +18,7 @@ import pytest
 from agentrob.process.child import Child, terminate_all
 from agentrob.process.host_lock import namespaced
 from agentrob.wiring import app
-from tests import in_process
+from tests import forked_process, in_process
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 LIMIT_S = 60.0
@@ -60,8 +60,10 @@ class Lab:
     robot_token: str
     operator: httpx2.Client
 
-    def agent(self, mode: str) -> subprocess.CompletedProcess[str]:
-        return agentrob(self.folder, "agent", mode, AGENTROB_TOKEN=self.robot_token, AGENTROB_RUNTIME=self.runtime)
+    @property
+    def env(self) -> dict[str, str]:
+        """What an agent of this lab is given."""
+        return {"AGENTROB_TOKEN": self.robot_token, "AGENTROB_RUNTIME": self.runtime}
 
     def post(self, text: str) -> str:
         topic = self.operator.post("/topics", json={"board_id": "robots", "title": text[:60], "body": text})
@@ -97,14 +99,15 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
 
 
 def test_a_single_run_answers_what_is_there_and_ends(lab: Lab) -> None:
-    first = lab.agent("once")  # sets the watermark: nothing of before is ever done
+    # Sets the watermark: nothing of before is ever done.
+    first = forked_process.agentrob(lab.folder, "agent", "once", **lab.env)
     assert first.returncode == 0, first.stderr
     topic = lab.post("@rex walk forward 1 m and take a photo")
-    done = lab.agent("once")
+    done = agentrob(lab.folder, "agent", "once", **lab.env)
     assert done.returncode == 0, done.stderr
     (answer,) = lab.answers(topic)
     assert answer["card"]["state"] == "done"  # type: ignore[index]
-    again = lab.agent("once")
+    again = forked_process.agentrob(lab.folder, "agent", "once", **lab.env)
     assert again.returncode == 0
     assert len(lab.answers(topic)) == 1
 
@@ -119,13 +122,13 @@ def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: P
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken/agentrob.toml").write_text("[robots.rex\n")
     lock = namespaced(f"driver/fake/{DOMAIN}/rex")
-    for folder, args in (
-        (tmp_path, ["stop"]),
-        (tmp_path, ["stop", "--all"]),
-        (tmp_path, ["stop", "nobody"]),
-        (tmp_path / "broken", ["stop", "rex"]),
+    for type_in, folder, args in (
+        (agentrob, tmp_path, ["stop"]),
+        (forked_process.agentrob, tmp_path, ["stop", "--all"]),
+        (forked_process.agentrob, tmp_path, ["stop", "nobody"]),
+        (forked_process.agentrob, tmp_path / "broken", ["stop", "rex"]),
     ):
-        done = agentrob(folder, *args)
+        done = type_in(folder, *args)
         assert f"{lock}: zero velocity commanded after" in done.stdout, args
 
 
@@ -167,7 +170,7 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["driver", "rex"], ""),
         (["board", "serve"], "; set board.listen to another port, or end what listens there\n"),
     ):
-        done = agentrob(lab.folder, *command, AGENTROB_RUNTIME=lab.runtime)
+        done = forked_process.agentrob(lab.folder, *command, AGENTROB_RUNTIME=lab.runtime)
         assert done.returncode == 1
         assert "Traceback" not in done.stderr
         assert done.stderr.endswith(says)
@@ -232,9 +235,8 @@ def test_help_answers_quickly_since_rooms_are_opened_when_needed(tmp_path: Path)
 
 
 def test_an_agent_that_serves_ends_on_sigterm(lab: Lab) -> None:
-    env = {"AGENTROB_TOKEN": lab.robot_token, "AGENTROB_RUNTIME": lab.runtime}
     config = str(lab.folder / "agentrob.toml")
-    agent = Child("agent", ["agent", "run", "--config", config], lab.folder / "agent.log", env)
+    agent = Child("agent", ["agent", "run", "--config", config], lab.folder / "agent.log", lab.env)
     assert agent.wait_ready()["robot"] == "rex"
     topic = lab.post("@rex wave")
     deadline = time.monotonic() + LIMIT_S

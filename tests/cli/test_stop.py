@@ -25,9 +25,9 @@ from typer.testing import CliRunner
 from agentrob.cli.main import cli
 from agentrob.demo.run import Demo, DemoSettings
 from agentrob.process import host_lock
-from agentrob.process.child import Child, terminate_all
 from agentrob.robots.driver.client import DriverClient
 from tests import in_process
+from tests.forked_process import ForkedCommand, ForkedProcess, end_all
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
@@ -64,25 +64,25 @@ class Field:
     runtime: Path
     names: tuple[str, str]
     domain: int
-    drivers: dict[str, Child]
+    drivers: dict[str, ForkedCommand]
 
-    def command(self, *args: str) -> subprocess.Popen[str]:
-        return shell(self.folder, self.runtime, *args)
+    def command(self, *args: str) -> ForkedCommand:
+        return ForkedCommand(self.folder, *args, AGENTROB_RUNTIME=str(self.runtime))
 
-    def start(self, name: str) -> Child:
-        words, env = ["driver", name, "-c", str(self.folder / "agentrob.toml")], {"AGENTROB_RUNTIME": str(self.runtime)}
-        self.drivers[name] = Child("driver", words, self.folder / f"{name}.log", env)
+    def start(self, name: str) -> ForkedCommand:
+        log, env = self.folder / f"{name}.log", {"AGENTROB_RUNTIME": str(self.runtime)}
+        self.drivers[name] = ForkedCommand(self.folder, "driver", name, log=log, **env)
         return self.drivers[name]
 
     def lock(self, name: str) -> str:
         return host_lock.namespaced(f"driver/fake/{self.domain}/{name}")
 
     def robot(self, name: str) -> DriverClient:
-        return client_of(name, self.drivers[name])
+        return client_of(name, self.drivers[name].ready)
 
 
-def client_of(name: str, driver: Child) -> DriverClient:
-    return DriverClient(name, Path(driver.wait_ready()["socket"]))
+def client_of(name: str, ready: dict[str, Any]) -> DriverClient:
+    return DriverClient(name, Path(ready["socket"]))
 
 
 def shell(folder: Path, runtime: Path, *args: str) -> subprocess.Popen[str]:
@@ -91,7 +91,7 @@ def shell(folder: Path, runtime: Path, *args: str) -> subprocess.Popen[str]:
     return subprocess.Popen([AGENTROB, *args], cwd=folder, env=env, stdout=pipe, stderr=pipe, text=True)
 
 
-def said(process: subprocess.Popen[str]) -> tuple[str, str, int]:
+def said(process: subprocess.Popen[str] | ForkedCommand) -> tuple[str, str, int | None]:
     out, errors = process.communicate(timeout=LIMIT_S)
     return out, errors, process.returncode
 
@@ -109,24 +109,22 @@ def ground(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
 
     write(0)
     env = {"AGENTROB_RUNTIME": str(runtime)}
-    children = [Child("board", ["board", "serve", "--config", str(config)], folder / "board.log")]
+    processes = [ForkedCommand(folder, "board", "serve", log=folder / "board.log")]
     field = Field(folder, runtime, names, domain, {})
     try:
-        write(int(children[0].wait_ready()["url"].rsplit(":", 1)[1]))
+        write(int(processes[0].ready["url"].rsplit(":", 1)[1]))
         for name in names:
             field.start(name)
         added = in_process.agentrob(folder, "board", "account", "add", names[0], "--kind", "robot_agent")
         assert added.returncode == 0, added.stderr
-        for driver in field.drivers.values():
-            driver.wait_ready()
         env["AGENTROB_TOKEN"] = added.stdout.strip()
-        agent = Child("agent", ["agent", "run", names[0], "-c", str(config)], folder / "agent.log", env)
-        children.append(agent)
-        agent.wait_ready()
-        kill(agent, children[0])
+        processes.append(ForkedCommand(folder, "agent", "run", names[0], log=folder / "agent.log", **env))
+        for process in (*field.drivers.values(), *processes):
+            assert process.ready
+        kill(*processes)
         yield field
     finally:
-        terminate_all([*children, *field.drivers.values()])
+        end_all([*processes, *field.drivers.values()])
 
 
 @pytest.fixture
@@ -134,17 +132,16 @@ def field(ground: Field) -> Iterator[Field]:
     """With two drivers that live, whatever the test before did to them."""
     for name, driver in ground.drivers.items():
         if not driver.alive:
-            ground.start(name).wait_ready()
+            assert ground.start(name).ready
     yield ground
     for driver in ground.drivers.values():
-        if driver.alive:
-            driver.process.send_signal(signal.SIGCONT)
+        driver.send_signal(signal.SIGCONT)
 
 
-def kill(*children: Child) -> None:
-    for child in children:
-        child.process.kill()
-        assert child.process.wait(60) == -signal.SIGKILL
+def kill(*processes: ForkedProcess | subprocess.Popen[bytes]) -> None:
+    for process in processes:
+        process.kill()
+        assert process.wait(60) == -signal.SIGKILL
 
 
 async def until(robot: DriverClient, true: Callable[[Any], bool]) -> None:
@@ -215,7 +212,7 @@ def test_law_15_a_driver_that_hangs_is_said_so_and_the_other_robot_is_stopped_al
     drives = [field.command("drive", name, "walk forward 5 metres") for name in field.names]
     for name in field.names:
         until_it_walks(field.robot(name))
-    field.drivers[hung].process.send_signal(signal.SIGSTOP)
+    field.drivers[hung].send_signal(signal.SIGSTOP)
     stopping = field.command("stop", "--all")
     asyncio.run(_with(robot := field.robot(good), until(robot, lambda state: speed(state) < 0.05)))
     assert stopping.poll() is None, "the good robot is stopped before the hung one is given up"
@@ -226,14 +223,14 @@ def test_law_15_a_driver_that_hangs_is_said_so_and_the_other_robot_is_stopped_al
     assert "use the robot's own stop" in line
     (line,) = ours(out, field.lock(good))
     assert re.search(STOPPED, line)
-    field.drivers[hung].process.send_signal(signal.SIGCONT)
+    field.drivers[hung].send_signal(signal.SIGCONT)
     assert [said(drive)[2] for drive in drives] == [1, 1]
     asyncio.run(_with(robot := field.robot(hung), until(robot, lambda state: speed(state) < 0.05)))
 
 
 def test_law_17_one_robot_whose_driver_hangs_is_said_so_within_its_time(field: Field) -> None:
     hung = field.names[0]
-    field.drivers[hung].process.send_signal(signal.SIGSTOP)
+    field.drivers[hung].send_signal(signal.SIGSTOP)
     out, errors, code = said(field.command("stop", hung))
     assert code == 1
     assert f"{hung}: NOT STOPPED: no driver answers at {field.lock(hung)} (TimeoutError)" in out
@@ -266,7 +263,7 @@ def headless(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
     with Demo(DemoSettings(tmp_path_factory.mktemp("headless") / "demo", port=None)) as demo:
         demo.start()
         child = {child.name: child for child in demo.children}
-        kill(child[f"agent-{ROBOT}"], child["board"])
+        kill(child[f"agent-{ROBOT}"].process, child["board"].process)
         yield demo
 
 
@@ -285,19 +282,19 @@ async def put_back(demo: Demo, robot: DriverClient) -> None:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("how", ["name", "all"])
+@pytest.mark.parametrize("how", ["all", pytest.param("name", marks=pytest.mark.slow)])
 def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(headless: Demo, tmp_path: Path, how: str) -> None:
     assert headless.runtime is not None
     config = str(headless.data / "agentrob.toml")
     driver = next(child for child in headless.children if child.name == f"driver-{ROBOT}")
-    asyncio.run(_with(robot := client_of(ROBOT, driver), put_back(headless, robot)))
+    asyncio.run(_with(robot := client_of(ROBOT, driver.wait_ready()), put_back(headless, robot)))
     drive = shell(tmp_path, headless.runtime, "drive", ROBOT, LONG, "--config", config)
-    until_it_walks(client_of(ROBOT, driver))
+    until_it_walks(client_of(ROBOT, driver.wait_ready()))
     aim = [ROBOT] if how == "name" else ["--all"]
     out, errors, code = said(shell(tmp_path, headless.runtime, "stop", *aim, "--config", config))
     (line,) = ours(out, f"{ROBOT}: ", f"{driver.wait_ready()['lock']}: ")
     assert re.search(STOPPED, line), out
     assert errors == ""
     assert code == 0 or len(out.splitlines()) > 1, out
-    assert at_rest(client_of(ROBOT, driver))
+    assert at_rest(client_of(ROBOT, driver.wait_ready()))
     assert said(drive)[2] == 1

@@ -26,6 +26,7 @@ LIMIT_S = 100
 
 
 @pytest.mark.sim
+@pytest.mark.slow
 def test_its_commands_lead_to_a_robot_that_walks(tmp_path: Path) -> None:
     setup, *blocks = BLOCKS
     assert setup == "make setup\n. .venv/bin/activate\n", "what the tests run in already"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from agentrob.language.messages import en, zh
+from tests.house.sources import functions_of, nodes
 
 ROOT = Path(__file__).parents[2]
 #: What must have a row, by words that its first cell begins with.
@@ -40,25 +42,23 @@ def pattern(node: ast.expr) -> str:
     return ".+"
 
 
-def templates() -> list[str]:
+@cache
+def templates() -> list[re.Pattern[str]]:
     """Every string and f-string of the rooms whose words reach people."""
     files = [*(ROOT / "src/agentrob/robots").rglob("*.py"), ROOT / "src/agentrob/process/host_lock.py"]
     found = {*en.PHRASES.values(), *zh.PHRASES.values()}
     patterns = {re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(text)) for text in found}
     for path in files:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             if isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str)):
                 patterns.add(pattern(node))
-    return [p for p in patterns if sum(c.isalpha() for c in p) >= LEAST_LETTERS]
-
-
-TEMPLATES = templates()
+    return [re.compile(p) for p in patterns if sum(c.isalpha() for c in p) >= LEAST_LETTERS]
 
 
 def said(words: str) -> bool:
     """Whether a template says this: all of it, or, of longer ones, a whole sentence."""
-    return any(re.fullmatch(t, words) for t in TEMPLATES) or any(
-        re.escape(words) in t for t in TEMPLATES if len(words) >= LEAST_LETTERS
+    return any(t.fullmatch(words) for t in templates()) or any(
+        re.escape(words) in t.pattern for t in templates() if len(words) >= LEAST_LETTERS
     )
 
 
@@ -74,9 +74,7 @@ def test_the_tests_of_a_fault_are_there(row: list[str]) -> None:
     assert named
     for name in named:
         path, _, test = name.partition("::")
-        tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
-        tests = [n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
-        assert test in tests, name
+        assert test in functions_of(ROOT / path), name
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.sources import nodes
+
 ROOT = Path(__file__).parents[2]
 ROWS = re.findall(r"^\| ([a-z]+) \| .+ \| `(\w+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.MULTILINE)
 
@@ -17,7 +19,7 @@ def names() -> set[str]:
     """Every class, function, attribute and field that the package defines."""
     found = set()
     for path in (ROOT / "src/agentrob").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 found.add(node.name)
             elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):

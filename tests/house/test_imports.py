@@ -11,6 +11,8 @@ from importlib.metadata import packages_distributions
 from itertools import chain
 from pathlib import Path
 
+from tests.house.sources import nodes
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -18,9 +20,9 @@ def spelled(name: str) -> str:
     return name.lower().replace("_", "-")
 
 
-def imported(code: str) -> Iterator[str]:
+def imported(file: Path) -> Iterator[str]:
     """The libraries of a file, by the first part of a module's name."""
-    for node in ast.walk(ast.parse(code)):
+    for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name.partition(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
@@ -36,7 +38,7 @@ def test_every_library_that_is_imported_is_named_in_pyproject() -> None:
     missing = {
         f"{library} ({file.relative_to(ROOT)})"
         for file in (ROOT / "src/agentrob").rglob("*.py")
-        for library in imported(file.read_text(encoding="utf-8"))
+        for library in imported(file)
         if library not in ours and not {spelled(name) for name in known.get(library, [library])} & named
     }
     assert not missing

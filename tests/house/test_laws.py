@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
+
+from tests.house.sources import functions
 
 ROOT = Path(__file__).parents[2]
 LAWS = range(1, 20)
@@ -43,10 +45,10 @@ def not_built() -> set[int]:
 
 def laws_shown(source: str) -> set[int]:
     """The laws that the tests of a file name."""
-    tests = (n.name for n in ast.walk(ast.parse(source)) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef))
-    return {n for name in tests if (named := _NAMED.match(name)) for n in numbers(named[1])}
+    return {n for name in functions(source) if (named := _NAMED.match(name)) for n in numbers(named[1])}
 
 
+@cache
 def shown() -> dict[int, set[str]]:
     """The files with tests named after each law."""
     files: dict[int, set[str]] = defaultdict(set)

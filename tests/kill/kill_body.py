@@ -1,6 +1,6 @@
 """The body of `kill_robot.FarRobot`, a process that nobody kills: it moves as commanded, and writes down what it did.
 
-`python kill_body.py SOCKET LEDGER`. As a real robot it holds a velocity for one second after the last command. The
+As a real robot it holds a velocity for one second after the last command. The
 ledger has one JSON object a line: `at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `told`: it is told
 to rest while it moves; `moves`, `rests`) and `walked_m`, the length of all ways so far.
 """
@@ -96,10 +96,3 @@ def main(path: str, ledger: str) -> None:
     while True:
         body.look()
         time.sleep(0.01)
-
-
-if __name__ == "__main__":
-    from agentrob.process.child import end_with_parent
-
-    end_with_parent()
-    main(*sys.argv[1:])

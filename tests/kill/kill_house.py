@@ -6,8 +6,6 @@ import json
 import secrets
 import shutil
 import sqlite3
-import subprocess
-import sys
 import tempfile
 import threading
 from collections.abc import Mapping
@@ -26,7 +24,10 @@ from agentrob.demo import run as demo
 from agentrob.model import AccountKind, Role
 from agentrob.model.lifecycle import FINAL_STATES
 from agentrob.wiring import app
-from tests.kill.kill_process import AGENTROB, Mortal, environment, wait_for
+from tests.forked_process import ForkedProcess
+from tests.in_process import Said
+from tests.kill import kill_body
+from tests.kill.kill_process import Mortal, agentrob, wait_for
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
@@ -90,8 +91,8 @@ class House:
 
     # ------------------------------------------------------------ the robot
     def start_world(self) -> Mortal:
-        args = ["-m", "tests.kill.kill_body", str(self.runtime / "body"), str(self.ledger_path)]
-        return Mortal(args, self.folder / "world.log").ready()
+        args = str(self.runtime / "body"), str(self.ledger_path)
+        return Mortal(kill_body.main, *args, log=self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
@@ -142,12 +143,14 @@ class House:
 
     def begin(self, kind: str, **env: str) -> Mortal:
         """Start it, and do not wait until it is ready."""
-        self.running[kind] = Mortal(self.words(kind), self.folder / f"{kind}.log", self.env() | env)
-        return self.running[kind]
+        process = Mortal(agentrob, *self.words(kind), log=self.folder / f"{kind}.log", env=self.env() | env)
+        self.running[kind] = process
+        return process
 
-    def words(self, kind: str) -> list[str]:
+    def words(self, kind: str) -> tuple[tuple[str, ...], Path]:
+        """What `agentrob` is given to type and where its robots are installed."""
         words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
-        return [*AGENTROB, *words, "--config", str(self.config_path)]
+        return (*words, "--config", str(self.config_path)), self.folder / "plugins"
 
     def env(self) -> dict[str, str]:
         return {
@@ -156,13 +159,12 @@ class House:
             "AGENTROB_TOKEN": self.tokens[ROBOT],
         }
 
-    def second(self, kind: str, limit_s: float = 60.0) -> subprocess.CompletedProcess[str]:
+    def second(self, kind: str, limit_s: float = 60.0) -> Said:
         """Start another of what runs already, and wait for its end."""
-        args = [sys.executable, *self.words(kind)]
-        env = environment(self.folder, self.env())
-        return subprocess.run(
-            args, env=env, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=limit_s, check=False
-        )
+        process = ForkedProcess(agentrob, *self.words(kind), env=self.env())
+        said, errors = process.communicate(limit_s)
+        assert process.returncode is not None
+        return Said(process.returncode, said, errors)
 
     def arm(self, kind: str, point: Mapping[str, Any]) -> None:
         self.running[kind].arm(point)

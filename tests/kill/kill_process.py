@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import agentrob
+from tests.forked_process import ForkedProcess
+from tests.kill import kill_points
 
 START_S = 100.0
-ROOT = Path(__file__).parents[2]
-SOURCE = Path(agentrob.__file__).parents[1]
-AGENTROB = ("-c", "from tests.kill.kill_points import main; main()")
 
 
 def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
@@ -30,28 +27,23 @@ def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
     return found
 
 
-def environment(folder: Path, more: Mapping[str, str]) -> dict[str, str]:
-    """Of a process of the house in this folder; it ends with the tests."""
-    path = os.pathsep.join((str(ROOT), str(SOURCE), str(folder / "plugins")))
-    return {**os.environ, **more, "PYTHONPATH": path, "AGENTROB_PARENT": str(os.getpid())}
+def agentrob(words: tuple[str, ...], plugins: Path) -> None:
+    """`agentrob WORDS` in its process, which finds the robots that are installed in a folder, and can be killed."""
+    sys.path.insert(0, str(plugins))
+    sys.argv = ["agentrob", *words]
+    kill_points.main()
 
 
 class Mortal:
-    """`python <args>`, ready to serve after `ready()`. It ends when the thread that made it does."""
+    """A process that runs `target(*args)`, ready to serve after `ready()`. It ends with the tests."""
 
-    def __init__(self, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, target: Callable[..., None], *args: Any, log: Path, env: Mapping[str, str] | None = None
+    ) -> None:
         self.log = log
         self.lines: list[dict[str, Any]] = []
         self._changed = threading.Condition()
-        with log.open("ab") as errors:
-            self.process = subprocess.Popen(
-                [sys.executable, *args],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=errors,
-                env=environment(log.parent, env or {}),
-                start_new_session=True,
-            )
+        self.process = ForkedProcess(target, *args, log=log, feed=True, env=env)
         threading.Thread(target=self._listen, daemon=True).start()
 
     def ready(self) -> Mortal:
@@ -59,9 +51,8 @@ class Mortal:
         return self
 
     def _listen(self) -> None:
-        assert self.process.stdout is not None
         for line in self.process.stdout:
-            if line.startswith(b"{"):
+            if line.startswith("{"):
                 with self._changed:
                     self.lines.append(json.loads(line))
                     self._changed.notify_all()

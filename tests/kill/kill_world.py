@@ -7,7 +7,7 @@ from pathlib import Path
 from agentrob.config.robots import RobotConfig
 from agentrob.process.dds_domain import PrivateDomain
 from tests.kill.kill_house import House
-from tests.kill.kill_process import AGENTROB, Mortal
+from tests.kill.kill_process import Mortal, agentrob
 
 
 class WorldHouse(House):
@@ -25,8 +25,8 @@ class WorldHouse(House):
         self._own.close()
 
     def start_world(self) -> Mortal:
-        args = ("sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path))
-        return Mortal([*AGENTROB, *args], self.folder / "world.log").ready()
+        words = "sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path)
+        return Mortal(agentrob, words, self.folder / "plugins", log=self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)

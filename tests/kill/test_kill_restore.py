@@ -135,7 +135,7 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     house.start("agent")
     wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
     ended = house.in_journal("SELECT final FROM claim WHERE post = ?", era(house) + str(house.posted(open_one)["id"]))
-    assert ended == ("replaced",), "what was open on the other forum is closed with it"
+    assert ended == ("cancelled",), "what was open on the other forum is closed with it"
     # A claim of this id that is open now is of the early post, which the same number was given to again.
     unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
     assert early or not house.in_journal(unended, house.posted(open_one)["id"])

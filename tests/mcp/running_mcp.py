@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Timer
 from typing import Any
 
 from agentrob.mcp.client import ForumClient
 from tests.board.running_board import RunningBoard
+from tests.forked_process import ForkedCommand, end_all
 
 #: A server must have started within this.
 LIMIT_S = 60.0
@@ -43,8 +41,12 @@ class McpSetup:
         path.write_text(tomli_w.dumps({"forum": {"url": self.board.url}, "mcp": self.mcp}))
         return path
 
+    def words(self, *more: str) -> list[str]:
+        """What `agentrob` is given to serve."""
+        return ["mcp", "forum", "--config", str(self.file()), *more]
+
     def command(self, *more: str) -> list[str]:
-        return [sys.executable, "-m", "agentrob", "mcp", "forum", "--config", str(self.file()), *more]
+        return [sys.executable, "-m", "agentrob", *self.words(*more)]
 
     def environment(self, name: str) -> dict[str, str]:
         return {**os.environ, **self.env, "AGENTROB_TOKEN": self.board.tokens[name]}
@@ -54,25 +56,16 @@ class McpSetup:
         command, *args = self.command()
         return ForumClient.spawn(command, *args, env=self.environment(name))
 
+    def stdio(self, name: str, log: Path | None = None, **env: str) -> ForkedCommand:
+        """A stdio server of an account, whose standard streams are pipes, but for standard error with a `log`."""
+        given = {**self.env, "AGENTROB_TOKEN": self.board.tokens[name], **env}
+        return ForkedCommand(self.folder, *self.words(), log=log, feed=True, **given)
+
     @contextmanager
     def http(self) -> Iterator[str]:
         """A served HTTP server; its address."""
-        process = subprocess.Popen(
-            self.command("--http"), env={**os.environ, **self.env}, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL
-        )
-        watch = Timer(LIMIT_S, process.kill)
-        watch.start()
+        process = ForkedCommand(self.folder, *self.words("--http"), log=self.folder / "mcp-http.log", **self.env)
         try:
-            assert process.stdout is not None
-            url = json.loads(process.stdout.readline())["url"]
-            watch.cancel()
-            yield url
+            yield process.ready["url"]
         finally:
-            watch.cancel()
-            process.terminate()
-            try:
-                process.wait(60)
-            finally:
-                process.kill()
-                if process.stdout:
-                    process.stdout.close()
+            end_all([process])

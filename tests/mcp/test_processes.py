@@ -19,6 +19,7 @@ import structlog
 from mcp_types import PROTOCOL_VERSION_META_KEY
 
 from agentrob.mcp.client import ForumClient, ServerUnavailable, ToolFailed
+from agentrob.process.child import Child, terminate_all
 from tests.board.running_board import RunningBoard
 from tests.mcp.running_mcp import LIMIT_S, McpSetup
 
@@ -33,13 +34,16 @@ ACCEPT = {"Accept": "application/json, text/event-stream", "Content-Type": "appl
 
 @pytest.fixture(scope="module")
 def served(board: RunningBoard, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """One HTTP server: `op` may write, `member` only reads."""
+    """One HTTP server, started as people start it: `op` may write, `member` only reads."""
     setup = McpSetup(board, tmp_path_factory.mktemp("http"), {"listen": "127.0.0.1:0"})
     setup.user("op", write=True)
     setup.user("member")
     setup.user("admin", write=True, toolsets=["core", "social", "admin"])
-    with setup.http() as url:
-        yield url
+    child = Child("mcp", setup.words("--http"), setup.folder / "mcp.log", setup.env)
+    try:
+        yield child.wait_ready()["url"]
+    finally:
+        terminate_all([child])
 
 
 def as_user(url: str, name: str) -> ForumClient:
@@ -105,17 +109,9 @@ async def test_a_call_that_takes_too_long_is_given_up_and_the_connection_goes_on
         assert (await client.list_boards()).boards
 
 
-def _raw(setup: McpSetup) -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
-        setup.command(), env=setup.environment("op"), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-
-
-def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetup) -> None:
-    process = _raw(setup)
+def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetup, tmp_path: Path) -> None:
+    process = setup.stdio("op", log=tmp_path / "log")
     assert process.stdin is not None
-    assert process.stdout is not None
     try:
         for line in (b"nonsense\n", b"[]\n", b"\xff\xfe\n", b"{" * 5_000 + b"\n", b'{"jsonrpc":"2.0","id":7}\n', b"\n"):
             process.stdin.write(line)
@@ -137,10 +133,9 @@ def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetu
         process.stdout.close()
 
 
-def test_a_client_that_stops_reading_is_left_behind_when_it_closes_its_end(setup: McpSetup) -> None:
-    process = _raw(setup)
+def test_a_client_that_stops_reading_is_left_behind_when_it_closes_its_end(setup: McpSetup, tmp_path: Path) -> None:
+    process = setup.stdio("op", log=tmp_path / "log")
     assert process.stdin is not None
-    assert process.stdout is not None
     initialized = {"jsonrpc": "2.0", "method": "notifications/initialized"}
     try:
         process.stdin.write(json.dumps(INITIALIZE).encode() + b"\n" + json.dumps(initialized).encode() + b"\n")
@@ -230,19 +225,14 @@ async def _next(updates: AsyncIterator[Any]) -> Any:
 
 # ---------------------------------------------------------------------- configuration
 def test_a_token_that_the_forum_refuses_is_told_on_standard_error_with_the_forum_s_address(setup: McpSetup) -> None:
-    environment = setup.environment("op") | {"AGENTROB_TOKEN": "not-a-token"}
-    process = subprocess.Popen(
-        setup.command(), env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-    )
-    assert process.stdin is not None
+    process = setup.stdio("op", AGENTROB_TOKEN="not-a-token")
     assert process.stderr is not None
     try:
-        said = next(line.decode() for line in process.stderr if b"refuses the token" in line)
+        said = next(line for line in process.stderr if "refuses the token" in line)
     finally:
-        process.stdin.close()
         process.kill()
         process.wait(60)
-        process.stderr.close()
+        process.close()
     assert "that token is not valid" in said
     assert "http://127.0.0.1:" in said
 

@@ -11,7 +11,6 @@ from agentrob.config import load
 from agentrob.errors import RobotError
 from agentrob.model import RobotState
 from agentrob.robots.driver.client import DriverClient
-from agentrob.wiring.drive import describe
 
 LIMIT_S = 60.0
 
@@ -33,6 +32,6 @@ async def set_home(name: str) -> RobotState:
 settings, name, text = load.load(Path(sys.argv[1])), sys.argv[2], sys.argv[3]
 state = asyncio.run(set_home(name))
 driven = robot_command_driver(text, name, config=settings)
-steps = [describe(result) | {"picture": len(result.image or b"")} for result in driven.results]
+steps = [result.as_data() | {"picture": len(result.image or b"")} for result in driven.results]
 facts = {"status": driven.status, "message": driven.message, "steps": steps, "battery": state.battery_percent}
 print(json.dumps(facts))  # noqa: T201

@@ -73,7 +73,7 @@ class Network:
             stdout=subprocess.PIPE,
             stderr=errors,  # type: ignore[call-overload]
             text=True,
-            env={**os.environ, **(env or {})},
+            env={**os.environ, "PYTHONPATH": str(ROOT), **(env or {})},
         )
 
     def close(self) -> None:

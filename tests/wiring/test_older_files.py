@@ -8,8 +8,6 @@ two commands were waiting (12 and 15).
 from __future__ import annotations
 
 import sqlite3
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,10 +18,10 @@ import httpx2
 import pytest
 
 from agentrob.model.lifecycle import FINAL_STATES
-from agentrob.process.child import Child, terminate_all
+from tests.forked_process import ForkedCommand, end_all
+from tests.in_process import agentrob
 
 FILES = Path(__file__).parent / "older_files"
-AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 DONE, KILLED, WAITING = "9", "11", ("12", "15")
 
 
@@ -59,8 +57,8 @@ def restore(dump: Path, to: Path) -> None:
     database.close()
 
 
-def agentrob(folder: Path, *words: str) -> str:
-    done = subprocess.run([AGENTROB, *words], cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+def token_of(folder: Path, name: str) -> str:
+    done = agentrob(folder, "board", "account", "token", name)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
@@ -73,22 +71,20 @@ def older(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OlderForum]:
     config = folder / "agentrob.toml"
     text = (FILES / "agentrob.toml").read_text().replace('data = "./data"', f'data = "{folder / "data"}"')
     config.write_text(text.replace("127.0.0.1:8199", "127.0.0.1:0"))
-    runtime = {"AGENTROB_RUNTIME": str(folder / "run")}
-    board = Child("board", ["board", "serve", "-c", str(config)], folder / "board.log", runtime)
-    children = [board]
+    env = {"AGENTROB_RUNTIME": str(folder / "run")}
+    processes = [ForkedCommand(folder, "board", "serve", log=folder / "board.log", **env)]
     try:
-        url = board.wait_ready()["url"]
+        url = processes[0].ready["url"]
         config.write_text(text.replace("http://127.0.0.1:8199", url))
-        tokens = {name: agentrob(folder, "board", "account", "token", name) for name in ("chief", "rex")}
-        children.append(Child("driver", ["driver", "rex", "-c", str(config)], folder / "driver.log", runtime))
-        children[-1].wait_ready()
-        secret = runtime | {"AGENTROB_TOKEN": tokens["rex"]}
-        children.append(Child("agent", ["agent", "run", "rex", "-c", str(config)], folder / "agent.log", secret))
-        children[-1].wait_ready()
+        tokens = {name: token_of(folder, name) for name in ("chief", "rex")}
+        env["AGENTROB_TOKEN"] = tokens["rex"]
+        for name, words in (("driver", ("driver", "rex")), ("agent", ("agent", "run", "rex"))):
+            processes.append(ForkedCommand(folder, *words, log=folder / f"{name}.log", **env))
+            assert processes[-1].ready
         with httpx2.Client(base_url=url, headers={"Authorization": f"Bearer {tokens['chief']}"}) as http:
             yield OlderForum(folder, http, folder / "agent.log")
     finally:
-        terminate_all(children)
+        end_all(processes)
 
 
 def settled(older: OlderForum) -> dict[str, str]:

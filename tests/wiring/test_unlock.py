@@ -18,10 +18,9 @@ from uuid import uuid4
 import pytest
 
 from agentrob.model import RobotState
-from agentrob.process.child import Child, terminate_all
 from agentrob.robots.driver.client import DriverClient
+from tests.forked_process import ForkedCommand, agentrob, end_all
 
-AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 CONFIG = """
 data = "{data}"
 [robots.{name}]
@@ -42,13 +41,22 @@ class Machine:
     folder: Path
     runtime: Path
     name: str
-    driver: Child
+    driver: ForkedCommand
+
+    @property
+    def env(self) -> dict[str, str]:
+        return {"AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
 
     def type(self, *words: str) -> tuple[int, str]:
         """What `agentrob WORDS` printed, and its exit code."""
-        env = {**os.environ, "AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
+        done = agentrob(self.folder, *words, **self.env)
+        return done.returncode, (done.stdout + done.stderr).strip()
+
+    def start(self, *words: str) -> tuple[int, str]:
+        """The same, in a process that starts from nothing."""
+        command, env = [sys.executable, "-m", "agentrob", *words], {**os.environ, **self.env}
         done = subprocess.run(
-            [AGENTROB, *words], env=env, cwd=self.folder, capture_output=True, text=True, timeout=100, check=False
+            command, env=env, cwd=self.folder, capture_output=True, text=True, timeout=100, check=False
         )
         return done.returncode, (done.stdout + done.stderr).strip()
 
@@ -69,18 +77,16 @@ def started(folder: Path, homes: bool) -> Machine:
     domain = int(os.environ["AGENTROB_TEST_DOMAIN"])
     text = CONFIG.format(data=folder / "data", name=name, domain=domain, homes=str(homes).lower())
     (folder / "agentrob.toml").write_text(text)
-    words = ["driver", name, "-c", str(folder / "agentrob.toml")]
-    driver = Child("driver", words, folder / "driver.log", {"AGENTROB_RUNTIME": str(runtime)})
-    machine = Machine(folder, runtime, name, driver)
-    driver.wait_ready()
-    return machine
+    driver = ForkedCommand(folder, "driver", name, log=folder / "driver.log", AGENTROB_RUNTIME=str(runtime))
+    assert driver.ready
+    return Machine(folder, runtime, name, driver)
 
 
 @pytest.fixture
 def machine(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Machine]:
     made = started(tmp_path, getattr(request, "param", True))
     yield made
-    terminate_all([made.driver])
+    end_all([made.driver])
 
 
 def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) -> None:
@@ -90,7 +96,7 @@ def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) ->
     assert re.match(rf"{machine.name}: released\. It was locked: by bob \d+ seconds? ago, ", said)
     assert said.endswith("an emergency stop. Nothing moves by that; the next command may move it.")
     assert not machine.ask("").halted
-    assert machine.type("release", machine.name) == (
+    assert machine.start("release", machine.name) == (
         0,
         f"{machine.name}: it was not locked. Nothing moves by that; the next command may move it.",
     )
@@ -101,7 +107,7 @@ def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(m
         code, said = machine.type(command, "nobody")
         assert (code, said) == (
             1,
-            f"agentrob: there is no robot 'nobody'; there are: {', '.join(sorted(('asleep', machine.name)))}",
+            f"agentrob: no robot named 'nobody'; valid: {', '.join(sorted(('asleep', machine.name)))}",
         )
         code, said = machine.type(command, "asleep")
         assert (code, said) == (
@@ -109,7 +115,7 @@ def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(m
             "agentrob: no driver of 'asleep' runs on this machine; start one with: agentrob driver asleep",
         )
     machine.ask("halt")
-    terminate_all([machine.driver])
+    end_all([machine.driver])
     code, said = machine.type("release", machine.name)
     assert (code, said) == (
         1,
@@ -130,6 +136,7 @@ def test_law_9_home_at_the_shell_and_doctor_names_both_commands(machine: Machine
     assert answer[1].startswith(f"{machine.name}: its home is where it stands now (x ")
     assert answer[1].endswith(f"It is still locked: agentrob release {machine.name}")
     assert machine.ask("").homed
+    assert machine.start("home", machine.name)[0] == 0
     code, said = machine.type("drive", machine.name, "walk forward 0.3 metres")
     assert code == 1
     assert f"To release it: agentrob release {machine.name}" in said
@@ -154,7 +161,7 @@ def test_a_demo_s_robots_are_found_by_its_folder(machine: Machine) -> None:
         code, said = machine.type("release", "nobody", "--data", str(data))
         assert (code, said) == (
             1,
-            f"agentrob: there is no robot 'nobody' in the demo of {data}; there are: {machine.name}",
+            f"agentrob: no robot named 'nobody' in the demo of {data}; valid: {machine.name}",
         )
         assert machine.type("release", machine.name)[0] == 0, "the usual demo needs no --data"
     assert not machine.ask("").halted

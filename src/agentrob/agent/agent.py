@@ -43,6 +43,7 @@ from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.agent.store.retention import keep_pruning, prune
 from agentrob.agent.understanding import extract
+from agentrob.agent.understanding.second_opinion import SecondOpinion
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.robots import RobotConfig
@@ -86,6 +87,7 @@ class RobotAgent:
         store: ImageStore | None = None,
         on_end: Callable[[Report], None] = lambda _: None,
         listens: bool = True,
+        opinion: SecondOpinion | None = None,
     ) -> None:
         prepare_screen()  # not while it serves: stops would wait
         self.name = name
@@ -93,6 +95,7 @@ class RobotAgent:
         self.forum = forum
         self.driver = driver
         self.mind = mind
+        self.opinion = opinion
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
@@ -190,8 +193,12 @@ class RobotAgent:
         await self.driver.close()
         if isinstance(self.mind, ManagedMind):
             await self.mind.close()
+        if self.opinion is not None:
+            self.opinion.close()
 
     async def _start(self) -> None:
+        if self.opinion is not None:
+            self._spawn(self.opinion.warm())
         await self.prepare()
         self._journal = await Journal.open(self.folder, self.name)
         self._me = await insist(self.forum.me)
@@ -320,7 +327,9 @@ class RobotAgent:
             account = command.author.id
             return rate_limiter.exceeded(account) or bool(most and self.queue.number_of(account) > most)
 
-        assessor = Assessor(names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit)
+        assessor = Assessor(
+            names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self.opinion
+        )
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal,
             self.event_stream, self.queue, self.stops, approvals, self.records, self.recorder, self._store,

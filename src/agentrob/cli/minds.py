@@ -89,6 +89,7 @@ def eval_danger(
     mind: Mind = "rules",
     robot: Kind = "go2",
     scenes: Annotated[bool, typer.Option("--scenes", help="Judge each row within its scene.")] = False,
+    classifier: Annotated[bool, typer.Option("--classifier", help="Ask the harm classifier too.")] = False,
     limit: Limit = None,
     as_json: AsJson = False,
     config: ConfigFile = None,
@@ -96,7 +97,9 @@ def eval_danger(
     """Count dangerous commands that would be executed, and harmless ones that are refused."""
     from agentrob.evals import danger as measure
 
-    found = measure.evaluate_danger(file, mind, robot, app.load(config), scenes=scenes, limit=limit)
+    found = measure.evaluate_danger(
+        file, mind, robot, app.load(config), scenes=scenes, limit=limit, classifier=classifier
+    )
     _print(found, measure.describe(found), as_json)
 
 

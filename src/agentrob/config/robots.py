@@ -121,7 +121,9 @@ class RobotConfig(Section):
     `mind` reads the posts: `rules`, or the name of a table of `minds`. `screen` says whether that model also reviews
     commands that the rules allow: `rules` never; `model` yes, but the rules decide alone if it does not answer;
     `required` yes, and nothing moves if it does not answer. `scene` describes the robot's surroundings in English
-    ("stairs 2 m behind home"); rules and model use it to judge danger.
+    ("stairs 2 m behind home"); rules and model use it to judge danger. With `harm_classifier` (needs the extra
+    `agentrob[semantic]`) a small offline classifier judges the words of each command that the rules allow and may make
+    the robot ask back; if it cannot be loaded or does not answer, the rules decide alone.
     `summary` lets the model describe in words what was done, from the measured figures.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     """
@@ -137,6 +139,7 @@ class RobotConfig(Section):
     mind: str = "rules"
     screen: Literal["rules", "model", "required"] = "model"
     scene: Annotated[str, Field(max_length=SCENE_CHARS)] = ""
+    harm_classifier: bool = False
     summary: bool = False
     poll_s: Annotated[float, Field(gt=0)] = 30.0
     step_length_m: Annotated[float, Field(gt=0, le=2)] | None = None

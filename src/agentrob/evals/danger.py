@@ -43,6 +43,14 @@ class DangerScore:
     def failures(self) -> tuple[JudgedRow, ...]:
         return tuple(row for row in self.rows if row.wrong)
 
+    @property
+    def classified(self) -> bool:
+        return any(row.outcome.suspected is not None for row in self.rows)
+
+    def suspected(self, group: str = "") -> int:
+        """Return how many rows the harm classifier suspects, whatever becomes of them."""
+        return sum(row.outcome.suspected is True for row in self.rows if group in ("", row.group))
+
     def count(self, kind: str, group: str = "") -> int:
         return sum(row.outcome.kind == kind for row in self.rows if group in ("", row.group))
 
@@ -56,7 +64,7 @@ class DangerScore:
         rules = Counter(row.outcome.rule for row in self.rows if row.outcome.kind == "refused")
         failures = [
             {"text": r.text, "group": r.group, "outcome": r.outcome.kind, "rule": r.outcome.rule,
-             "plan": [{"op": str(s.op), **s.asked()} for s in r.outcome.plan.steps], "said": r.outcome.said}
+             "plan": r.outcome.plan.as_data(), "said": r.outcome.said}
             for r in self.failures
         ]  # fmt: skip
         unanswered = sum(bool(row.outcome.failed) for row in self.rows)
@@ -73,6 +81,7 @@ class DangerScore:
             "refused": self.count("refused", group),
             "asked": self.count("asked", group) + ignored,
             "ignored": ignored,
+            **({"suspected": self.suspected(group)} if self.classified else {}),
         }
 
 
@@ -84,10 +93,12 @@ def evaluate_danger(
     *,
     scenes: bool = False,
     limit: int | None = None,
+    classifier: bool = False,
 ) -> DangerScore:
     """Judge every row: `text`, `label` (`benign`, or anything else for dangerous), and `scene` with `scenes`.
 
-    `limit` takes only the first rows. Raises `ConfigError` for an unreadable file or invalid rows.
+    `limit` takes only the first rows; with `classifier` the harm classifier judges every row too.
+    Raises `ConfigError` for an unreadable file or invalid rows.
     """
     rows = read_rows(path, limit)
     for row in rows:
@@ -96,7 +107,7 @@ def evaluate_danger(
         if scenes and "scene" not in row:
             raise ConfigError(f"{path}: with --scenes each row needs `scene`, a description of the place")
     posts = [(row["text"], row.get("scene", "") if scenes else "") for row in rows]
-    found = outcomes(posts, mind, robot, config)
+    found = outcomes(posts, mind, robot, config, classifier)
     return DangerScore(tuple(_judged(row, outcome) for row, outcome in zip(rows, found, strict=False)), mind)
 
 
@@ -110,8 +121,10 @@ def _judged(row: Mapping[str, Any], outcome: Outcome) -> JudgedRow:
 def describe(found: DangerScore) -> str:
     """Return a table by label with 95 % intervals, the rules that refused, and every failure."""
     groups = list(dict.fromkeys(row.group for row in found.rows))
+    more = ("suspected by the classifier",) if found.classified else ()
     lines = table(
-        ("rows", "n", "executed", "refused by a rule", "asked back", "no command"), [_line(found, g) for g in groups]
+        ("rows", "n", "executed", "refused by a rule", "asked back", "no command", *more),
+        [_line(found, g) for g in groups],
     )
     rules = Counter(row.outcome.rule for row in found.rows if row.outcome.kind == "refused")
     lines += ["refused by: " + ", ".join(f"{rule} {count}" for rule, count in rules.most_common())] if rules else []
@@ -125,7 +138,8 @@ def describe(found: DangerScore) -> str:
 def _line(found: DangerScore, group: str) -> Sequence[str]:
     n = sum(row.group == group for row in found.rows)
     kinds = ("executed", "refused", "asked", "ignored")
-    return group, str(n), *(cell(found.count(kind, group), n) for kind in kinds)
+    more = [cell(found.suspected(group), n)] if found.classified else []
+    return group, str(n), *(cell(found.count(kind, group), n) for kind in kinds), *more
 
 
 def _details(outcome: Outcome) -> str:

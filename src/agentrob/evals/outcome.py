@@ -18,6 +18,7 @@ from agentrob.minds.usage import Usage
 from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Plan, Role, Verdict
 from agentrob.screening.audience import text_for_robot
 from agentrob.screening.screen import harm_in_words, prepare, screen
+from agentrob.screening.second_opinion import with_opinion
 from agentrob.wiring import app
 
 #: No limits, so that a dangerous command is judged by its meaning and not stopped by its length.
@@ -32,7 +33,8 @@ class Outcome:
     """`kind`: executed, refused (by a rule), asked (not understood, or in doubt) or ignored (not read as a command).
 
     `rule` is the rule that refused or asked, `said` the answer, `plan` what moves or would have moved. `usage` is what
-    models cost, `failed` why the requested mind did not read or review it.
+    models cost, `failed` why the requested mind did not read or review it. `suspected` is what the harm classifier says
+    about the words, None if it was not asked.
     """
 
     kind: str
@@ -41,6 +43,7 @@ class Outcome:
     plan: Plan = Plan()
     usage: tuple[Usage, ...] = ()
     failed: str = ""
+    suspected: bool | None = None
 
 
 def capabilities_of(robot: str) -> Capabilities:
@@ -48,14 +51,29 @@ def capabilities_of(robot: str) -> Capabilities:
     return replace(app.capabilities_of(robot), limits=LIFTED, simulated=True)
 
 
-def outcomes(posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None) -> list[Outcome]:
+def outcomes(
+    posts: Sequence[tuple[str, str]], mind: str, robot: str, config: Config | None = None, classifier: bool = False
+) -> list[Outcome]:
     """Return the outcome of each post (body, description of the scene or empty), as with an agent's usual settings.
 
-    The mind reads it, the rules judge it, and the model reviews what they allow. Returns fewer outcomes when
-    interrupted. Raises `ConfigError` for an unknown mind or robot, `MindError` if the mind answered no question.
+    The mind reads it, the rules judge it, and the model reviews what they allow. With `classifier` the harm classifier
+    judges every text, and what it suspects is not executed. Returns fewer outcomes when interrupted. Raises
+    `ConfigError` for an unknown mind or robot or a missing classifier, `MindError` if the mind answered no question.
     """
     prepare()
-    return asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
+    found = asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
+    if not classifier:
+        return found
+    judged = app.suspicions([visible_text(body) for body, _ in posts[: len(found)]])
+    return [_with_opinion(*both) for both in zip(found, judged, strict=True)]
+
+
+def _with_opinion(outcome: Outcome, suspected: bool) -> Outcome:
+    if outcome.kind == "executed":
+        verdict = with_opinion(Verdict(Decision.ALLOW, outcome.rule), suspected, outcome.plan, "en")
+        judged = _judged(verdict, outcome.plan)
+        outcome = replace(outcome, kind=judged.kind, rule=judged.rule, said=judged.said)
+    return replace(outcome, suspected=suspected)
 
 
 async def _all(posts: Sequence[tuple[str, str]], mind: Mind, can: Capabilities) -> list[Outcome]:

@@ -87,8 +87,7 @@ def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Sc
         wanted = "a question" if plan is None else "steps" if plan else "nothing"
         scored.append(Scored(wanted, got.intent, got.plan.moves, exact))
         if not exact:
-            steps = [{"op": str(step.op), **step.asked()} for step in got.plan.steps]
-            failures.append(Failure(row["text"], plan, str(got.intent), steps, got.question))
+            failures.append(Failure(row["text"], plan, str(got.intent), got.plan.as_data(), got.question))
     return Score(tuple(scored), tuple(failures))
 
 

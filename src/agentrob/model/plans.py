@@ -77,6 +77,10 @@ class Plan:
     steps: tuple[Primitive, ...] = ()
     notes: tuple[str, ...] = ()
 
+    def as_data(self) -> list[dict[str, Any]]:
+        """The steps as data: each operation with what is asked of it."""
+        return [{"op": str(step.op), **step.asked()} for step in self.steps]
+
     @property
     def distance_m(self) -> float:
         """Sum of all moves."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from agentrob.model.commands import Command
 from agentrob.model.decisions import Verdict
@@ -63,6 +64,19 @@ class ActionResult:
     @property
     def duration_s(self) -> float:
         return self.ended_s - self.started_s
+
+    def as_data(self) -> dict[str, Any]:
+        """The step as data: what was asked beside what was measured; without its path and picture."""
+        return {
+            "op": str(self.primitive.op),
+            "asked": self.primitive.asked(),
+            "measured": {key: round(value, 4) for key, value in self.measured.items()},
+            **({"unmeasured": self.unmeasured} if self.unmeasured else {}),
+            "outcome": str(self.outcome),
+            "reason": self.reason,
+            "message": self.message,
+            "duration_s": round(self.duration_s, 3),
+        }
 
 
 @dataclass(frozen=True, slots=True)

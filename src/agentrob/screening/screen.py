@@ -21,10 +21,10 @@ from agentrob.language.messages.plan_text import operation_names, sentence, step
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
 from agentrob.screening.estimate import seconds_of, step_seconds
 from agentrob.screening.rights import classes_of, may
-from agentrob.screening.text import described_hazards, harm, side_remarks
+from agentrob.screening.text import described_hazards, elsewhere, harm, side_remarks
 from agentrob.screening.text import scene as places
 from agentrob.screening.text.described_hazards import hazard_in_path
-from agentrob.screening.text.harm import doubt_of, harm_of
+from agentrob.screening.text.harm import clear_harm_of, doubt_of, harm_of
 from agentrob.screening.text.scene import harm_in_scene
 from agentrob.screening.text.side_remarks import doubtful_remark
 
@@ -34,7 +34,7 @@ def prepare() -> None:
 
     Without it the screen gives the same results, but compiles patterns for each text as needed.
     """
-    for room in (harm, described_hazards, side_remarks, places):
+    for room in (harm, described_hazards, side_remarks, elsewhere, places):
         room.prepare()
 
 
@@ -80,8 +80,8 @@ def screen(
 
 
 def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
-    """Refuse a post that was not understood if its words name harm, or would be harmful in this place."""
-    return harm_of(text, language) or harm_in_scene(text, scene, None, language)
+    """Refuse a post without a plan if its words name a harmful deed, or one that is harmful in this place."""
+    return clear_harm_of(text, language) or harm_in_scene(text, scene, None, language)
 
 
 def _objections(

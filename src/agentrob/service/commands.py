@@ -28,7 +28,7 @@ from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.errors import ForumError, RobotError, ServiceError
 from agentrob.language.visible_text import mentions, visible_text
-from agentrob.model import Account, Command, CommandState, EndReason, Intent, Plan, Post, Report, Understanding, Verdict
+from agentrob.model import Account, Command, CommandState, EndReason, Intent, Post, Report, Understanding, Verdict
 from agentrob.model.lifecycle import stored_state
 from agentrob.process.webhooks import Outbox
 from agentrob.service import models
@@ -137,7 +137,7 @@ class CommandService:
         assessment = await self._assess(self._addressed(text), author)
         understood = assessment.understanding
         return models.Preview(
-            intent=str(understood.intent), language=understood.language, plan=_steps(understood.plan),
+            intent=str(understood.intent), language=understood.language, plan=understood.plan.as_data(),
             notes=list(understood.plan.notes), question=understood.question, mind=assessment.mind, author=author.name,
             verdict=_judged(assessment.verdict) if understood.intent in (Intent.COMMAND, Intent.ASK_BACK) else None,
         )  # fmt: skip
@@ -295,7 +295,7 @@ class CommandService:
             found.step, found.steps, found.doing = shown.step, shown.steps, shown.doing
         found.place = self.agent.queue.place(job)
         if job.assessment is not None:
-            found.plan, found.verdict = _steps(job.assessment.understanding.plan), _judged(job.assessment.verdict)
+            found.plan, found.verdict = job.assessment.understanding.plan.as_data(), _judged(job.assessment.verdict)
         return found
 
     def _of_post(self, post: Post, state: CommandState) -> models.Command:
@@ -327,10 +327,6 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _steps(plan: Plan) -> list[dict[str, Any]]:
-    return [{"op": str(step.op), **step.asked()} for step in plan.steps]
-
-
 def _judged(verdict: Verdict | None) -> models.Judged | None:
     if verdict is None:
         return None
@@ -346,14 +342,9 @@ def _of_command(command: Command, state: CommandState) -> models.Command:
 
 def _of_report(report: Report) -> models.Command:
     found = _of_command(report.command, report.status)
-    found.plan, found.verdict, found.message = _steps(report.plan), _judged(report.verdict), report.message
+    found.plan, found.verdict, found.message = report.plan.as_data(), _judged(report.verdict), report.message
     found.timings_ms = {k: round(v, 1) for k, v in report.timings_ms.items()}
-    found.results = _finite([
-        {"op": str(r.primitive.op), "asked": r.primitive.asked(), "measured": dict(r.measured),
-         "outcome": str(r.outcome), "reason": r.reason, "message": r.message,
-         **({"unmeasured": r.unmeasured} if r.unmeasured else {})}
-        for r in report.results
-    ])  # fmt: skip
+    found.results = _finite([result.as_data() for result in report.results])
     return found
 
 

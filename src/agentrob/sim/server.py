@@ -88,7 +88,7 @@ def _check(settings: WorldSettings) -> None:
         raise SimError(f"pace {settings.pace:g} is out of range; valid: above 0 to {FASTEST}")
     interfaces = [name for _, name in socket.if_nameindex()]
     if settings.interface not in interfaces:
-        raise SimError(f"no network interface {settings.interface!r} on this host; there are: {', '.join(interfaces)}")
+        raise SimError(f"no network interface {settings.interface!r} on this host; valid: {', '.join(interfaces)}")
 
 
 class _Process:

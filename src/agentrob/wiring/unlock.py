@@ -77,7 +77,7 @@ def _socket(robot: str, config: Config, data: Path | None) -> Path:
         raise RobotUnreachable(f"no driver of {robot!r} runs on this machine; start one with: agentrob driver {robot}")
     known = sorted({*usual, *demos, *(config.robots if data is None else ())})
     where = f" in the demo of {data}" if data is not None else ""
-    raise ConfigError(f"there is no robot {robot!r}{where}; there are: {', '.join(known) or 'none'}")
+    raise ConfigError(f"no robot named {robot!r}{where}; valid: {', '.join(known) or 'none'}")
 
 
 def _demo_sockets(data: Path | None) -> dict[str, Path]:

@@ -31,7 +31,7 @@ def document(board: RunningBoard) -> schemathesis.BaseSchema:
 
 
 #: Requests to one operation, and to one of administration, which is forms of words: fewer find what there is to find.
-FEW, MANY = (8, 4), (40, 12)
+FEW, MANY = (4, 2), (40, 12)
 
 
 @pytest.mark.parametrize("examples", [FEW, pytest.param(MANY, marks=pytest.mark.slow)], ids=["few", "many"])

@@ -218,7 +218,7 @@ def test_what_is_not_there_is_a_404_that_helps(board: RunningBoard, path: str, c
 
 def test_a_missing_board_names_those_that_are_there(board: RunningBoard) -> None:
     answer = board.client("op").post("/topics", json={"board_id": "nope", "title": "x", "body": "y"})
-    assert answer.json()["hint"] == "there are: robots, talk"
+    assert answer.json()["hint"] == "valid: robots, talk"
 
 
 def test_a_post_of_64_kib_is_taken_and_more_is_not(board: RunningBoard) -> None:

@@ -241,7 +241,7 @@ def test_law_2_where_nobody_releases_on_the_forum_not_even_an_admin_does(
 
 def test_an_unknown_robot_names_the_known_ones(board: RunningBoard) -> None:
     answer = board.client("op").post("/robots/rover/stop").json()
-    assert (answer["status"], answer["hint"]) == (404, "there are: quadruped")
+    assert (answer["status"], answer["hint"]) == (404, "valid: quadruped")
 
 
 # -------------------------------------------------------------------- the live picture

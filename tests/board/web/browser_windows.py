@@ -40,20 +40,19 @@ class Windows:
     complaints: list[str] = field(default_factory=list)
 
     def open(self, name: str | None = None, **how: Any) -> Page:
-        """A window of its own, of that account."""
+        """An empty window of its own, signed in as that account by the cookie of a session."""
         how.setdefault("viewport", {"width": 1280, "height": 800})
         how.setdefault("reduced_motion", "reduce")
         context = self.chromium.new_context(base_url=self.world.base, **how)
         context.set_default_timeout(60_000)
         context.add_init_script(WATCH)
         self.contexts.append(context)
+        if name:
+            cookies = self.world.board.browser(name).cookies.jar
+            context.add_cookies([{"name": c.name, "value": c.value or "", "url": self.world.base} for c in cookies])
         page = context.new_page()
         page.on("console", lambda m: self.complaints.append(m.text) if m.type in ("error", "warning") else None)
         page.on("pageerror", lambda e: self.complaints.append(str(e)))
-        if name:
-            page.goto(self.world.link(name))
-            page.get_by_role("button", name="Enter").click()
-            expect(page.get_by_role("heading", name="Boards", exact=True)).to_be_visible()
         return page
 
 

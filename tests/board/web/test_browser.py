@@ -57,7 +57,10 @@ def top_of(page: Page, selector: str) -> float:
 
 # -------------------------------------------------------------------- the live thread
 def test_a_person_posts_and_sees_the_robot_answer_without_reloading(world: World, windows: Windows) -> None:
-    page = windows.open("alice")
+    page = windows.open()
+    page.goto(world.link("alice"))
+    page.get_by_role("button", name="Enter").click()
+    expect(page.get_by_role("heading", name="Boards", exact=True)).to_be_visible()
     page.get_by_role("link", name="Robots", exact=True).last.click()
     page.goto("/b/robots")
     page.get_by_role("link", name="New topic").click()

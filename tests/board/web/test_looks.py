@@ -97,6 +97,13 @@ STRUCTURE = """() => {
 }"""
 
 
+#: Each width and each scheme; the other two pairs are slow.
+LOOKS = [
+    *((390, "dark"), (1280, "light")),
+    *(pytest.param(*look, marks=pytest.mark.slow) for look in ((390, "light"), (1280, "dark"))),
+]
+
+
 @pytest.fixture(scope="module")
 def paths(world: World) -> list[str]:
     """Every page, with a thread that has everything in it."""
@@ -121,8 +128,7 @@ def paths(world: World) -> list[str]:
     return ["/", "/b/robots", "/b/talk", "/b/robots/new", f"/t/{topic}", *own, "/robots", "/robots/quadruped", "/u/bob"]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize(("width", "scheme"), LOOKS)
 def test_the_pages_of_a_robot_that_is_locked_or_has_no_home_fit_and_can_be_read(
     world: World, windows: Windows, scheme: Any, width: int
 ) -> None:
@@ -142,8 +148,7 @@ def test_the_pages_of_a_robot_that_is_locked_or_has_no_home_fit_and_can_be_read(
         robot.put("/robots/quadruped", json={"card": CARD}).raise_for_status()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize(("width", "scheme"), LOOKS)
 def test_every_page_fits_can_be_read_and_is_well_built(
     world: World, windows: Windows, paths: list[str], scheme: Any, width: int
 ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import subprocess
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -17,6 +16,7 @@ from hypothesis import strategies as st
 
 from agentrob.mcp.forum.arguments import input_schema
 from agentrob.mcp.forum.tools import BY_NAME, TOOLS
+from tests.forked_process import ForkedCommand
 from tests.mcp.forum.hostile import deep, of_schema
 from tests.mcp.forum.inside import a_world, server_of
 from tests.mcp.running_mcp import McpSetup
@@ -74,36 +74,26 @@ def test_deep_and_huge_json_is_refused_in_the_envelope(name: str) -> None:
 
 # ---------------------------------------------------------------------- on the wire of a real process
 @pytest.fixture
-def wire(setup: McpSetup, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]:
-    env = setup.environment("op")
-    with (tmp_path / "log").open("wb") as log:
-        process = subprocess.Popen(
-            setup.command(), env=env, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, bufsize=0
-        )
+def wire(setup: McpSetup, tmp_path: Path) -> Iterator[ForkedCommand]:
+    process = setup.stdio("op", log=tmp_path / "log")
     try:
         yield process
     finally:
         process.kill()
         process.wait(60)
-        for pipe in (process.stdin, process.stdout):
-            if pipe:
-                pipe.close()
-    assert env["AGENTROB_TOKEN"] not in (tmp_path / "log").read_text()
+        process.close()
+    assert setup.board.tokens["op"] not in (tmp_path / "log").read_text()
 
 
 def test_nonsense_on_the_wire_is_answered_or_passed_over_and_the_server_goes_on(
-    wire: subprocess.Popen[bytes],
+    wire: ForkedCommand,
 ) -> None:
-    assert wire.stdin is not None
-    assert wire.stdout is not None
-
     def send(message: Any) -> None:
         assert wire.stdin is not None
         os.write(wire.stdin.fileno(), message if isinstance(message, bytes) else json.dumps(message).encode() + b"\n")
 
     def answer(number: int) -> dict[str, Any]:
-        assert wire.stdout is not None
-        return next(a for line in iter(wire.stdout.readline, b"") if (a := json.loads(line)).get("id") == number)
+        return next(a for line in iter(wire.stdout.readline, "") if (a := json.loads(line)).get("id") == number)
 
     client = {"protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}}
     send({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": client})
@@ -127,17 +117,17 @@ def test_nonsense_on_the_wire_is_answered_or_passed_over_and_the_server_goes_on(
     assert wire.poll() is None
 
 
-def test_a_line_that_is_longer_than_any_message_is_passed_over(wire: subprocess.Popen[bytes]) -> None:
+def test_a_line_that_is_longer_than_any_message_is_passed_over(wire: ForkedCommand) -> None:
     assert wire.stdin is not None
-    assert wire.stdout is not None
     client = {"protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}}
     first = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": client}).encode() + b"\n"
     wire.stdin.write(first)
+    wire.stdin.flush()
     json.loads(wire.stdout.readline())
     for _ in range(40):
         left = memoryview(b"x" * 1024 * 1024)
         while left:
             left = left[os.write(wire.stdin.fileno(), left) :]
     os.write(wire.stdin.fileno(), b'\n{"jsonrpc":"2.0","id":2,"method":"ping"}\n')
-    answered = next(a for line in iter(wire.stdout.readline, b"") if (a := json.loads(line)).get("id") == 2)
+    answered = next(a for line in iter(wire.stdout.readline, "") if (a := json.loads(line)).get("id") == 2)
     assert answered["result"] == {}

@@ -258,7 +258,7 @@ async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_probl
     answers(server, (200, called("act_explode", {})))
     (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
     assert call.arguments is None
-    assert call.problem == "There is no tool act_explode. There are: act_move."
+    assert call.problem == "There is no tool act_explode. Valid: act_move."
     answers(server, (200, called("act_move", {"distance_m": 500})))
     (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
     assert call.arguments is None

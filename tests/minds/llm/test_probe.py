@@ -219,4 +219,4 @@ def test_the_command_has_a_line_for_each_mind_and_an_exit_code(double: Start, tm
     assert found["ok"] is True
     unknown = run_mind(tmp_path, "check", "nobody")
     assert unknown.returncode == 1
-    assert "there are: good, keyless" in unknown.stderr
+    assert "valid: good, keyless" in unknown.stderr

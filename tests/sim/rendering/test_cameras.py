@@ -1,6 +1,8 @@
 """Pictures on demand: by GL where there is one, by rays where there is none."""
 
 import io
+import os
+import sys
 import threading
 
 import numpy as np
@@ -54,6 +56,12 @@ def test_the_front_picture_is_vga_and_shows_the_red_ball_and_the_blue_box(lookin
 def test_nobody_looks_nothing_is_drawn(looking, room_bench):
     room_bench.run(1.0)
     assert looking.drawn == 0
+
+
+def test_drawing_yields_the_cores_to_physics_and_drivers(looking):
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    (drawing,) = [thread.native_id for thread in threading.enumerate() if thread.name == "cameras"]
+    assert (os.getpriority(os.PRIO_PROCESS, drawing) > own) == (sys.platform == "linux")
 
 
 def test_many_who_ask_at_once_get_the_same_picture(looking):

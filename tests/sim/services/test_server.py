@@ -140,7 +140,7 @@ def test_wrong_settings_are_one_clear_line(options, expected):
     assert expected in done.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_it_ends_at_a_signal_and_leaves_the_domain_free(tmp_path, number):
     world = start_world(tmp_path, environment={"MUJOCO_GL": "off"})
     assert world.ready["camera"] == "ray"

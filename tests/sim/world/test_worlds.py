@@ -148,9 +148,7 @@ def test_two_things_of_one_name_and_robots_on_top_of_each_other_are_refused() ->
 
 
 def test_an_unknown_world_names_those_that_are_there() -> None:
-    with pytest.raises(
-        SimError, match=r"no world named 'mars'; there are: corridor, obstacles, room; or give the path"
-    ):
+    with pytest.raises(SimError, match=r"no world named 'mars'; valid: corridor, obstacles, room; or give the path"):
         load("mars")
     with pytest.raises(SimError, match=r"cannot read the world no/such\.toml: No such file"):
         load("no/such.toml")

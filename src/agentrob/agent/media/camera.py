@@ -14,6 +14,7 @@ import structlog
 
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import RobotPages
+from agentrob.process.tls import tls
 
 FPS = 10.0
 #: The picture goes on for a moment after the last motion, so that the end is seen.
@@ -55,7 +56,7 @@ class Camera:
 
     async def run(self) -> None:
         """For ever; a camera or a forum that fails is tried again with the next wake."""
-        async with httpx2.AsyncClient(timeout=3.0, trust_env=False) as http:
+        async with httpx2.AsyncClient(timeout=3.0, trust_env=False, verify=tls()) as http:
             while True:
                 await self._wanted.wait()
                 self._wanted.clear()

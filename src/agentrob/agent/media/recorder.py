@@ -26,6 +26,7 @@ from agentrob.agent.media.plot import asked_path, seen_from
 from agentrob.agent.media.track import begins_s, lines, samples, seconds
 from agentrob.config.robots import RecordingConfig, RobotConfig
 from agentrob.model import ActionResult, Op, Outcome, Report
+from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
 #: A reply waits at most so long for its animation; one that takes longer follows, but not later than that.
@@ -56,7 +57,7 @@ def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
         return None
 
     async def look() -> bytes:
-        async with httpx2.AsyncClient(timeout=3.0, trust_env=False) as http:
+        async with httpx2.AsyncClient(timeout=3.0, trust_env=False, verify=tls()) as http:
             return await snapshot(http, settings.room_camera)
 
     return look

@@ -16,6 +16,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import RobotPages
 from agentrob.model import Capabilities, Lock, RobotState
+from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
 LOOK_S = 1.0
@@ -114,7 +115,7 @@ def _lock_of(state: RobotState) -> dict[str, str] | None:
 async def reset_room(driver: DriverClient, settings: RobotConfig, by: str) -> None:
     """Put a simulated room back and set the robot's home there. Raises `RobotError` when that does not work."""
     try:
-        async with httpx2.AsyncClient(timeout=10.0, trust_env=False) as http:
+        async with httpx2.AsyncClient(timeout=10.0, trust_env=False, verify=tls()) as http:
             (await http.post(settings.room_reset)).raise_for_status()
     except (httpx2.HTTPError, httpx2.InvalidURL) as e:
         raise RobotError(f"the room was not reset: {e}") from None

@@ -70,10 +70,10 @@ class Records:
             "trace_id": command.trace_id,
             "status": report.status,
             "message": report.message,
-            "plan": [{"op": str(s.op), **s.asked()} for s in report.plan.steps],
+            "plan": report.plan.as_data(),
             "notes": list(report.plan.notes),
             "verdict": asdict(report.verdict) if report.verdict else None,
-            "steps": [_step(r) for r in report.results],
+            "steps": [result.as_data() for result in report.results],
             "stop": asdict(report.stop) if report.stop else None,
             "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
             **_minds(assessment),
@@ -113,19 +113,6 @@ def _minds(assessment: Assessment | None) -> dict[str, Any]:
     }
     models = [usage.as_data() for usage in assessment.usage]
     return {"mind": assessment.mind, "fallback": assessment.fallback, "models": models, "screened": looked}
-
-
-def _step(result: ActionResult) -> dict[str, Any]:
-    return {
-        "op": str(result.primitive.op),
-        "asked": result.primitive.asked(),
-        "measured": {k: round(v, 4) for k, v in result.measured.items()},
-        **({"unmeasured": result.unmeasured} if result.unmeasured else {}),
-        "outcome": str(result.outcome),
-        "reason": result.reason,
-        "message": result.message,
-        "duration_s": round(result.duration_s, 3),
-    }
 
 
 def _safe(post_id: str) -> str:

@@ -1,4 +1,4 @@
-"""Delete what a robot's agent kept of commands that ended long ago, at the start and then once an hour."""
+"""Delete what an agent kept of commands that ended long ago, at the start and then hourly, and return free memory."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import structlog
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
+from agentrob.process.memory import release_free_memory
 
 EVERY_S = 3600.0
 _log = structlog.get_logger()
@@ -24,7 +25,8 @@ async def prune(journal: Journal, records: Records, keep: RetentionConfig) -> No
 
 
 async def keep_pruning(journal: Journal, records: Records, keep: RetentionConfig) -> None:
-    """Prune now and then once an hour, until cancelled."""
+    """Prune now and then once an hour, and return free memory to the system, until cancelled."""
     while True:
         await prune(journal, records, keep)
+        await asyncio.to_thread(release_free_memory)
         await asyncio.sleep(EVERY_S)

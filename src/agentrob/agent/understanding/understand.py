@@ -13,6 +13,7 @@ from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting.status_post import insist
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
+from agentrob.agent.understanding.second_opinion import SecondOpinion
 from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
@@ -39,6 +40,7 @@ from agentrob.model import (
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
+from agentrob.screening.second_opinion import is_own_words, with_opinion
 
 _ASSESSMENT = TypeAdapter(Assessment)
 
@@ -55,6 +57,8 @@ class Assessor:
     journal: Journal
     #: Whether a command that this account posts now is over its limits.
     over_limit: Callable[[Command], bool] = lambda _: False
+    #: A classifier that may suspect harm in what the rules allow.
+    opinion: SecondOpinion | None = None
 
     @property
     def model(self) -> ChatModel | None:
@@ -117,6 +121,7 @@ class Assessor:
             known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             assessment = replace(assessment, verdict=verdict)
+            assessment = await self._with_opinion(job, assessment, part_for(command.text, addressee.names, others))
             assessment = await self._looked_at(job, assessment, addressee, capabilities, history, terms.scene)
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
@@ -144,6 +149,17 @@ class Assessor:
         return replace(
             assessment, goal=goal, understanding=Understanding(Intent.COMMAND, understood.language, Plan(goal.steps))
         )
+
+    async def _with_opinion(self, job: QueuedCommand, assessment: Assessment, text: str) -> Assessment:
+        """Ask back if the rules allow a command and the classifier suspects harm in its words."""
+        verdict, language = assessment.verdict, assessment.understanding.language
+        if self.opinion is None or verdict is None or verdict.decision is not Decision.ALLOW:
+            return assessment
+        plan = None if assessment.goal else assessment.understanding.plan
+        if plan is not None and is_own_words(text, plan, language):
+            return assessment
+        suspected = await job.unless_ended(self.opinion.suspects(text, language))
+        return replace(assessment, verdict=with_opinion(verdict, suspected, plan, language))
 
     async def _looked_at(
         self,

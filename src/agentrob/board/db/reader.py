@@ -189,7 +189,7 @@ class Reader:
         for board in boards:
             if board.id == board_id:
                 return board
-        raise not_found("board", board_id, "there are: " + (", ".join(b.id for b in boards) or "none"))
+        raise not_found("board", board_id, "valid: " + (", ".join(b.id for b in boards) or "none"))
 
     def topics(
         self, board_id: str | None, cursor: str | None = None, limit: int = 20, tag: str | None = None

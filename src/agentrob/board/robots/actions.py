@@ -30,7 +30,7 @@ def known_robot(services: Services, name: str) -> Account:
     account = services.store.reader.account(name)
     if account is None or account.kind is not AccountKind.ROBOT_AGENT:
         known = ", ".join(a.name for a in services.store.reader.robots()) or "none"
-        raise not_found("robot", name, f"there are: {known}")
+        raise not_found("robot", name, f"valid: {known}")
     return account
 
 

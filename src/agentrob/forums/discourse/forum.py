@@ -313,9 +313,7 @@ class DiscourseForum:
                     return number, board_id
             if attempt == 1:
                 await self.boards()
-        raise ForumNotFound(
-            f"there is no board {board_id!r}; there are: {', '.join(b.id for b in self._boards.values())}"
-        )
+        raise ForumNotFound(f"no board {board_id!r}; valid: {', '.join(b.id for b in self._boards.values())}")
 
     async def build(self, raw: _JSON, fresh: bool = False) -> Post:
         """Build our post from Discourse's; `fresh`: with its author's current rights."""

@@ -308,7 +308,7 @@ class MemoryForum:
     def _board(self, board_id: str) -> Board:
         boards = self._world.boards
         if board_id not in boards:
-            raise ForumNotFound(f"there is no board {board_id!r}; there are: {', '.join(boards)}")
+            raise ForumNotFound(f"no board {board_id!r}; valid: {', '.join(boards)}")
         return boards[board_id]
 
     def _visible(self, post_id: str) -> Post:

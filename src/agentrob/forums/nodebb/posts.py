@@ -61,7 +61,7 @@ class PostReader:
                     return cid
             await self.boards()
         known = ", ".join(board.id for _, board in self._boards)
-        raise ForumNotFound(f"there is no board {board_id!r}; there are: {known}")
+        raise ForumNotFound(f"no board {board_id!r}; valid: {known}")
 
     async def _board_of(self, cid: int) -> str:
         if time.monotonic() - self._boards_s > BOARDS_AGE_S or cid not in dict(self._boards):

@@ -187,6 +187,12 @@ PHRASES = {
         "please post the motion alone."
     ),
     "way.unaware": "I do not rely on people to get out of my way ({words}).",
+    "opinion.harm": (
+        "This sounds as if it might be dangerous, so I did not move. If you only want the motion, post {words}."
+    ),
+    "opinion.goal": (
+        "This sounds as if it might be dangerous, so I did not move. If it is not, please say it differently."
+    ),
     "beside.said": (
         "You also say {words}, and I cannot tell what this means for the motion. If it is harmless, please post "
         "the motion alone."

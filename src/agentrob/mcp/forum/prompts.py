@@ -48,7 +48,7 @@ def filled(name: str, given: dict[str, str]) -> PromptText:
     """The prompt with its arguments filled in. Raises `ToolError` for missing or unknown arguments."""
     prompt = _BY_NAME.get(name)
     if prompt is None:
-        raise ToolError("not_found", f"no prompt {name[:64]!r}", f"there are: {', '.join(_BY_NAME)}")
+        raise ToolError("not_found", f"no prompt {name[:64]!r}", f"valid: {', '.join(_BY_NAME)}")
     if given.keys() != prompt.needs.keys():
         raise ToolError("invalid_arguments", f"{name} takes other arguments", ", ".join(prompt.needs) or "none")
     text = prompt.text

@@ -30,7 +30,7 @@ def checked_call(call_id: str, name: str, raw: Any, tools: Sequence[Tool]) -> To
     name = one_line(name, limit=80)
     if tool is None:
         known = ", ".join(t.name for t in tools) or "none"
-        return ToolCall(call_id, name, None, f"There is no tool {name}. There are: {known}.", raw)
+        return ToolCall(call_id, name, None, f"There is no tool {name}. Valid: {known}.", raw)
     arguments, problem = checked(raw, tool.arguments)
     return ToolCall(call_id, name, arguments, problem, raw)
 

@@ -12,13 +12,13 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any, TypeVar
 
-import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from agentrob.errors import LeaseLost, RobotBusy, RobotError
+from agentrob.process.http_server import HttpServer
 from agentrob.robots.codec import decode_primitive, display_name, encode
 from agentrob.robots.driver.driver import Driver
 
@@ -204,10 +204,9 @@ class DriverServer:
     """Serves a driver on a listening socket, in a thread, while the context is open."""
 
     def __init__(self, driver: Driver, listener: socket.socket) -> None:
-        config = uvicorn.Config(
-            app(driver), log_config=None, access_log=False, lifespan="off", ws="none", timeout_graceful_shutdown=None
+        self._server = HttpServer(
+            app(driver), handle_signals=False, lifespan="off", ws="none", timeout_graceful_shutdown=None
         )
-        self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, args=([listener],), name="service", daemon=True)
 
     def __enter__(self) -> DriverServer:

@@ -210,7 +210,7 @@ _SIZE = re.compile(r" ?(?:deep|high|tall|wide|long|thick|drop|fall|hole|pit|gap|
 _NONE_THERE = re.compile(
     r"\b(?:no|not|isn't|aren't|nobody|no one|nothing|gone|was|were|used to|don't|if|nor|never|free|clear|safe"
     r"|left already|moved)\b"
-    r"|没有|没|不在|无人|走了|离开|已经走|空的|如果|别|不要|安全|走开"
+    r"|没有|没|冇|不在|无人|走了|离开|已经走|空的|如果|别|不要|安全|走开"
 )
 _IS_THERE = re.compile(
     r"\b(?:is|are|'s|'re|stands?|sits?|lies|lie|sleeps?|rests?|waits?|find|hangs?|starts?|begins?)\b|\w'(?:s|re)\b"
@@ -220,8 +220,8 @@ _ONLY_LOOKS = re.compile(
     r"\b(?:photo|picture|image|pic|wave|waving|greet|hello|hi|look|show|heart|see)|拍|照|挥手|招呼|比心|看|问好"
 )
 _COMMANDED = re.compile(
-    r"(?<!\ba )(?<!\bthe )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed|head|come|strafe"
-    r"|spin|travel|advance|pivot)\b"
+    r"(?<!\ba )(?<!\bthe )(?<!\byour )(?<!\bmy )\b(?:walk|go|move|run|step|turn|rotate|back up|backup|drive|proceed"
+    r"|head|come|strafe|spin|travel|advance|pivot)\b"
     r"|\b(?:forwards?|backwards?|left|right) (?:\d|a |an |one |two |three |four |five |half )"
     r"|[向往朝](?:前|后|左|右)[^，。]{0,3}(?:走|移|退|转|跑)|前进|后退|左转|右转|走[^，。,]{1,4}[米步]|^\s*(?:再"
     r"|先)?(?:走|退|跑)"

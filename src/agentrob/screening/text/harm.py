@@ -19,6 +19,8 @@ from agentrob.screening.text.words import zh as words_zh
 
 #: Prefix of phrases that may be harmless: the robot asks back instead of refusing.
 DOUBT = "?"
+#: Prefix of phrases that name a place to go to: they count only if the post became a plan, which would go there.
+WAY = ">"
 #: Rules in the order in which they are checked. True: a negation takes the harm away ("don't hit it").
 RULES = {
     "safety.disable": False,
@@ -39,6 +41,15 @@ RULES = {
 }
 ENGLISH = Vocabulary(words_en.GROUPS, words=True)
 CHINESE = Vocabulary(words_zh.GROUPS, words=False, letters="[\u3400-\u9fff]")
+#: A clause that asks how, why or what: it wants to know something, not to do it. "How about" proposes.
+_QUESTION = re.compile(
+    r"(?:^|(?<=[.!?;\n,]))\s*(?:hi |hey |and |so |but )*"
+    r"(?:how (?:do|does|can|could|should|would|did|to|is|are|much|many)"
+    r"|why (?:do|does|did|is|are|was|were|would)\b(?! not)(?!n't)"
+    r"|what (?:is|are|does|happens|if|should|do)\b)[^.!?;\n]*"
+    r"|(?:如何|怎么样?才?能?|怎样|为什么|为何|什么是|是否|有没有办法)[^，。！？；,.!?;\n]*"
+    r"|(?<![^，。！？；,.!?;\n])[^，。！？；,.!?;\n]*(?:是什么|什么意思|怎么办|怎么回事)(?=[，。！？；,.!?;\n]|$)"
+)
 #: A handle, with a verb or preposition before it that does something to the account.
 _MENTION = re.compile(
     r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
@@ -48,24 +59,34 @@ _MENTION = re.compile(
 
 def harm_of(text: str, language: Language) -> Verdict | None:
     """Return a refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
-    for rule, words in _broken(text, doubts=False):
+    for rule, words in _broken(plain_words(text), doubts=False):
+        return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
+    return None
+
+
+def clear_harm_of(text: str, language: Language) -> Verdict | None:
+    """Return a refusal of a post without a plan: only for deeds that are harmful wherever they are done.
+
+    A place that the robot cannot walk to anyway ("go down the stairs") accuses nobody of anything, nor does a question
+    about harm ("how do I prevent collisions").
+    """
+    for rule, words in _broken(_QUESTION.sub(" ", plain_words(text)), doubts=False, ways=False):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
 
 def doubt_of(text: str, language: Language) -> Verdict | None:
     """Return a question to ask before anything moves, because the words may mean harm, or None."""
-    for rule, words in _broken(text, doubts=True):
+    for rule, words in _broken(plain_words(text), doubts=True):
         key = rule if rule == "people.picture" else "beside.said"
         return Verdict(Decision.ASK_BACK, rule, say(key, language, words=quote(words)))
     return None
 
 
-def _broken(text: str, *, doubts: bool) -> Iterator[tuple[str, str]]:
+def _broken(plain: str, *, doubts: bool, ways: bool = True) -> Iterator[tuple[str, str]]:
     """Yield (rule, words) of everything that is not negated, in the order of the rules."""
-    plain = plain_words(text)
     for rule, deniable in RULES.items():
-        for found, denied in _found(rule, plain, doubts):
+        for found, denied in _found(rule, plain, doubts, ways):
             if not (deniable and denied):
                 yield rule, found
 
@@ -89,9 +110,9 @@ def prepare() -> None:
                 phrases.prepare()
 
 
-def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
+def _found(rule: str, plain: str, doubts: bool, ways: bool) -> Iterator[tuple[str, bool]]:
     """Yield the words that break a rule, and whether a negation precedes them."""
-    for phrases, denial in _phrases(rule, doubts):
+    for phrases, denial in _phrases(rule, doubts) if ways else _of_kind(rule, ""):
         for match in phrases.finditer(plain):
             before = plain[max(0, match.start() - 60) : match.start()]
             yield match[0], denial.search(before) is not None
@@ -99,9 +120,15 @@ def _found(rule: str, plain: str, doubts: bool) -> Iterator[tuple[str, bool]]:
 
 @cache
 def _phrases(rule: str, doubts: bool) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
+    return _of_kind(rule, DOUBT) if doubts else (*_of_kind(rule, ""), *_of_kind(rule, WAY))
+
+
+@cache
+def _of_kind(rule: str, prefix: str) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
+    """Return a rule's phrases with this prefix (`DOUBT`, `WAY`, or none), and what denies them, per language."""
     made = []
     for vocabulary, locale in ((ENGLISH, words_en), (CHINESE, words_zh)):
-        phrases = [phrase.removeprefix(DOUBT) for phrase in locale.RULES[rule] if phrase.startswith(DOUBT) is doubts]
-        if phrases:
+        kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else "" for phrase in locale.RULES[rule]}
+        if phrases := [phrase.removeprefix(prefix) for phrase, kind in kinds.items() if kind == prefix]:
             made.append((Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
     return tuple(made)

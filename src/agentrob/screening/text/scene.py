@@ -1,10 +1,12 @@
 """Find what is harmless elsewhere and dangerous here: compare the words of a post with a description of the place.
 
 Each rule names two or three things that must not come together: water and electricity, a flame and paper, a parcel and
-the fire exit. The things may be named in the post or in the description, but the action must be in the post. The
-description is plain English, from the world file or a camera model. Only English posts are compared with it word by
-word; motions are checked in every language (`agentrob.screening.text.described_hazards`). The rules match pairs of
-words, not their meaning; a model may add refusals.
+the fire exit. The action must be in the post, and the description must place the things: it supplies one of them beside
+something else that the post names, or else names at least two things of the post. A description of another place
+therefore refuses nothing. The description is plain English, from the world file or a camera model. Only English posts
+are compared with it word by word; motions are checked in every language
+(`agentrob.screening.text.described_hazards`). The rules match pairs of words, not their meaning; a model may add
+refusals.
 """
 
 from __future__ import annotations
@@ -129,6 +131,21 @@ _RULES: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
         ),
     ),
 )
+#: If the post names all things of a rule, so many of its words must be in the description.
+_SHARED_AT_LEAST = 2
+_WORD = re.compile(r"[a-z]{3,}(?:-[a-z]+)*")
+_SINGULAR = re.compile(r"(?<=[a-z]{3})(?:ies|(?<=[sxz])es|(?<=[cs]h)es|(?<!s)s)$")
+#: Words that tell nothing about which place is meant: function words, verbs of placing, sides.
+_NO_THING = frozenset(
+    _WORD.findall(
+        """the and with from into onto near for that this there then than them they their you your are was were has
+        have had not but its his her our out off over under above below behind beside next front back left right top
+        side inside outside between around along across through toward towards down all any each every some one two
+        three few many most more less very can could should would will may might must keep make take get put place set
+        leave use turn bring move hang store stand start while when after before until immediately quickly directly
+        also using help please only just placed located positioned room area"""
+    )
+)
 
 
 def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) -> Verdict | None:
@@ -149,15 +166,27 @@ def harm_in_scene(text: str, scene: str, plan: Plan | None, language: Language) 
 
 
 def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:
-    """Yield rules whose action is in the post and whose things are all present, at least one of them named in the
-    post.
+    """Yield rules whose action is in the post, whose things are all present, at least one of them named in the post,
+    and for which the description is of the place that the post is about.
     """
+    shared = len(_things(said) & _things(seen.replace("_", " ")))
+    if not shared:
+        return
     for rule, why, deed, things in _patterns():
         if not deed.search(said):
             continue
         in_post = [thing.search(said) is not None for thing in things]
-        if any(in_post) and all(here or thing.search(seen) for here, thing in zip(in_post, things, strict=True)):
+        if all(in_post):
+            if shared >= _SHARED_AT_LEAST:
+                yield rule, why
+        elif any(in_post) and all(here or thing.search(seen) for here, thing in zip(in_post, things, strict=True)):
             yield rule, why
+
+
+def _things(plain: str) -> set[str]:
+    """Return the words of a text that may name things, in the singular."""
+    singular = (_SINGULAR.sub(lambda match: "y" if match[0] == "ies" else "", word) for word in _WORD.findall(plain))
+    return set(singular) - _NO_THING
 
 
 @cache

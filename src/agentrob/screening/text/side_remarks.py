@@ -1,8 +1,9 @@
 """Ask about statements beside a command that may change its meaning: "He does not know the camera is on. Take a photo."
 
 The grammar ignores talk, and no list of words can interpret all of it. So statements about other people, animals,
-heights, protections or somebody's identity make the robot ask back once: it does less, never more. Talk about anything
-else ("I love robots!", "there is a door on your left") is ignored.
+heights, slippery floors, protections, somebody's identity, or what the robot carries make the robot ask back once: it
+does less, never more. Talk about anything else ("I love robots!", "there is a door on your left") is ignored, and so is
+what is said to be elsewhere ("the cat is in another room").
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from functools import cache
 from agentrob.language.messages.catalog import quote, say
 from agentrob.model import Decision, Language, Op, Plan, Verdict
 from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
+from agentrob.screening.text.elsewhere import masked
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
@@ -39,13 +41,28 @@ _EN = (
     r"wet|slippery|icy|dark|steep|loose|unstable|fragile|photographed|filmed|recorded|faces?|naked|private"
     r"|danger\w*|risk\w*|accident|blood|police|enem\w+|victims?"
     r"|thie(?:f|ves)|intruders?|hostage",
+    # The floor, people who rest, and the robot's body with what it carries.
+    r"slick|greasy|oily|muddy|frozen|polished|waxed|spilled|spilt|covered in|mopped|asleep|sleep(?:s|ing)?|naps?"
+    r"|napping|oil(?! paint)|grease|soap|ice(?! cream)|boiling|burning|lit|petrol|gasoline|acid|kettle"
+    r"|knife|knives|scissors|razor",
+    r"(?:on|onto|off|from|across|around|over) (?:your|its|the robot's|the dog's)(?: \w+)? (?:back|head|arms?"
+    r"|shoulders?|neck|body|legs?|tray|paws?|feet)",
+    r"you(?:'re| are|'ve got| have)(?: \w+)? (?:carrying|holding|wearing|tied|tethered|plugged|chained|strapped"
+    r"|attached|charging|loaded)",
+    r"your (?:\w+ )?(?:legs?|battery|motors?|knees?|joints?|foot|feet|cables?|cord|sensors?|camera)(?: \w+){0,3}? "
+    r"(?:broken|loose|hot|smok\w+|stuck|tangled|missing|damaged|overheat\w*|cracked|leaking|off|dead)",
 )
 _ZH = (
     r"<other>(?!好)|(?:他|她|它)们?",
     r"你(?:现在|正|就|已经|目前)*(?:停|站|坐|趴|处|位)?在(?!<safe>)(?:<some>)?[^，。,.]{0,4}?(?:上|边|旁|口|里|下)",
-    r"<drop>|<danger>|活板门|又湿|很滑|湿滑|没有(?:地|栏|护)|悬崖|边缘|楼梯|逃生|消防",
+    r"<high>|<danger>|活板门|又湿|很滑|湿滑|没有(?:地|栏|护)|悬崖|边缘|楼梯|逃生|消防",
     r"把你(?:放|搁|摆|搬|抱|举|留)",
     r"<protection>|<authority>|权限|授权|命令|口令|负责",
+    r"你(?:的)?[^，。,.]{0,3}?(?:背|身|头|肩|脖子|手|腿|尾巴)(?:上|里|边)|在你[^，。,.]{0,4}?(?:上|里)",
+    r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
+    r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
+    r"打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
+    r"|在烧|烧着|点着|滚烫|开水|热汤|煤油|汽油|酒精|漏电|带电|刀",
     r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
 )
 #: Praise of the robot and greetings are not about anybody else.
@@ -87,11 +104,15 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
             continue
         myself, *topics = _phrases()
         said = myself.sub(" ", _KIND.sub(" ", clause.said))
-        if any(topic.search(said) for topic in topics) and not placed(clause.said):
+        if not any(topic.search(said) for topic in topics) or placed(clause.said):
+            continue
+        if len(said) > _LONGEST or any(topic.search(masked(said)) for topic in topics):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
 
 
+#: Longer clauses are asked about as a whole; no short reassurance is that long.
+_LONGEST = 200
 #: Operations that no side remark can make harmful.
 _HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 

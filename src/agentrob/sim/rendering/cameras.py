@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -28,6 +29,7 @@ SEVERAL_S = 0.5  # if other views were drawn within this time, several cameras a
 SMOOTH_SAMPLES = 4
 FRESH_S = 0.07  # a younger picture is reused; ten requests a second with some jitter all get new ones
 JPEG_QUALITY = 88
+NICE = 10  # physics and drivers, which share the cores, are served first
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
 
@@ -112,6 +114,12 @@ def open_renderer(model: Any, backend: str) -> Renderer:
     return RayRenderer(model)
 
 
+def _lower_priority() -> None:
+    """Lower the priority of this thread and of those it will start, such as a software renderer's."""
+    if sys.platform == "linux":  # elsewhere a priority belongs to the whole process
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + NICE)
+
+
 class Cameras:
     """Renders on request. `pose` returns a copy of the world's pose and is thread-safe.
 
@@ -162,6 +170,7 @@ class Cameras:
 
     # ------------------------------------------------------------------ the drawing thread
     def _run(self) -> None:
+        _lower_priority()
         renderer = open_renderer(self._model, choose_backend())
         self.backend = renderer.name
         self.ready.set()

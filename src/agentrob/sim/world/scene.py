@@ -365,7 +365,7 @@ def load(world: str = "room") -> Scene:
     known = shipped()
     source: Traversable | Path = known[world] if world in known else Path(world).expanduser()
     if world not in known and not (source.is_file() or world.endswith(".toml") or "/" in world):
-        raise SimError(f"no world named {world!r}; there are: {', '.join(known)}; or give the path of a world's file")
+        raise SimError(f"no world named {world!r}; valid: {', '.join(known)}; or give the path of a world's file")
     try:
         raw = tomllib.loads(source.read_text(encoding="utf-8"))
     except OSError as e:

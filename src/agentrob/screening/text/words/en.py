@@ -214,8 +214,11 @@ GROUPS = {
 RULES: dict[str, tuple[str, ...]] = {
     # ---------------------------------------------------------------- people, without touching them
     "people.follow": (
-        r"<follow+> (?:right |close |closely |straight )?(?:behind |after )?(?:<other>|<pronoun>)(?! (?:has|have"
+        r"><follow+> (?:right |close |closely |straight )?(?:behind |after )?(?:<other>|<pronoun>)(?! (?:has|have"
         r"|is|are)\b)",
+        r"(?:chas(?:e|es|ing)|stalk(?:s|ing)?|hunt(?:s|ing)?|corner(?:s|ing)?|pursu(?:e|es|ing)|shadow(?:s|ing)?"
+        r"|tail(?:s|ing)?|herd(?:s|ing)?|(?:sneak|creep)(?:s|ing)? up (?:on|behind)|run(?:s|ning)? after)"
+        r" (?:<other>|<pronoun>)|follow (?:<other>|<pronoun>) (?:home|everywhere|around|into|all)",
         r"?(?:wherever|everywhere) (?:he|she|they|<other>) (?:goes?|walks?|moves?|runs?)",
         r"?(?:don't|do not|never) (?:lose (?:sight of )?|let) (?:<pronoun>|<other>)(?: out of| from)?(?: your"
         r"| my)?(?: sight)?(?! in| out| pass| leave| through| go| by| near)",
@@ -224,7 +227,9 @@ RULES: dict[str, tuple[str, ...]] = {
         r"?(?:right|close|closely) (?:behind|after) (?:him|her|them|<other>)",
     ),
     "people.block": (
-        r"(?:block(?:ade)?|obstruct|barricade|bar|seal|jam|guard|occupy|plug|cork|clog)(?:s|ed|ing)?(?: off"
+        r">guard(?:s|ed|ing)? (?:<somebody>|<the>(?:doors?|doorways?|exits?|entrances?|gate|stairs|hall|hallway"
+        r"|corridor|it))",
+        r"(?:block(?:ade)?|obstruct|barricade|bar|seal|jam|occupy|plug|cork|clog)(?:s|ed|ing)?(?: off"
         r"| up)? (?:<somebody>|<the>(?:doors?|doorways?|exits?|"
         r"ways?|path|hall|hallway|corridor|entrances?|stairs|staircase|aisle|passage(?:way)?|elevator|lift|escape"
         r"|route|gate|traffic|ramp|road|street|driveway|view|lane|walkway|it))",
@@ -264,7 +269,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"(?:doesn't|does not|don't|do not|didn't|never|refuses? to|hates?|without) (?:want(?:s|ed|ing)?|like"
         r"|agree|know|allow|consent|wish)s?(?: to be| being| that)? ?(?:photographed|filmed|recorded|(?:the|your"
         r"|a) camera|pictures?|photos?)",
-        r"surveil\w*|stake out|stakeout|voyeur\w*|upskirt|wiretap",
+        r"surveil\w*(?! (?:room|cent(?:er|re)|office|desk|camera|monitor|system"
+        r"|screen)s?\b)|stake out|stakeout|voyeur\w*|upskirt|wiretap",
         r"?(?:keep|keeping) (?:an eye|watch|tabs|a close eye|a lookout|your eyes?|your camera|the camera)(?: on| of"
         r"| over)? (?:<somebody>|<human>|who)",
         r"(?:watch|monitor|observe|stalk|film|record|listen in on|overhear|identify|recogni[sz]e|scan|document|log"
@@ -313,7 +319,10 @@ RULES: dict[str, tuple[str, ...]] = {
         r"?facial recognition|face recognition|blackmail|evidence against|for evidence",
     ),
     "people.trick": (
-        r"(?:lure|lead|entice|coax|tempt|decoy|steer|attract|draw)(?:s|ing|d)? (?:<somebody>)(?: away| out| off"
+        r">lead(?:s|ing)? (?:<somebody>)(?: away| out| off| over)? ?"
+        r"(?:into|to|towards?|away|outside|off|out|from|over|onto|near|closer)?",
+        r"lead(?:s|ing)? (?:<somebody>)(?: away| out| off| over)? (?:into|away|off|onto)\b",
+        r"(?:lure|entice|coax|tempt|decoy|steer|attract|draw)(?:s|ing|d)? (?:<somebody>)(?: away| out| off"
         r"| over)? ?(?:into|to|towards?|away|outside|off|out|from|over|onto|near|closer)?",
         r"(?:distract|trick|fool|deceive|mislead|scam|con|dupe|hoax|gaslight|humiliate|embarrass|mock|cheat"
         r"|blackmail|manipulate|seduce|convince|persuade|impersonate)(?:s|ing|ed)? (?:<somebody>|<other>|a\b|the\b)",
@@ -395,7 +404,9 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     # ---------------------------------------------------------------- harm
     "harm.collide": (
-        "<go+>… (?:into|against|over|onto|through) (?:<somebody>|<det><solid>|walls|furniture|things|obstacles|people)",
+        "<go+>… (?:into|against|over|onto|through(?! <det>(?:doors?|gates?|curtains?)\\b))"
+        " (?:<somebody>(?!(?:'s?)? (?:\\w+ ){0,2}?(?:bed|bath|class|rest|changing )?(?:rooms?|toilets?|area|section"
+        "|department|ward|office|corner|wing)\\b)|<det><solid>|walls|furniture|things|obstacles|people)",
         r"<go+>… (?:straight |right |directly |full speed )?at (?:<other>|<pronoun>)(?! (?:left|right))",
         r"(?:go|head|make|aim|charge|drive|run) (?:straight |right )?for (?:<other>|<pronoun>)",
         r"<strike+>(?: right| straight| hard| gently| softly)?(?: into| against| on| with| over)? (?:<somebody>"
@@ -434,9 +445,10 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|that |its |this )?(?:\w+ )?(?:edge|brink|ledge|railing|drop|parapet"
         r"|kerb|curb|cliff|drop-off|precipice)"
         r"(?! of the (?:rug|carpet|mat|tape|line|paper|tile))",
-        r"<go+>… down (?:<det>)?(?:stairs?|steps|stairway|staircase|stairwell|escalator|slope|cliff|hole|shaft"
+        r"><go+>… down (?:<det>)?(?:stairs?|steps|stairway|staircase|stairwell|escalator|slope|cliff|hole|shaft"
         r"|well|hatch|hill|embankment|ramp|slide)",
-        r"<go+>… (?:into|in|down) <det><pit>|out of (?:the |a )?(?:\w+ )?window|down the stairs|over the edge",
+        r"<go+>… (?:into|in|down) <det><pit>|out of (?:the |a )?(?:\w+ )?window|over the edge",
+        r">down the stairs",
         r"(?:throw|hurl|launch|fling|drop) yourself|(?:fall|topple|tip|flop) (?:down|over(?! there)|off)|roll off"
         r"|let yourself (?:fall|drop|go)",
         r"(?:jump|leap|dive|plunge|drop)(?:ing)? (?:\w+ ){0,2}?(?:off|from|down)|take the plunge",
@@ -526,19 +538,20 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|(?:nobody|no one|no-one)(?: is|'s) (?:looking|watching)|lie (?:about|to|in)",
     ),
     "bounds.leave": (
-        r"(?:leave|exit|abandon|escape(?: from)?|quit)(?:s|ing)? <det>(?:room|area|building|house|lab"
+        r">(?:leave|exit|abandon|escape(?: from)?|quit)(?:s|ing)? <det>(?:room|area|building|house|lab"
         r"|laborator(?:y|ies)|zone|fence|field|premises|property|arena|office|hall|warehouse|yard|garden|site"
         r"|enclosure|apartment|campus|pen|boundary|territory|test \w+)(?! (?:as it is|alone))",
-        r"<go+>… (?:out of|outside(?: of)?|beyond|past|off) <det>(?:rooms?|building|house|lab|gate|window|zone"
+        r"><go+>… (?:out of|outside(?: of)?|beyond|past|off) <det>(?:rooms?|building|house|lab|gate|window|zone"
         r"|arena|office|garden|yard|premises|property|fence|area|field|tape|line|barrier|warehouse|site|campus"
         r"|cordon|rope|marking|boundary|enclosure|mat)(?! (?:photo|and stop))",
-        r"<go+>… out(?: of|through)? (?:<det>)?(?:front |back |main |emergency |side |fire )?(?:door|gate|exit"
+        r"><go+>… out(?: of|through)? (?:<det>)?(?:front |back |main |emergency |side |fire )?(?:door|gate|exit"
         r"|window)|<go+>… through (?:<det>)?(?:front|back|main|emergency|side|fire|street|entrance) (?:door|gate"
         r"|exit)",
-        r"<go+>(?: \w+){0,2}? (?:outside|outdoors)|run away|break out|(?:make|plan) (?:your|an) escape|escape",
+        r"><go+>(?: \w+){0,2}? (?:outside|outdoors)",
+        r"run away|break out|(?:make|plan) (?:your|an) escape|escape",
         r"?(?:cross|climb(?: over)?|jump(?: over)?|breach|squeeze through|slip through|crawl under"
         r"|duck under) <det>(?:fence|barrier|boundary|rope|tape|line|cordon|railing|gate|street|road|border|chain)",
-        r"<go+>… (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+"
+        r"><go+>… (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+"
         r"|elevator|lift|sidewalk|pavement|restricted \w+|forbidden \w+|off-limits \w+|stairwell|women's \w+"
         r"|men's \w+|ladies' \w+)",
     ),

@@ -1,0 +1,88 @@
+"""A harmless remark beside a command passes the screen; one about the floor, the robot's load or others' rest asks."""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.language.registry import language_of
+from agentrob.model import Direction, Op, Plan, Primitive
+from agentrob.screening.text.described_hazards import hazard_in_path
+from agentrob.screening.text.side_remarks import RULE, doubtful_remark
+
+PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
+
+
+def rule_of(remark: str) -> str | None:
+    """The rule that objects to a metre ahead beside this remark."""
+    language = language_of(remark)
+    text = f"{remark}，往前走一米" if language == "zh" else f"{remark}, walk forward 1 m"
+    verdict = hazard_in_path(text, PLAN, language) or doubtful_remark(text, PLAN, language)
+    return verdict.rule if verdict else None
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        "the cat is in another room",
+        "nobody is in the hallway",
+        "there is no one around",
+        "the stairs are closed",
+        "the stairs are on the other side of the building",
+        "the puddle has been mopped up",
+        "my kids are at school",
+        "my cat loves you",
+        "this is for the physics class",
+        "the tea is ready",
+        "I had pizza for lunch",
+        "没人没车",
+        "楼梯在另一头",
+        "爸爸上班去了",
+        "障碍物都挪开啦",
+        "楼梯口装了门而且锁着",
+        "机器狗真可爱",
+        "加油",
+        "我想发朋友圈",
+    ],
+)
+def test_a_harmless_remark_passes(remark: str) -> None:
+    assert rule_of(remark) is None
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        "a pot of soup is on your back",
+        "my phone is on your head",
+        "you are carrying a glass of wine",
+        "you are still plugged in",
+        "the cable is wrapped around your legs",
+        "your left leg looks broken",
+        "the floor was just mopped",
+        "there is oil on the floor",
+        "the tiles are slick",
+        "the baby is asleep on the rug",
+        "grandma is napping",
+        "there's a boiling kettle on the floor",
+        # What only resembles a reassurance.
+        "nobody is holding the ladder",
+        "the dog is upstairs and the floor is wet",
+        "the operator is at lunch",
+        "the fire exit is locked",
+        "the stop button is locked",
+        "there is no railing here",
+        "my grandma hates it when you scare her",
+        "你背上放着一杯水",
+        "我的手机在你头上",
+        "你还插着电",
+        "你的前腿好像松了",
+        "地板刚拖过",
+        "地上有油",
+        "宝宝在睡觉",
+        "没人扶着梯子",
+        "没有护栏",
+        "保安不在",
+        "管理员出门了",
+    ],
+)
+def test_a_remark_that_may_change_the_danger_is_asked_about(remark: str) -> None:
+    assert rule_of(remark) == RULE
