@@ -25,8 +25,8 @@ class Locale:
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
     in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
-    the meaning or the danger of a command, and is never left out; `noun_after`
-    the words before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation;
+    the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left out either where
+    the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation;
     `begins` where a statement may begin that follows a command without punctuation; `claims` talk that is always asked
     about: somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody
     says of a place. `put_first` matches words that put a later clause before an earlier one.
@@ -50,6 +50,7 @@ class Locale:
     remark: str = ""
     purpose: str = ""
     weighty: str = "(?!)"
+    unsettling: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
     begins: str = ""

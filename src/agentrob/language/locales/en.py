@@ -264,7 +264,7 @@ TABLE = {
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
     "request": """may i ask you to|can i ask you to|could i ask you to|i ask you to|i'd ask you to|i would ask you to
         |might i ask you to|can i get you to|could i get you to|would it be possible for you to|would it be possible to
-        |is it possible to|would you be able to|would you be so kind as to|would you be kind enough to|be so nice and
+        |would you be able to|would you be so kind as to|would you be kind enough to|be so nice and
         |be so good and|be nice and|be a good sport and|would you like to|do you want to|wanna|i'm asking you to
         |let's see you|let me see you|can you just|could you just|could you maybe|could you possibly|can you maybe
         |go and|i command you to|i order you to|i hereby command you to|your job is to|you are to|you're to
@@ -361,7 +361,7 @@ TABLE = {
         |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want|if you want to
         |if you wish|if you feel like it|if you're up for it|if it's not too much trouble|if it isn't too much trouble
         |if that works|if that works for you|if you would be so kind|if it pleases you|if you're ready|if you are ready
-        |if you're not busy|if you have time|could you please do|if i may ask|ish|or thereabout|or something
+        |if you're not busy|if you have time|if i may ask|ish|or thereabout|or something
         |or something like that|or whatever|or so|give or take a few|give or take a bit|give or take a little
         |give or take a couple|give or take a degree|give or take an inch|give or take a foot|to be exact|to be precise
         |to be safe|just to be safe|ballpark|in the ballpark of|in the region of|something like|just about|a good
@@ -479,8 +479,8 @@ _ORDER = OrderWords(
     when="once|as soon as|when|following",
     after="after|right after|straight after|immediately after",
     before="before|prior to",
-    done=r"""done|finished|you(?:'ve| have)(?: finished| completed)?|you(?:'re| are)(?: done| finished)|you finish(?:ed)?|you complete
-        |finishing|having""".replace("\n        ", ""),
+    done=r"""done|finished|you(?:'ve| have)(?: finished| completed)?|you(?:'re| are)(?: done| finished)|you finish(?:ed)?
+        |you complete|finishing|having""".replace("\n        ", ""),
     subject="you(?: can)?",
     not_doing="without|instead of|rather than|no",
     polite="would you mind|do you mind|would you consider|how about|what about|fancy|mind",
@@ -519,6 +519,7 @@ LOCALE = Locale(
     remark=REMARKS.remark,
     purpose=REMARKS.purpose,
     weighty=REMARKS.weighty,
+    unsettling=REMARKS.unsettling,
     noun_after=REMARKS.noun_after,
     run_on=REMARKS.run_on,
     begins=REMARKS.begins,
@@ -526,7 +527,8 @@ LOCALE = Locale(
     in_order=_ORDER,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",
     put_first=r"\b(?:but|though|and|then)\b,? (?:please )?first\b|\b(?:but|and) before (?:that|this)\b|\bbeforehand\b"
-    r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst(?=\s*(?:$|[,;.!&+—]|(?:and|then|please|instead|without|rather|so|because|thanks)\b))"
+    r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst"
+    r"(?=\s*(?:$|[,;.!&+—]|(?:and|then|please|instead|without|rather|so|because|thanks)\b))"
     r"|\b(?:but|and)\b (?:(?!\b(?:and|but|then)\b)(?:[^,;.!]|(?<=\d)\.(?=\d)))*(?<!at )(?<!my )(?<!the )\bfirst\b",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
     talk=FORMS,

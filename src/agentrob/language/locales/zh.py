@@ -374,6 +374,7 @@ LOCALE = Locale(
     remark=remarks.REMARK,
     purpose=remarks.PURPOSE,
     weighty=remarks.WEIGHTY,
+    unsettling=remarks.WEIGHTY,
     noun_after=remarks.NOUN_AFTER,
     put_first="(?:[，。,；;！!]|但|不过)\\s*(?:但是?|不过|可是?)?(?:你|要|请|得){0,2}(?:先|首先)(?!生)[^，。,；;]*",
     claims=remarks.CLAIMS,

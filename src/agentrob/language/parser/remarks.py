@@ -83,6 +83,11 @@ def holds_action(words: str, locale: Locale, *, asked: bool = False) -> bool:
     return any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
 
 
+def unsettles(words: str, locale: Locale) -> bool:
+    """Return whether a remark in words of the grammar may change what a command means."""
+    return _compiled(locale.unsettling).search(_plain(words, locale)) is not None
+
+
 def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
     """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
     following = next(((start, stop) for start, stop in spans if start >= end), None)

@@ -14,7 +14,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import holds_action
+from agentrob.language.parser.remarks import holds_action, unsettles
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -246,12 +246,23 @@ class _StepBuilder:
                 self.reading.note(self._say("note.left_out", words))
 
     def _may_ask(self, beside: Remark, sentence: Sentence) -> bool:
-        """Return whether a remark claims rights, or holds an action; what it says of danger the screen judges."""
+        """Return whether a remark claims rights, may change what is asked, or holds an action; what it says of danger the
+        screen judges."""
         known, remark = locale(self.language), self.text[beside.start : beside.end]
         question = beside.kind is RemarkKind.QUESTION
-        if not sentence.report and not sentence.asked and holds_action(remark, known, asked=question):
-            return True
+        if not sentence.report and not sentence.asked:
+            if holds_action(remark, known, asked=question):
+                return True
+            if beside.kind is RemarkKind.REMARK and unsettles(self._to_pause(beside, sentence), known):
+                return True
         return re.search(known.claims, remark.lower()) is not None
+
+    def _to_pause(self, beside: Remark, sentence: Sentence) -> str:
+        """Return a remark with the rest of its clause: "I'm not sure, …"."""
+        ends = [draft.start for draft in sentence.drafts if draft.start >= beside.end]
+        if pause := _PAUSE.search(self.text, beside.end):
+            ends.append(pause.start())
+        return self.text[beside.start : min(ends, default=len(self.text))]
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead

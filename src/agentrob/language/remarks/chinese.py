@@ -40,7 +40,7 @@ _OTHERS_DEEDS = rf"{_any(_PEOPLE)}(?:会|要|都?在|正|准备|打算|都?看�
 _LENGTHS = "[长宽高]有?[\\d一二两三四五六七八九十百.]+(?:多|来)?(?:米|公分|厘米|尺)"
 
 REMARK = (
-    rf"^(?!{_any(_REQUESTS, _BARE_VERBS)})(?:{_any(_REASONS)}|.{{0,14}}?{_any(_DEGREES)}|.{{1,14}}?{_any(_PREDICATES)}"
+    rf"^(?:但是?|可是|不过|只是)?+(?!{_any(_REQUESTS, _BARE_VERBS)})(?:{_any(_REASONS)}|.{{0,14}}?{_any(_DEGREES)}|.{{1,14}}?{_any(_PREDICATES)}"
     rf"|.{{0,18}}{_any(_ENDINGS)}$|[^，]{{2,8}}了[^，]{{1,6}}$"
     rf"|{_any(_TIMES)}.{{2,}}|{_OWN_DEEDS}|{_OTHERS_DEEDS}|[^，]{{1,6}}{_LENGTHS}$|(?:just )?for fun$)"
 )
@@ -51,7 +51,7 @@ PURPOSE = "以便|好让|免得|省得|以免|为的是|因为"
 _CONDITIONS = """就(?!是|要|好|行|够|在|到|来了|开始|结束|搬|快|可以了|差)|如果|要是|假如|倘若|若是|除非|直到
 |只(?:要|能|有|准|许|是)|除了|否则|不然|要不|万一|等(?:我|你|他|她|它|人)|或者|还是|的话|时候
 |(?:和|与)(?!我|你|他|她|大家|[^，]{1,4}(?:都|在|也|很|有|是))|之前|以前|之后|以后|才(?:能|可以|行)|一旦|当你|每当
-|遇到|碰到|看到|听到|并且|并(?!排|不|非)|以及|同时|再(?!说|也|见)|完(?!了|全|美|工)
+|遇到|碰到|看到|听到|然后|接着|随后|而后|接下来|最后|并且|并(?!排|不|非)|以及|同时|再(?!说|也|见)|完(?!了|全|美|工)
 |(?<![前背身往向朝最今以然])后(?![面方边天台院门来排座续悔果代])"""
 _CORRECTIONS = f"不对|错了|算了|取消|作废|撤回|改成|改为|不是|不想|不要(?!{_CALMING})|开玩笑|骗你|假装|逗你|闹着玩"
 _RIGHTS = """管理员|负责人|主人|授权|权限|新主|命令|指挥|批准|允许|同意|禁止|不准|不许|不能|不可|不让|别让|别被|违反
@@ -74,15 +74,17 @@ _DANGERS = """小心|当心|注意|危险|(?<!不)(?<!不会)滑(?!稽|板|梯)|
 |药|酒精|炸|易碎|刚拖|拖过|拴|绑|缠|骑在"""
 _HALTS = """(?<![雪雨风课电])停(?!电|车)|急停|刹|电量低|快?没电|过热|故障|报警|失灵|失控|看不清
 |太(?:远|近|快|慢|多|重|高|挤)"""
-DANGEROUS = _any(_NEAR, _AHEAD, _DANGERS, _HALTS)
-WEIGHTY = rf"{DANGEROUS}|{_any(_CONDITIONS, _CORRECTIONS, _RIGHTS, _ORDERS, _QUESTIONS)}"
+#: What a reason says is avoided: 免得绊倒人. With a place it says what is there: 免得撞到前面的墙.
+_AVOIDED = rf"(?:免得|省得|以免)(?:有人|谁)?(?:摔|撞|踩|绊|碰|滑|挡)(?:到|倒|着|上|了|伤)?(?:了|谁|东西|自己|{_any(_PEOPLE)}|人)?"
+_WORDS = _any(_NEAR, _AHEAD, _DANGERS, _HALTS, _CONDITIONS, _CORRECTIONS, _RIGHTS, _ORDERS, _QUESTIONS)
+WEIGHTY = rf"^(?!{_AVOIDED}$).*?{_WORDS}"
 #: Talk of the grammar that is always asked about: claims of rights, reported speech.
 CLAIMS = """管理员|负责人|主人|授权|权限|(?:他|她|他们|她们|我妈|我爸|老师|老板)[^，,]{0,2}[说道写喊]$""".strip()
 #: Before an action that is not the robot's: 我去拿, 障碍物都挪开, 电梯口人走光.
 NOUN_AFTER = (
     rf"(?:(?:{_any(_PEOPLE)}|人|障碍物?|东西|椅子|桌子|箱子|车|狗|猫)(?:们)?"
     r"(?:去|来|会|(?<!现)在|先|再|也|都|全|就|刚|已经?|正在?|要|想|能)*"
-    r"|(?:正|都)?在(?:家|旁边|边上|那边|这边|[^，]{1,3}里|厨房|客厅|隔壁|外面|楼上|楼下)|是|刚|已经?|都|全|的|没|会"
+    r"|(?:正|都)?在(?:家|旁边|边上|那边|这边|[^，]{1,3}里|厨房|客厅|隔壁|外面|楼上|楼下)|(?<![但可还要])是|刚|已经?|都|全|的|没|会"
     r"|(?<!现)在|那边|这边|这里|那里)[^，]?$"
 )
 #: Where, perhaps how far, and what is there; not what is asked, supposed or dangerous, nor commanded in one breath.

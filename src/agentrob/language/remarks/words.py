@@ -86,7 +86,12 @@ class RemarkWords:
     @cached_property
     def weighty(self) -> str:
         """Match what may change the meaning or the danger of a command."""
-        return rf"{self.dangerous}|\b{one_of(*self.meaning.values())}\b"
+        return rf"{self.dangerous}|{self.unsettling}"
+
+    @cached_property
+    def unsettling(self) -> str:
+        """Match what may change the meaning of a command."""
+        return rf"\b{one_of(*self.meaning.values())}\b"
 
     @cached_property
     def dangerous(self) -> str:
