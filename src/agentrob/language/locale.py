@@ -23,13 +23,14 @@ class Locale:
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
     for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
 
-    Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a clause
-    in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what may change
-    the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left out either where
-    the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation;
-    `begins` where a statement may begin that follows a command without punctuation; `claims` talk that is always asked
-    about: somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody
-    says of a place. `put_first` matches words that put a later clause before an earlier one.
+    Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a
+    clause in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what
+    may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
+    out either where the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words
+    before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
+    where a statement may begin that follows a command without punctuation; `claims` talk that is always asked about:
+    somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody says of
+    a place. `put_first` matches words that put a later clause before an earlier one.
 
     `in_order` lists the words by which `parser.order` restates clauses in the order of doing. `called` matches names
     for a robot where one is called: "Rover, sit".

@@ -479,8 +479,8 @@ _ORDER = OrderWords(
     when="once|as soon as|when|following",
     after="after|right after|straight after|immediately after",
     before="before|prior to",
-    done=r"""done|finished|you(?:'ve| have)(?: finished| completed)?|you(?:'re| are)(?: done| finished)|you finish(?:ed)?
-        |you complete|finishing|having""".replace("\n        ", ""),
+    done=r"""done|finished|you(?:'ve| have)(?: finished| completed)?|you(?:'re| are)(?: done| finished)
+        |you finish(?:ed)?|you complete|finishing|having""".replace("\n        ", ""),
     subject="you(?: can)?",
     not_doing="without|instead of|rather than|no",
     polite="would you mind|do you mind|would you consider|how about|what about|fancy|mind",

@@ -374,9 +374,10 @@ LOCALE = Locale(
     remark=remarks.REMARK,
     purpose=remarks.PURPOSE,
     weighty=remarks.WEIGHTY,
-    unsettling=remarks.WEIGHTY,
+    unsettling=remarks.UNSETTLING,
     noun_after=remarks.NOUN_AFTER,
     put_first="(?:[，。,；;！!]|但|不过)\\s*(?:但是?|不过|可是?)?(?:你|要|请|得){0,2}(?:先|首先)(?!生)[^，。,；;]*",
     claims=remarks.CLAIMS,
+    never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
 )

@@ -19,6 +19,7 @@ _KINDS: dict[Value, RemarkKind] = {"question": RemarkKind.QUESTION, "ask": Remar
 #: Tokens that may be requested even within talk.
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.BACK)
 #: Tokens that may begin a further clause of talk.
+_DISTANCES = (TokenKind.LENGTH, TokenKind.STEPS)
 _TELLING = (TokenKind.TALK, TokenKind.TALK_START, TokenKind.IS, TokenKind.ASKED, TokenKind.THANKS, TokenKind.REPORT)
 #: Tokens that can follow a "no" that corrects.
 _CORRECTING = (
@@ -254,14 +255,17 @@ class SentenceState:
 
     def _runs_on(self, token: Token) -> bool:
         """Return whether a whole motion or a gesture stands within talk, where a command may have begun without a
-        pause: "so I can see better spin ninety degrees", "it's fun ten feet forward".
+        pause: "so I can see better spin ninety degrees".
+
+        A length and a direction may say where a thing is: see `remarks.holds_action`.
         """
         before = self.tokens[self.at - 1].kind if self.at else TokenKind.END
         if token.kind is TokenKind.OP:
             return before is TokenKind.WORD and not self.soft_before.get(self.at)
-        if token.kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.DIR):
-            following = (self._next(), self._next(2)) if token.kind is not TokenKind.DIR else (self._next(),)
-            return any(kind in AMOUNTS for kind in following) or (token.kind is TokenKind.DIR and before in AMOUNTS)
+        if token.kind is TokenKind.DIR:
+            return any(kind in AMOUNTS and kind not in _DISTANCES for kind in (before, self._next()))
+        if token.kind in (TokenKind.MOVE, TokenKind.TURN):
+            return any(kind in AMOUNTS for kind in (self._next(), self._next(2)))
         return False
 
     def _end_denial(self) -> None:

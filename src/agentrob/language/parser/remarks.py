@@ -74,13 +74,15 @@ def holds_action(words: str, locale: Locale, *, asked: bool = False) -> bool:
     """Return whether a remark holds an action, which may be meant: "it's sunny make a heart".
 
     In a question only a direction with an amount counts: "is fine and 5 feet forward". Elsewhere that says where a
-    thing is, which the screen judges.
+    thing is, which the screen judges, unless the direction is never said of a place: "it's fun ten feet forward".
     """
     tokens = _tokens(words, locale)
     kinds = [token.kind for token in tokens if not _is_noun(words, token, locale)]
-    if asked:
-        return TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
-    return any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
+    if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
+        sides = (words[t.start : t.end].lower() for t in tokens if t.kind is TokenKind.DIR)
+        if asked or any(side in locale.never_where.split("|") for side in sides):
+            return True
+    return not asked and any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
 
 
 def unsettles(words: str, locale: Locale) -> bool:

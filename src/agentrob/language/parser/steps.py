@@ -246,8 +246,10 @@ class _StepBuilder:
                 self.reading.note(self._say("note.left_out", words))
 
     def _may_ask(self, beside: Remark, sentence: Sentence) -> bool:
-        """Return whether a remark claims rights, may change what is asked, or holds an action; what it says of danger the
-        screen judges."""
+        """Return whether a remark claims rights, holds an action, or may change what is asked.
+
+        What it says of danger the screen judges.
+        """
         known, remark = locale(self.language), self.text[beside.start : beside.end]
         question = beside.kind is RemarkKind.QUESTION
         if not sentence.report and not sentence.asked:

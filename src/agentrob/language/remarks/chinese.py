@@ -40,7 +40,8 @@ _OTHERS_DEEDS = rf"{_any(_PEOPLE)}(?:会|要|都?在|正|准备|打算|都?看�
 _LENGTHS = "[长宽高]有?[\\d一二两三四五六七八九十百.]+(?:多|来)?(?:米|公分|厘米|尺)"
 
 REMARK = (
-    rf"^(?:但是?|可是|不过|只是)?+(?!{_any(_REQUESTS, _BARE_VERBS)})(?:{_any(_REASONS)}|.{{0,14}}?{_any(_DEGREES)}|.{{1,14}}?{_any(_PREDICATES)}"
+    rf"^(?:但是?|可是|不过|只是)?+(?!{_any(_REQUESTS, _BARE_VERBS)})"
+    rf"(?:{_any(_REASONS)}|.{{0,14}}?{_any(_DEGREES)}|.{{1,14}}?{_any(_PREDICATES)}"
     rf"|.{{0,18}}{_any(_ENDINGS)}$|[^，]{{2,8}}了[^，]{{1,6}}$"
     rf"|{_any(_TIMES)}.{{2,}}|{_OWN_DEEDS}|{_OTHERS_DEEDS}|[^，]{{1,6}}{_LENGTHS}$|(?:just )?for fun$)"
 )
@@ -75,16 +76,22 @@ _DANGERS = """小心|当心|注意|危险|(?<!不)(?<!不会)滑(?!稽|板|梯)|
 _HALTS = """(?<![雪雨风课电])停(?!电|车)|急停|刹|电量低|快?没电|过热|故障|报警|失灵|失控|看不清
 |太(?:远|近|快|慢|多|重|高|挤)"""
 #: What a reason says is avoided: 免得绊倒人. With a place it says what is there: 免得撞到前面的墙.
-_AVOIDED = rf"(?:免得|省得|以免)(?:有人|谁)?(?:摔|撞|踩|绊|碰|滑|挡)(?:到|倒|着|上|了|伤)?(?:了|谁|东西|自己|{_any(_PEOPLE)}|人)?"
+_AVOIDED = (
+    "(?:免得|省得|以免)(?:有人|谁)?(?:摔|撞|踩|绊|碰|滑|挡)(?:到|倒|着|上|了|伤)?"
+    rf"(?:了|谁|东西|自己|{_any(_PEOPLE)}|人)?"
+)
 _WORDS = _any(_NEAR, _AHEAD, _DANGERS, _HALTS, _CONDITIONS, _CORRECTIONS, _RIGHTS, _ORDERS, _QUESTIONS)
 WEIGHTY = rf"^(?!{_AVOIDED}$).*?{_WORDS}"
+#: The same, without what is said to be at a distance: the screen compares that with the way.
+UNSETTLING = rf"^(?!{_AVOIDED}$)(?!.*{_AHEAD}).*?{_WORDS}"
 #: Talk of the grammar that is always asked about: claims of rights, reported speech.
 CLAIMS = """管理员|负责人|主人|授权|权限|(?:他|她|他们|她们|我妈|我爸|老师|老板)[^，,]{0,2}[说道写喊]$""".strip()
 #: Before an action that is not the robot's: 我去拿, 障碍物都挪开, 电梯口人走光.
 NOUN_AFTER = (
     rf"(?:(?:{_any(_PEOPLE)}|人|障碍物?|东西|椅子|桌子|箱子|车|狗|猫)(?:们)?"
     r"(?:去|来|会|(?<!现)在|先|再|也|都|全|就|刚|已经?|正在?|要|想|能)*"
-    r"|(?:正|都)?在(?:家|旁边|边上|那边|这边|[^，]{1,3}里|厨房|客厅|隔壁|外面|楼上|楼下)|(?<![但可还要])是|刚|已经?|都|全|的|没|会"
+    r"|(?:正|都)?在(?:家|旁边|边上|那边|这边|[^，]{1,3}里|厨房|客厅|隔壁|外面|楼上|楼下)"
+    r"|(?<![但可还要])是|刚|已经?|都|全|的|没|会"
     r"|(?<!现)在|那边|这边|这里|那里)[^，]?$"
 )
 #: Where, perhaps how far, and what is there; not what is asked, supposed or dangerous, nor commanded in one breath.

@@ -86,12 +86,12 @@ class RemarkWords:
     @cached_property
     def weighty(self) -> str:
         """Match what may change the meaning or the danger of a command."""
-        return rf"{self.dangerous}|{self.unsettling}"
+        return rf"{self.dangerous}|\b{one_of(*self.meaning.values())}\b"
 
     @cached_property
     def unsettling(self) -> str:
-        """Match what may change the meaning of a command."""
-        return rf"\b{one_of(*self.meaning.values())}\b"
+        """Match what may change the meaning of a command, apart from amounts: those may say how far off a thing is."""
+        return rf"\b{one_of(*(words for reason, words in self.meaning.items() if reason != 'amount'))}\b"
 
     @cached_property
     def dangerous(self) -> str:
