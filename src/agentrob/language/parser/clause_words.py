@@ -18,8 +18,9 @@ _VERBS = ([TokenKind.MOVE], [TokenKind.TURN])
 _KINDS: dict[Value, RemarkKind] = {"question": RemarkKind.QUESTION, "ask": RemarkKind.WISH, "tell": RemarkKind.WISH}
 #: Tokens that may be requested even within talk.
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.BACK)
-#: Tokens that may begin a further clause of talk.
+#: Amounts that may say how far off a thing is.
 _DISTANCES = (TokenKind.LENGTH, TokenKind.STEPS)
+#: Tokens that may begin a further clause of talk.
 _TELLING = (TokenKind.TALK, TokenKind.TALK_START, TokenKind.IS, TokenKind.ASKED, TokenKind.THANKS, TokenKind.REPORT)
 #: Tokens that can follow a "no" that corrects.
 _CORRECTING = (
