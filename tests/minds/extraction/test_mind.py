@@ -225,8 +225,8 @@ async def test_what_is_taken_back_stays_so_where_the_rest_is_asked() -> None:
 
 
 async def test_it_asks_back_in_the_language_of_the_post() -> None:
-    wants = command(forward(50, "m", "溜达五十厘米"))
-    understood = await ModelMind(Scripted(wants)).understand("@quadruped 往前溜达五十厘米", LISTENER)
+    wants = command(forward(50, "m", "晃悠五十厘米"))
+    understood = await ModelMind(Scripted(wants)).understand("@quadruped 往前晃悠五十厘米", LISTENER)
     assert understood.intent is Intent.ASK_BACK
     assert understood.language == "zh"
     assert understood.question.startswith("我的理解是：")
