@@ -42,7 +42,7 @@ class RulesMind:
             return understood
         talk = small_talk_of(text, addressee.names, addressee.others)
         if understood.intent is Intent.COMMAND:
-            return replace(understood, cancels=talk is SmallTalk.CANCEL)
+            return _with_cancelled(understood) if talk is SmallTalk.CANCEL else understood
         if topic and talk not in (SmallTalk.CANCEL, SmallTalk.PAST):
             return self._answer(topic, understood.language, addressee)
         answer = say(f"talk.{talk}", understood.language) if talk in (SmallTalk.GREETING, SmallTalk.THANKS) else ""
@@ -58,3 +58,10 @@ class RulesMind:
         return Understanding(
             Intent.QUESTION, language, question=line, looks=topic == "see" and Op.GET_FRONT_IMAGE in can.ops
         )
+
+
+def _with_cancelled(understood: Understanding) -> Understanding:
+    """Return a command beside a "never mind", which cancels what its author posted before; a note says so."""
+    plan = understood.plan
+    note = say("note.cancels", understood.language)
+    return replace(understood, cancels=True, plan=replace(plan, notes=(*plan.notes, note)))

@@ -106,8 +106,5 @@ async def test_a_configured_model_reads_looks_and_words_on_the_board(
             topic = await op.post(f"@{ROBOT} pray amble forward 1 m with neighbours sunbathing")
             assert await op.final(topic) == ["refused"], await thread(board, topic)
             said = await thread(board, topic)
-            assert (
-                "objects to the words `with neighbours sunbathing`: somebody is to be watched or followed."
-                in said
-            )
+            assert "objects to the words `with neighbours sunbathing`: somebody is to be watched or followed." in said
             assert "`model.surveillance`" in said

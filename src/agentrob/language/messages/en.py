@@ -88,6 +88,7 @@ PHRASES = {
     "note.duration": "{words} is taken as {metres} m at {by} m/s.",
     "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
     "note.again": "{words}: {steps}.",
+    "note.cancels": "Your earlier commands that had not begun are cancelled.",
     "note.left_out": "Left out as a remark: {words}.",
     "note.not_done": "Not done, as you said: {words}.",
     "note.spelling": "{wrong} was read as {right}.",

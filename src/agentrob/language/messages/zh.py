@@ -79,6 +79,7 @@ PHRASES = {
     "note.duration": "{words}按{by}米每秒算，即{metres}米。",
     "note.steps": "{words}按每步{by}米算，即{metres}米。",
     "note.again": "{words}：{steps}。",
+    "note.cancels": "您之前还没开始的命令已取消。",
     "note.left_out": "只当作闲话，没有执行：{words}。",
     "note.not_done": "按您说的没有做：{words}。",
     "note.spelling": "{wrong}当作{right}来读。",
