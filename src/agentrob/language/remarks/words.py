@@ -104,7 +104,8 @@ class RemarkWords:
         finished = rf"(?!.*\b{one_of(self.unfinished)}$)"
         plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)"
         words = r"[\w' -]*"
-        return rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{one_of(self.exclamations)}\b{words})$"
+        whole = rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{one_of(self.exclamations)}\b{words})$"
+        return rf"{whole}|{self._lead}{one_of(self.settings)}$"
 
     @cached_property
     def begins(self) -> str:
