@@ -17,12 +17,13 @@ from functools import cache
 class TalkForms:
     """The forms of one language, as regular expressions on text in lower case.
 
-    `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at the
-    beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same in the
-    writing of the post, for names in capitals. `wish` matches what asks for something in any form, and `order` how an
-    order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of` matches clauses that
-    speak of a deed as done, even where the grammar reads a command in them. `by_remark`: a clause in the form of a
-    remark (`Locale.remark`) is talk too. `topics` are what a line of talk may be about, by the key of its answer.
+    `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at
+    the beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same
+    in the writing of the post, for names in capitals. `wish` matches what asks for something in any form, and
+    `order` how an order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of`
+    matches clauses that speak of a deed as done, even where the grammar reads a command in them; `praised` matches
+    a whole post of praise that does. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too.
+    `topics` are what a line of talk may be about, by the key of its answer.
     """
 
     lead: str = "(?!)"
@@ -33,6 +34,7 @@ class TalkForms:
     order: str = "(?!)"
     done: str = "(?!)"
     spoken_of: str = "(?!)"
+    praised: str = "(?!)"
     by_remark: bool = True
     topics: Mapping[str, str] = field(default_factory=dict)
 
@@ -73,6 +75,8 @@ def order_beside(text: str, forms: TalkForms, commands: Callable[[str], bool]) -
 def is_spoken_of(text: str, forms: TalkForms) -> bool:
     """Return whether a text praises or tells a deed instead of asking for it, and asks for no other."""
     said = _plain(text)
+    if _compiled(forms.praised).fullmatch(said):
+        return True
     if not _compiled(forms.spoken_of.replace("^", "").replace("$", "")).search(said):
         return False
     clauses = [_without_lead(found[0], forms) for found in re.finditer(r"[^,，.。!！;；?？]+", said)]
