@@ -80,6 +80,14 @@ async def test_what_is_no_command_and_wants_an_answer_gets_one(scene: Scene, tex
     assert said in reply.raw
 
 
+async def test_who_may_have_a_photo_is_shown_what_the_robot_sees(scene: Scene) -> None:
+    async with scene.agent():
+        reply = await scene.final(await scene.post("alice", "@quadruped what do you see?"))
+    assert reply.card.state == "done", reply.raw
+    assert "take a photo" in reply.raw
+    assert "I cannot say what I see; the photo shows it." in reply.raw
+
+
 async def test_a_step_whose_length_is_configured_is_walked(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path, step_length_m=0.4)
     async with scene.agent():

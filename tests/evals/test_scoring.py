@@ -73,6 +73,14 @@ def test_a_match_is_exact(text: str, plan: list[dict[str, Any]] | None, fits: bo
     assert matches(read(text), plan) is fits
 
 
+def test_another_accepted_plan_counts() -> None:
+    rows = [
+        {"text": "walk forward 2 m", "plan": [TURN], "accept": [None, [MOVE]]},
+        {"text": "walk forward 2 m", "plan": [TURN], "accept": [None, []]},
+    ]
+    assert score(rows, read).exact == 1
+
+
 def test_failures_tell_what_came_instead() -> None:
     rows = [
         {"text": "walk forward 1 m", "plan": []},

@@ -68,8 +68,7 @@ def test_a_language_of_one_file_is_understood(text: str, plan: str | None) -> No
 @pytest.mark.usefixtures("spanish")
 def test_robots_answer_in_it_and_in_english_where_it_has_no_sentence() -> None:
     assert read("camina").question == (
-        "¿Cuánto? `camina` no dice la distancia, y no adivino. No me moví. "
-        "Por ejemplo: `camina 1 m hacia adelante` · `camina 1 m hacia adelante, luego gira a la izquierda 90 grados`"
+        "¿Cuánto? `camina` no dice la distancia, y no adivino. No me moví. Por ejemplo: `camina 1 m hacia adelante`"
     )
     assert "What I can do" in help_text(Capabilities("go2", frozenset(Op)), "quadruped", SPANISH)
 

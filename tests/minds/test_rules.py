@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 
+import pytest
+
 from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Capabilities, Direction, Intent, Limits, Op, Plan, Primitive
@@ -35,7 +37,7 @@ async def test_a_greeting_is_greeted_and_a_question_is_left_to_the_usual_answer(
         greeted = await RulesMind().understand(text, LISTENER)
         assert greeted.intent is Intent.QUESTION
         assert greeted.question.startswith(said)
-    asked = await RulesMind().understand("@quadruped who are you", LISTENER)
+    asked = await RulesMind().understand("@quadruped how much do you weigh", LISTENER)
     assert (asked.intent, asked.question) == (Intent.QUESTION, "")
 
 
@@ -57,3 +59,41 @@ async def test_steps_have_the_length_that_was_measured() -> None:
     (step,) = (await RulesMind().understand("take two steps back", stepping)).plan.steps
     assert step == Primitive(Op.MOVE, Direction.BACKWARD, distance_m=0.6)
     assert (await RulesMind().understand("take two steps back", LISTENER)).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("who are you?", "I am quadruped, a go2 robot"),
+        ("hello, what's your name?", "I am quadruped, a go2 robot"),
+        ("tell me a joke", "Why did the robot sit down?"),
+        ("can you tell us a joke please", "Why did the robot sit down?"),
+        ("good dog!", "Thank you!"),
+        ("thanks, good job!", "You are welcome."),
+        ("bye bye", "Goodbye!"),
+        ("do you speak Chinese?", "I read English and Chinese."),
+        ("what do you see?", "Without a vision model I cannot say what I see."),
+        ("你是谁", "我是quadruped"),
+        ("讲个笑话吧", "我为什么从不拐弯抹角"),
+        ("乖狗狗", "谢谢夸奖"),
+        ("谢谢你", "不客气"),
+        ("再见", "再见"),
+        ("你会说中文吗", "我看得懂中文和英文"),
+    ],
+)
+async def test_small_talk_is_answered_with_one_line_and_moves_nothing(text: str, said: str) -> None:
+    understood = await RulesMind().understand(f"@quadruped {text}", LISTENER)
+    assert understood.intent is Intent.QUESTION
+    assert understood.question.startswith(said)
+    assert not understood.plan.steps
+
+
+async def test_small_talk_beside_a_wish_answers_no_joke_and_drops_nothing() -> None:
+    understood = await RulesMind().understand("@quadruped tell me a joke and walk 1 m", LISTENER)
+    assert understood.intent is Intent.ASK_BACK
+
+
+async def test_only_a_robot_with_a_camera_may_answer_with_a_photo() -> None:
+    blind = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op) - {Op.GET_FRONT_IMAGE}))
+    for listener, looks in ((LISTENER, True), (blind, False)):
+        assert (await RulesMind().understand("@quadruped what do you see?", listener)).looks is looks

@@ -2,7 +2,7 @@
 
 A row is `{"text": …, "plan": [steps] | [] | null}`: steps, nothing (not a command), or the robot must ask back. A step
 is `{"op": "move", "direction", "distance_m"}`, `{"op": "turn", "direction": "left|right|any", "degrees"}`, or only an
-`op`.
+`op`. `accept` may list other plans that count.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def score(rows: Iterable[Row], understand: Callable[[str], Understanding]) -> Sc
         if not isinstance(row.get("text"), str) or "plan" not in row:
             raise ValueError(f"a row needs `text` and `plan`; this one has {', '.join(row) or 'nothing'}")
         got, plan = understand(row["text"]), row["plan"]
-        exact, wanted = matches(got, plan), "a question" if plan is None else "steps" if plan else "nothing"
+        exact = any(matches(got, one) for one in (plan, *row.get("accept", ())))
+        wanted = "a question" if plan is None else "steps" if plan else "nothing"
         scored.append(Scored(wanted, got.intent, got.plan.moves, exact))
         if not exact:
             failures.append(Failure(row["text"], plan, str(got.intent), got.plan.as_data(), got.question))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from agentrob.language.parser.lexicon import Lexicon
+from agentrob.language.parser.lexicon import Lexicon, Token
+from agentrob.language.parser.order import OrderWords
+from agentrob.language.talk.forms import TalkForms
 
 
 @dataclass(frozen=True)
@@ -19,7 +21,21 @@ class Locale:
     lists words for all robots at once ("both of you"). `stated` is a regular expression for the beginning of
     a clause that states where something is and would otherwise be parsed as a command (前面五米是墙). `order` lists
     words that put one robot's steps after another's ("then"), `waits` words that begin a condition to wait
-    for ("when").
+    for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
+
+    Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a
+    clause in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what
+    may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
+    out either where the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words
+    before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
+    where a statement may begin that follows a command without punctuation; `claims` talk that is always asked about:
+    somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody says of
+    a place. `put_first` matches words that put a later clause before an earlier one.
+
+    `in_order` lists the words by which `parser.order` restates clauses in the order of doing. `called` matches names
+    for a robot where one is called: "Rover, sit".
+
+    `talk` is how posts are recognised that are only talk, and what they are about.
     """
 
     words: Lexicon
@@ -32,6 +48,20 @@ class Locale:
     stated: str = ""
     order: str = ""
     waits: str = ""
+    remark: str = ""
+    purpose: str = ""
+    weighty: str = "(?!)"
+    unsettling: str = "(?!)"
+    noun_after: str = ""
+    run_on: str = ""
+    begins: str = ""
+    never_where: str = ""
+    claims: str = "(?!)"
+    put_first: str = "(?!)"
+    talk: TalkForms = TalkForms()
+    in_order: OrderWords | None = None
+    called: str = ""
+    phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
 
     @property
     def code(self) -> str:

@@ -22,8 +22,11 @@ _LATIN_WORD = re.compile(r"[^\W\d_\u3400-\u9fff]{2,}")
 
 @cache
 def known() -> Mapping[str, Locale]:
-    """Return every language by its code, English first: the files of the folder `locales`."""
-    names = sorted((m.name for m in pkgutil.iter_modules(locales.__path__)), key=lambda n: (n != DEFAULT, n))
+    """Return every language by its code, English first: the files of the folder `locales`, but not their parts
+    (`zh_phrases`).
+    """
+    files = (m.name for m in pkgutil.iter_modules(locales.__path__))
+    names = sorted((name for name in files if "_" not in name), key=lambda n: (n != DEFAULT, n))
     found = [cast(Locale, importlib.import_module(f"{locales.__name__}.{name}").LOCALE) for name in names]
     return MappingProxyType({locale.code: locale for locale in found})
 

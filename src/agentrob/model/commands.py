@@ -32,6 +32,7 @@ class Understanding:
     """What a mind made of a post. `question` is the sentence to ask back or greet with, in `language`.
 
     `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
+    `looks`: a question that a photo answers, where one may be taken ("what do you see?"); `question` is said where not.
     """
 
     intent: Intent
@@ -39,6 +40,7 @@ class Understanding:
     plan: Plan = Plan()
     question: str = ""
     cancels: bool = False
+    looks: bool = False
 
 
 @dataclass(frozen=True, slots=True)

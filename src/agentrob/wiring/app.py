@@ -212,6 +212,8 @@ def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
 
 def make_second_opinion() -> SecondOpinion | None:
     """The harm classifier beside the rules; None, and a line in the log, if it cannot be loaded."""
+    import structlog
+
     from agentrob.agent.understanding.second_opinion import SecondOpinion
 
     try:

@@ -167,6 +167,20 @@ def test_law_13_at_rest_only_the_narrow_rule_holds(text: str) -> None:
     assert triage(post(text), replace(EARS, running_topics=())).route is Route.READ
 
 
+@pytest.mark.parametrize(
+    ("text", "running", "route"),
+    [
+        ("@quadruped don't move, just take a photo", (), Route.READ),
+        ("@quadruped don't move, just take a photo", ("running",), Route.STOP),
+        ("@quadruped don't move", (), Route.STOP),
+        ("@quadruped don't move, walk 1 m", (), Route.STOP),
+        ("@quadruped stop, take a photo", (), Route.STOP),
+    ],
+)
+def test_law_13_a_photo_without_motion_is_read_at_rest_only(text: str, running: tuple[str, ...], route: Route) -> None:
+    assert triage(post(text), replace(EARS, running_topics=running)).route is route
+
+
 def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may() -> None:
     command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
     assert triage(command, BUSY).route is Route.READ

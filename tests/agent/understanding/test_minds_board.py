@@ -23,7 +23,7 @@ from tests.minds.brain import FINE, move
 from tests.minds.model_double import Double, model_double
 
 USAGE = {"prompt_tokens": 30, "completion_tokens": 9, "input_tokens": 30, "output_tokens": 9}
-HARM = {"decision": "refuse", "harm": "surveillance", "words": "to where the neighbour sunbathes"}
+HARM = {"decision": "refuse", "harm": "surveillance", "words": "with neighbours sunbathing"}
 WORDS = "Off I went, forward."
 
 
@@ -103,11 +103,8 @@ async def test_a_configured_model_reads_looks_and_words_on_the_board(
             assert f"{WORDS} (In the words of `clever`; the figures are below.)" in said
             assert "| 1 | walk forward 1 m |" in said
             assert "3 questions, 90 + 27 tokens" in said
-            topic = await op.post(f"@{ROBOT} pray amble forward 1 m to where the neighbour sunbathes")
+            topic = await op.post(f"@{ROBOT} pray amble forward 1 m with neighbours sunbathing")
             assert await op.final(topic) == ["refused"], await thread(board, topic)
             said = await thread(board, topic)
-            assert (
-                "objects to the words `to where the neighbour sunbathes`: somebody is to be watched or followed."
-                in said
-            )
+            assert "objects to the words `with neighbours sunbathing`: somebody is to be watched or followed." in said
             assert "`model.surveillance`" in said

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from agentrob.language.parser.grammar import parse
 from agentrob.model import Intent
+from tests.language.parser import generated_posts
+from tests.language.parser.generated_posts import merged
 from tests.language.saying import OPS, read, short
 from tests.sizes import size
 
@@ -249,3 +251,114 @@ def test_law_18_thousands_of_posts_are_exactly_their_plans_or_a_question(post: t
 @settings(max_examples=300, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_a_post_of_several_deeds_is_never_met_with_silence(post: tuple[str, list[str] | None]) -> None:
     assert read(post[0]).intent is not Intent.NOTHING or post[1] is None
+
+
+# ------------------------------------------------------------------ generated posts (see `generated_posts`)
+def test_law_18_no_deed_of_a_generated_post_is_dropped_added_or_moved() -> None:
+    wrong = []
+    for post in generated_posts.posts(size(2_500, 40_000)):
+        understood = read(post.text)
+        if understood.intent is Intent.COMMAND:
+            done = merged(short(understood.plan).split())
+            if done not in {merged(plan) for plan in post.plans}:
+                wrong.append((post.text, done))
+        elif understood.plan.steps:
+            wrong.append((post.text, short(understood.plan)))
+    assert not wrong, f"{len(wrong)} posts, for example {wrong[:5]}"
+
+
+#: Constructs that people use every day; a question about them is the exception.
+PLAIN = {"join", "politeness", "reminder", "count", "order word", "remark"}
+MOST_ASKED = 0.2
+
+
+def test_a_question_about_plain_posts_is_the_exception() -> None:
+    plain = [
+        post for post in generated_posts.posts(size(2_500, 40_000)) if post.plans and PLAIN.issuperset(post.constructs)
+    ]
+    asked = sum(read(post.text).intent is not Intent.COMMAND for post in plain)
+    assert asked <= MOST_ASKED * len(plain)
+
+
+COUNTS = {
+    "sit twice and wave": "sit sit hello",
+    "wave, then sit twice": "hello sit sit",
+    "walk 1 m and wave twice": "F1 hello hello",
+    "sit twice and stand twice": "sit sit stand stand",
+    "wave and take two photos": "hello photo photo",
+    "挥手两次，再坐下": "hello hello sit",
+    "forward 0.4 m, then half a metre forward": "F0.4 F0.5",
+}
+
+
+@pytest.mark.parametrize(("text", "plan"), COUNTS.items())
+def test_a_count_belongs_to_the_deed_beside_it(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan
+
+
+BOTH_OR_ONE = ["sit and stand 2 times", "wave and sit three times", "挥手和鼓掌两次", "sit, stand, 2 times"]
+
+
+@pytest.mark.parametrize("text", BOTH_OR_ONE)
+def test_a_count_that_may_be_meant_for_two_deeds_is_asked_back(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+PUT_FIRST = {
+    "sit down, but first walk 1 m": "F1 sit",
+    "stretch once, but first do a backflip": "backflip stretch",
+    "sit last, back up a foot first": "B0.3048 sit",
+    "show me what you see, but first strafe right 2 m": "R2 photo",
+    "walk 2 m, nobody is here, but first wave": "hello F2",
+    "wave, and sit down beforehand": "sit hello",
+    "stand up once done sending me a picture": "photo stand",
+    "坐下，但是先前进一米": "F1 sit",
+    "坐下前先挥手": "hello sit",
+    "坐下以前拍照": "photo sit",
+    "转身，免得绊倒人，先站起来": "stand l180",
+    "最后鼓掌，先右转": "r90 clap",
+}
+
+
+@pytest.mark.parametrize(("text", "plan"), PUT_FIRST.items())
+def test_law_18_a_deed_that_is_said_to_come_first_is_never_done_later(text: str, plan: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK or short(understood.plan) == plan
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "shake hands so i can see better spin 90 degrees clockwise",
+        "90 degrees left, it's fun ten feet forward",
+        "wave at me, the cat is in another room and then frobnicate",
+        "show me what you see forward 3 feet",
+        "往右移动1米，我很无聊以后捡球",
+        "握手，好让大家看见完给他做个后空翻",
+        "stand up & walk 1 m, and repeat everything once",
+        "move one metre to the left frobnicated",
+        "move 10 feet to the left, the floor is clean after clapping",
+        "turn right so the kids can see you & frobnicate",
+        "before you walk 1 m, do a backflip, and do all of that twice",
+        "右转，天气真好并且数椅子",
+    ],
+)
+def test_law_18_a_deed_within_or_after_a_remark_is_asked_back(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize(
+    ("text", "plan"),
+    [
+        ("走50厘米以后向大家问好", "F0.5 hello"),
+        ("走50厘米后向大家问好", "F0.5 hello"),
+        ("走五十厘米好吗后向大家问好", "F0.5 hello"),
+        ("向前走两米后左转", "F2 l90"),
+        ("现在给他挥挥手，随后右转45度，免得绊倒人", "hello r45"),
+        ("不如打个招呼，之后站起来", "hello stand"),
+        ("往后走两米", "B2"),
+        ("后两米", "B2"),
+    ],
+)
+def test_after_is_told_from_backward(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan

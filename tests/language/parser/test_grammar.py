@@ -384,10 +384,13 @@ def test_words_are_repeated_shortly_and_disarmed() -> None:
     assert len(question) < 500
 
 
-def test_examples_in_questions_suit_the_robot() -> None:
+def test_examples_in_questions_suit_the_robot_and_the_post() -> None:
     understood = parse("walk forward", ["quadruped"], [], frozenset({Op.MOVE, Op.HELLO}))
     assert "turn" not in understood.question
-    assert "wave" in understood.question
+    assert understood.question.endswith("For example: `walk forward 1 m`")
+    general = parse("frobnicate", ["quadruped"], [], frozenset({Op.HELLO})).question
+    assert "wave" in general
+    assert "walk" not in general
 
 
 # ------------------------------------------------------------------ properties

@@ -138,3 +138,41 @@ def test_a_walk_ahead_is_a_command(text: str) -> None:
 )
 def test_who_speaks_to_a_robot_is_told_from_who_speaks_about_it(spoken_to: bool, text: str) -> None:
     assert addresses(text, ("rex",)) is spoken_to
+
+
+TALK = """what's up|nice to meet you, I'm Ana|you rock|lol you're funny|long time no see!|congratulations on the release
+why did the chicken cross the road? to get to the other side!|best robot ever|are we dancing at the party or what
+could you theoretically carry 10 kg|where you come from?|anyone up for a walk at five?
+it rained so we cancelled the walk
+my G1 waves with the wrong hand|took two pictures, both fine|last night's run: four turns, eight photos, zero falls
+ok admin, please lock this thread|mum can you take a picture of me and grandpa|did Ben ever return your drill?
+Hey Jonas, turn your monitor a bit to the right|battery died after 40 minutes
+the front left leg squeaks when it stands up
+好久不见，想你了|今天天气真不错|后空翻翻得真漂亮，我儿子看了十遍|左转九十度一点不差，厉害厉害|听说新版本能后空翻了
+你一次最多能走几米|转一圈要用多少电|为什么你走路会响|怎么才能当操作员|老王，你先往前走两步，我跟上|张工，麻烦把日志发我邮箱
+视频里那台G1先挥手再转身，然后就卡住了|歌词里唱的是“向前走，莫回头”|会议纪要：下周测试左转和右转各五十次|同意楼上"""
+
+
+@pytest.mark.parametrize("text", [text for line in TALK.splitlines() for text in line.split("|")])
+def test_talk_is_told_by_its_form_and_nobody_asks_what_it_wants(text: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.NOTHING, understood.question
+    assert not understood.plan.steps
+
+
+WISHES = """i want you to sing a song|you should go to the kitchen|the box needs to be lifted|could you water the plants
+can you carry this bag?|my dog is cute, go to the kitchen|nice work, now walk in a circle|hello, bring me a beer
+I'm standing well behind you, forward 2 metres|I was told not to ask for backflips, so just wave
+what a day! frobnicate the wall|I'm tired, follow me
+跳得真好，去厨房|今天天气真好，去厨房看看|我想让你唱歌|你真棒，帮我拿杯水|数一数屋里有几个人|去三号会议室看看灯关了没
+谁举手你就走到谁跟前|听说你会唱歌，唱一首"""
+
+
+@pytest.mark.parametrize("text", [text for line in WISHES.splitlines() for text in line.split("|")])
+def test_a_wish_beside_talk_or_in_the_form_of_talk_is_asked_back(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+def test_praise_does_not_swallow_a_command_after_it() -> None:
+    assert read("跳得真好，再来一个后空翻").intent is not Intent.NOTHING
+    assert read("well done, wave again").intent is Intent.COMMAND

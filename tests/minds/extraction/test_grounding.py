@@ -457,3 +457,23 @@ def test_the_schema_is_closed(raw: dict[str, Any]) -> None:
 def test_a_flood_of_numbers_is_read_and_commands_nothing(unit: str) -> None:
     text = (unit * 2000)[:2000]
     assert isinstance(ground([move(7, "m", text[:200])] * 20, text), Ungrounded)
+
+
+METRE = {"action": "move", "direction": "forward", "amount": 1, "unit": "m"}
+MORE = [
+    ("meander forward 1 m into the kitchen", [{**METRE, "words": "meander forward 1 m"}], "left_out"),
+    ("meander forward 1 m to the kitchen and wave", [{**METRE, "words": "meander forward 1 m"}, "wave"], "left_out"),
+    ("wave after meandering forward 1 m", ["wave", {**METRE, "words": "meandering forward 1 m"}], "condition"),
+    ("meander forward 1 m, but first wave", [{**METRE, "words": "meander forward 1 m"}, "wave"], "condition"),
+    ("溜达1米到厨房", [{**METRE, "words": "溜达1米"}], "left_out"),
+]
+
+
+@pytest.mark.parametrize(("text", "steps", "lack"), MORE, ids=[row[0] for row in MORE])
+def test_law_18_a_place_a_time_or_an_order_that_a_step_leaves_over_is_not_dropped(
+    text: str, steps: list[Any], lack: str
+) -> None:
+    read = [s if isinstance(s, dict) else {"action": "hello", "words": s} for s in steps]
+    found = ground([ExtractedStep.model_validate(step) for step in read], text)
+    assert isinstance(found, Ungrounded)
+    assert found.lack == lack

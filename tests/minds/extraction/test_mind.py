@@ -134,7 +134,7 @@ async def test_law_15_a_stop_asks_no_model(text: str) -> None:
             "But I do not find there how often to do it.",
         ),
         (
-            "@quadruped pull forward one meter and then turn right 45",
+            "@quadruped wobble forward one meter and then turn right 45",
             {"action": "turn", "direction": "right", "amount": 45, "unit": "deg", "words": "turn right 45"},
             "But you seem to want more than this.",
         ),
@@ -225,8 +225,8 @@ async def test_what_is_taken_back_stays_so_where_the_rest_is_asked() -> None:
 
 
 async def test_it_asks_back_in_the_language_of_the_post() -> None:
-    wants = command(forward(50, "m", "溜达五十厘米"))
-    understood = await ModelMind(Scripted(wants)).understand("@quadruped 往前溜达五十厘米", LISTENER)
+    wants = command(forward(50, "m", "晃悠五十厘米"))
+    understood = await ModelMind(Scripted(wants)).understand("@quadruped 往前晃悠五十厘米", LISTENER)
     assert understood.intent is Intent.ASK_BACK
     assert understood.language == "zh"
     assert understood.question.startswith("我的理解是：")

@@ -163,7 +163,7 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
     assert tried.returncode == 0, tried.stderr
     begin = "command: walk forward 2 m\n  read by good\n  the rules allow it; good does not object\n  good (m): "
     assert tried.stdout.startswith(begin)
-    against = run_plan(tmp_path, "be a dear and meander forward 2 m where the cards wobble")
+    against = run_plan(tmp_path, "be a dear and meander forward 2 m, I love the cards")
     refused = "\n  refuse: A model that reviews commands objects to the words `the cards`: somebody may be hurt"
     assert refused in against.stdout
     assert "(model.people)" in against.stdout

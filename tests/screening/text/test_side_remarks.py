@@ -52,6 +52,7 @@ def test_a_harmless_remark_passes(remark: str) -> None:
     "remark",
     [
         "a pot of soup is on your back",
+        "there is a hot pot of soup on your back",
         "my phone is on your head",
         "you are carrying a glass of wine",
         "you are still plugged in",

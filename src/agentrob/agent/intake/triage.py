@@ -9,10 +9,11 @@ from enum import StrEnum
 
 from agentrob.language import registry
 from agentrob.language.approval import ApprovalIntent, approval_in
+from agentrob.language.parser.grammar import asks_for_picture_at_rest
 from agentrob.language.rendered_text import text_in
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
-from agentrob.language.visible_text import mentions
+from agentrob.language.visible_text import mentions, without_mentions
 from agentrob.model import Account, AccountKind, Intent, Language, Post
 
 #: Never obeyed, whatever they write.
@@ -85,7 +86,8 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
     robots = tuple(name for name in others if name in addressing.robots)
     here = mine or (not robots and post.topic_id in addressing.running_topics)
-    if here and (stop := stop_intent(text)):
+    at_rest = called and not addressing.running_topics  # then "don't move, just take a photo" takes the photo
+    if here and (stop := stop_intent(text)) and not (at_rest and asks_for_picture_at_rest(without_mentions(text))):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others)
     # While anything moves or waits, in doubt it stops; a command under way does not stop itself.
     doubted = (

@@ -18,13 +18,25 @@ from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, j
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
+from agentrob.language.messages.catalog import say
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.extraction.summary import Summary, summarise
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
-from agentrob.model import Capabilities, Command, CommandState, Decision, Intent, Plan, Report, Understanding
+from agentrob.model import (
+    Capabilities,
+    Command,
+    CommandState,
+    Decision,
+    Intent,
+    Op,
+    Plan,
+    Primitive,
+    Report,
+    Understanding,
+)
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
@@ -97,6 +109,9 @@ class Assessor:
             assessment = await job.unless_ended(reading) or await by_rules(command.text, addressee, history, OVER)
         if self.eyes is not None:
             assessment = replace(assessment, understanding=replace_no_camera_answer(assessment.understanding))
+        if assessment.understanding.looks:
+            photographed = await self._photographed(assessment.understanding, command, capabilities, terms)
+            assessment = replace(assessment, understanding=photographed)
         understood = assessment.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
@@ -111,6 +126,17 @@ class Assessor:
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
         return assessment
+
+    async def _photographed(
+        self, understood: Understanding, command: Command, capabilities: Capabilities, terms: CommandTerms
+    ) -> Understanding:
+        """Answer "what do you see?" with a photo, where this account may have one now without an approval."""
+        plan = Plan((Primitive(Op.GET_FRONT_IMAGE),), (say("note.see", understood.language),))
+        rights = await insist(partial(rights_on, self.forum, command, terms))
+        verdict = judge(command, plan, command.author, capabilities, terms, rights)
+        if self.over_limit(command) or (verdict is not None and verdict.decision is not Decision.ALLOW):
+            return understood
+        return replace(understood, intent=Intent.COMMAND, plan=plan, looks=False)
 
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
         """The assessment of a post that is a visual goal, if a model may steer this robot; else None."""

@@ -40,13 +40,14 @@ PHRASES = {
     "ask.frame": "{problem} I did not move. {understood}For example: {examples}",
     "ask.understood": "So far I understood: {steps}. ",
     "ask.words": "I did not understand {words}.",
+    "ask.first": "{words} puts a later step first; please say the steps in the order in which I shall do them.",
     "ask.place": (
-        "I cannot {words}: that needs a vision model, which I do not have. I do not recognise places or things; "
-        "I walk by distance and turn by angle."
+        "I cannot {words}: that needs a vision model, which I do not have; my owner can configure one. I do not "
+        "recognise places or things; I walk by distance and turn by angle."
     ),
     "ask.eyes": (
-        "{words}: that needs a vision model, which I do not have. I do not recognise places or things; I walk by "
-        "distance and turn by angle."
+        "{words}: that needs a vision model, which I do not have; my owner can configure one. I do not recognise "
+        "places or things; I walk by distance and turn by angle."
     ),
     "ask.hands": "{words}: I cannot do that. I can: {can}.",
     "ask.path": "{words}: I cannot follow curves, figures or compass directions; I walk straight and turn by angle.",
@@ -87,6 +88,7 @@ PHRASES = {
     "note.duration": "{words} is taken as {metres} m at {by} m/s.",
     "note.steps": "{words} is taken as {metres} m, with {by} m a step.",
     "note.again": "{words}: {steps}.",
+    "note.cancels": "Your earlier commands that had not begun are cancelled.",
     "note.left_out": "Left out as a remark: {words}.",
     "note.not_done": "Not done, as you said: {words}.",
     "note.spelling": "{wrong} was read as {right}.",
@@ -115,6 +117,16 @@ PHRASES = {
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
     "talk.thanks": "You are welcome.",
+    "talk.praise": "Thank you!",
+    "talk.bye": "Goodbye!",
+    "talk.who": "I am {name}, a {model} robot on this forum. Say `help` and I tell you what I can do.",
+    "talk.language": "I read English and Chinese.",
+    "talk.joke": "Why did the robot sit down? It had run out of steps.",
+    "talk.see": (
+        "Without a vision model I cannot say what I see. `take a photo` shows it, if I have a camera and your account "
+        "may ask for photos."
+    ),
+    "note.see": "I cannot say what I see; the photo shows it.",
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights

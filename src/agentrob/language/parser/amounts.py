@@ -19,7 +19,11 @@ _AMOUNT_OF = {
 }
 
 
+_MEASURES = (*_AMOUNT_OF.values(), TokenKind.NUMBER)
 _LONGEST_PICTURE = 6
+_SEPARATING = (TokenKind.AND, TokenKind.COMMA, TokenKind.END)
+#: What may end an action that something is to follow.
+_ENDING = (TokenKind.OP, TokenKind.TURN, TokenKind.PICTURE, TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.TIMES)
 _INCH_M = 0.0254
 
 
@@ -71,6 +75,21 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
     return found
 
 
+def _after(tokens: Sequence[Token], at: int) -> Token:
+    """Resolve 后 and 前: after an action they put things in order (走两米后挥手, 坐下前挥手), elsewhere they are
+    directions (往后走).
+    """
+    token, before = tokens[at], tokens[at - 1] if at else None
+    following = tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
+    if token.value == "condition":
+        ends = before is not None and before.kind is TokenKind.OP and before.end == token.start
+        return replace(token, kind=TokenKind.CONDITION if ends else TokenKind.DIR, value=None if ends else "forward")
+    counts = following in (*_AMOUNT_OF.values(), TokenKind.NUMBER, TokenKind.HALF)  # 后两米
+    if before is None or before.kind in _SEPARATING or (counts and before.kind not in _ENDING):
+        return replace(token, kind=TokenKind.DIR, value="backward")
+    return replace(token, kind=TokenKind.AND, value=None)
+
+
 def _are_steps(tokens: Sequence[Token], at: int) -> bool:
     """ "Take two steps", "take a few steps"."""
     kinds = [t.kind for t in tokens[at : at + 2]]
@@ -82,6 +101,10 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     encouragement.
     """
     token = tokens[at]
+    if token.kind is TokenKind.AFTER:
+        return _after(tokens, at)
+    if token.kind is TokenKind.SHOW and token.value == "picture":
+        return replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value)
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return replace(token, kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]
@@ -92,10 +115,20 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
         and following[0].kind is TokenKind.DURATION
     ):
         return replace(token, kind=TokenKind.BEYOND)  # 等五秒再挥手
+    if token.kind is TokenKind.CONDITION and token.value == "hedge" and following and following[0].kind in _MEASURES:
+        return replace(token, kind=TokenKind.SOFT, value=None)  # "maybe two feet"
+    if token.kind is TokenKind.CONDITION and token.value == "after" and _joins_actions(tokens, at):
+        return replace(token, kind=TokenKind.AND, value=None)
     if token.kind is not TokenKind.GO_AHEAD:
         return token
     goes = bool(following) and following[0].kind is TokenKind.LENGTH
     return Token(TokenKind.DIR if goes else TokenKind.SOFT, "forward" if goes else None, token.start, token.end)
+
+
+def _joins_actions(tokens: Sequence[Token], at: int) -> bool:
+    """ "Wave and after clap": nothing but a gesture, or its end, follows."""
+    kinds = [t.kind for t in tokens[at + 1 : at + 3]]
+    return at > 0 and tokens[at - 1].kind is TokenKind.AND and kinds[:1] == [TokenKind.OP] and len(kinds) == 1
 
 
 def _append(found: list[Token], amount: Token, unit_m: float) -> None:
@@ -124,7 +157,8 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     if unit.kind is TokenKind.SOFT:
         unit = replace(unit, kind=TokenKind.LENGTH_UNIT, value=_INCH_M)
     end = unit_at + 1
-    if end < len(tokens) and tokens[end].kind is TokenKind.AND_PART:  # "a metre and a half"
+    if end < len(tokens) and tokens[end].kind is TokenKind.AND_PART and not _has_unit(tokens, end + 1):
+        # "a metre and a half"; "1 m and half a metre" are two amounts
         value += _float(tokens[end])
         end += 1
     elif unit.kind is TokenKind.LENGTH_UNIT and (fraction := _spoken_fraction(tokens, end, text)) is not None:
@@ -133,8 +167,16 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     elif unit.kind is TokenKind.ANGLE_UNIT and end < len(tokens) and _half_follows(tokens, end):
         value += 0.5
         end += 1
-    scaled = value * (float(unit.value) if isinstance(unit.value, float) else 1.0)
-    return Token(_AMOUNT_OF[unit.kind], scaled, tokens[at].start, tokens[end - 1].end), end - at
+    one = float(unit.value) if isinstance(unit.value, float) else 1.0
+    more = any(t.value in (Soft.MORE, Soft.ONE_MORE) for t in tokens[max(at - 1, 0) : end])
+    kind = _AMOUNT_OF[unit.kind]
+    return Token(kind, value * one, tokens[at].start, tokens[end - 1].end, one, more), end - at
+
+
+def _has_unit(tokens: Sequence[Token], at: int) -> bool:
+    """Return whether a unit stands here, after at most two words without meaning."""
+    at = _skip_soft(tokens, at)
+    return at < len(tokens) and tokens[at].kind in _AMOUNT_OF
 
 
 def _are_inches(tokens: Sequence[Token], at: int) -> bool:
@@ -156,7 +198,7 @@ def _quantity(tokens: Sequence[Token], at: int, text: str) -> tuple[float | None
     first = tokens[at]
     if first.kind is TokenKind.HALF:
         return 0.5, at + 1
-    if first.kind is TokenKind.SOFT and first.value == 1:
+    if first.kind is TokenKind.SOFT and first.value in (1, Soft.ONE_MORE):
         following = tokens[at + 1].kind if at + 1 < len(tokens) else None
         return (
             (1.0, at + 1)
@@ -196,8 +238,12 @@ def _spoken_fraction(tokens: Sequence[Token], at: int, text: str) -> float | Non
 
     A digit with a unit of its own does not count.
     """
-    if at >= len(tokens) or tokens[at].start != tokens[at - 1].end or text[tokens[at].start - 1].isascii():
+    if at >= len(tokens) or tokens[at].start != tokens[at - 1].end:
         return None
+    if text[tokens[at].start - 1].isascii():  # 1m50
+        tail = text[tokens[at].start : tokens[at].end]
+        metres = tokens[at - 1].value == 1.0 and tokens[at].kind is TokenKind.NUMBER
+        return float(tail) / 100 if metres and len(tail) == 2 and tail.isdigit() else None
     if at + 1 < len(tokens) and tokens[at + 1].kind in (*_AMOUNT_OF, TokenKind.NUMBER, TokenKind.HALF, TokenKind.WORD):
         return None
     if tokens[at].kind is TokenKind.HALF:

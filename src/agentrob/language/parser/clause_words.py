@@ -18,6 +18,8 @@ _VERBS = ([TokenKind.MOVE], [TokenKind.TURN])
 _KINDS: dict[Value, RemarkKind] = {"question": RemarkKind.QUESTION, "ask": RemarkKind.WISH, "tell": RemarkKind.WISH}
 #: Tokens that may be requested even within talk.
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.BACK)
+#: Amounts that may say how far off a thing is.
+_DISTANCES = (TokenKind.LENGTH, TokenKind.STEPS)
 #: Tokens that may begin a further clause of talk.
 _TELLING = (TokenKind.TALK, TokenKind.TALK_START, TokenKind.IS, TokenKind.ASKED, TokenKind.THANKS, TokenKind.REPORT)
 #: Tokens that can follow a "no" that corrects.
@@ -160,9 +162,10 @@ class SentenceState:
             self.sentence.denial_unclear = self.sentence.denial_unclear or token
 
     def _cancel(self, token: Token) -> None:
-        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind"
+        if self.mode is Mode.WANTED and self.sentence.drafts:  # "turn left, never mind", perhaps ", just wave"
             self.fixing = token
-            self.sentence.fix_unclear = token
+            if self.cur:
+                self.cur.closed = True
         elif self.mode is not Mode.TALK:
             self.sentence.cancelled = self.sentence.cancelled or token
 
@@ -238,8 +241,10 @@ class SentenceState:
         """Extend the current remark to this token."""
         if self.remark is None:
             return
-        self.remark.end = token.end
+        after = self.soft_after.get(self.at)
+        self.remark.end = after[-1].end if after else token.end
         self.remark.beyond |= token.kind is TokenKind.MORE_STOP  # 有人就停，走两米
+        self.remark.actions |= self.mode is Mode.TALK and self._runs_on(token)
         if self.mode is Mode.TALK and (self.begins or self.remark.kind is RemarkKind.WISH):
             goes = token.kind is TokenKind.DIR and self._next() in (*_ACTIONS, *AMOUNTS)  # 往前走
             self.remark.actions |= token.kind in _ACTIONS or goes
@@ -248,6 +253,21 @@ class SentenceState:
                 self.remark.kind = RemarkKind.WISH
             elif token.kind is TokenKind.TALK and self.remark.kind is not RemarkKind.WISH:
                 self.remark.kind = self._kind(token, self.remark.kind)
+
+    def _runs_on(self, token: Token) -> bool:
+        """Return whether a whole motion or a gesture stands within talk, where a command may have begun without a
+        pause: "so I can see better spin ninety degrees".
+
+        A length and a direction may say where a thing is: see `remarks.holds_action`.
+        """
+        before = self.tokens[self.at - 1].kind if self.at else TokenKind.END
+        if token.kind is TokenKind.OP:
+            return before is TokenKind.WORD and not self.soft_before.get(self.at)
+        if token.kind is TokenKind.DIR:
+            return any(kind in AMOUNTS and kind not in _DISTANCES for kind in (before, self._next()))
+        if token.kind in (TokenKind.MOVE, TokenKind.TURN):
+            return any(kind in AMOUNTS for kind in (self._next(), self._next(2)))
+        return False
 
     def _end_denial(self) -> None:
         if self.mode is Mode.DENIED:

@@ -82,7 +82,8 @@ class _Reader(SentenceState):
             TokenKind.NOT,
             TokenKind.AGAIN,
         ):
-            pass
+            if self.cur and self.cur.scene and kind in AMOUNTS:  # "show me what you see forward 3 feet"
+                self._unknown(token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
         else:
@@ -105,6 +106,8 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
+        if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
+            self.sentence.stays = self.denied
         if token.kind in (
             TokenKind.MOVE,
             TokenKind.TURN,
@@ -299,12 +302,26 @@ class _Reader(SentenceState):
         cur = self.cur
         if cur is None:
             return
+        cur.scene = token.start == cur.start
         if token.value is not None:
             cur.watched = True
-            if token.value == "watch" and cur.joined and (before := self.sentence.drafts[-2]).op is not cur.op:
-                cur.unknown.append((before.start, token.end))  # 挥手给大家看看
+            if token.value in ("watch", "others") and cur.joined:
+                self._watch(cur, self.sentence.drafts[-2], token)
+                cur = self.cur or cur
         if not cur.closed and cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
             self.mode = Mode.SUBJECT
+
+    def _watch(self, cur: Draft, before: Draft, token: Token) -> None:
+        """Handle what others are to look at: a turn is seen itself, 转一圈给大家看看; 挥手给大家看看 is asked back."""
+        amount = before.amount
+        whole = amount is not None and amount.kind is TokenKind.ANGLE and not _value(amount) % 360
+        turns = before.is_motion and before.verb is TokenKind.TURN and amount is not None and not before.unknown
+        if turns and (whole or token.value == "others"):
+            self.sentence.drafts.remove(cur)
+            before.watched, self.cur = True, before
+            self.mode = Mode.SUBJECT
+        elif before.op is not cur.op:
+            cur.unknown.append((before.start, token.end))
 
     def _picture(self, token: Token) -> None:
         cur = self._open()
@@ -314,12 +331,17 @@ class _Reader(SentenceState):
             self._unknown(token)
 
     def _count(self, last: Draft, token: Token) -> None:
-        if self._open() is not last and len(self.sentence.drafts) > 1:
+        if len(self.sentence.drafts) > 1 and (self._open() is not last or self._is_pair(last)):
             self.sentence.times_unclear = token
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
             last.amount = replace(last.amount, value=360.0)
+
+    def _is_pair(self, last: Draft) -> bool:
+        """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
+        gestures = all(d.op not in (None, Op.GET_FRONT_IMAGE) and not d.counted for d in self.sentence.drafts[-2:])
+        return gestures and last.paired
 
     def _counts(self, last: Draft) -> bool:
         """Return whether a count applies to the last draft: "wave twice", "wave, twice"."""
@@ -359,6 +381,7 @@ class _Reader(SentenceState):
         draft = Draft(start, token.end, verb, joined=self._open() is not None, fixes=self.fixing)
         joined_by_and = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.AND
         draft.after_and = self.joined_by_and and not draft.joined
+        draft.paired = joined_by_and and self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.OP
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
         if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:

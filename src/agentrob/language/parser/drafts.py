@@ -36,12 +36,14 @@ class Draft:
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
+    scene: bool = False  # "show me what you see": its subject is said
     watched: bool = False  # 让我看看: a picture, or a wish to watch the step
     back: bool = False  # the way back
     beyond: str = ""  # eyes, hands, path, wait: the ability that is missing
     place: bool = False  # the destination is in unknown words
     spun: bool = False  # "spin around": once is half a turn, three times are three turns
     after_and: bool = False  # "and" or "then" stands before it
+    paired: bool = False  # only "and" stands between it and the draft before: "sit and stand"
     hesitant: bool = False  # after an "uh"
     fixes: Token | None = None  # replaces the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)
@@ -122,6 +124,7 @@ class Sentence:
     condition: Token | None = None
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
     denial_joined: bool = False  # … because an "and" stands within it
+    stays: Token | None = None  # "stay where you are": no walk at all
     fix_unclear: Token | None = None  # "no wait", and nothing after it
     times_unclear: Token | None = None  # "walk and turn, twice": which of them
     talked: bool = False

@@ -44,7 +44,7 @@ class TokenKind(StrEnum):
     TIMES = "times"
     MORE_TIMES_UNIT = "more_times_unit"  # "three more times": besides the first
     MORE_TIMES = "more_times"
-    SHOW = "show"  # take, send, 拍: with a picture after it
+    SHOW = "show"  # take, send, 拍: with a picture after it; value "picture": also one alone: "snap"
     PICTURE = "picture"
     OF = "of"  # what follows a picture or a greeting is its subject and commands nothing; values "look", "watch": 看看
     EACH = "each"  # "after each movement"; value: after which operation only
@@ -55,6 +55,7 @@ class TokenKind(StrEnum):
     THANKS = "thanks"  # the same; a name may follow; value "hello": a greeting
     AGREE = "agree"  # "right" as in "right, take a photo"; the direction follows
     AND = "and"  # joins clauses: and, then
+    AFTER = "after"  # 后, 前: a direction, or after an action what joins (value "and") or a condition ("condition")
     COMMA = "comma"  # separates clauses and ends a negation; values "colon", and "word": one that may also be an adverb
     END = "end"  # ends a sentence
     ASKED = "asked"  # a question mark, 吗
@@ -64,10 +65,11 @@ class TokenKind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the sentence is not a command
-    CONDITION = "condition"  # if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time
+    #: if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after".
+    CONDITION = "condition"
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
-    FIX = "fix"  # "no wait", 不对: what follows corrects what was said
+    FIX = "fix"  # "no wait", 不对: what follows corrects what was said; value "amount": "make it", in the same unit
     CANCEL = "cancel"  # "never mind": cancels earlier posts
     HELP = "help"
     STATUS = "status"  # value "battery": also within a question; "asked": only there
@@ -89,6 +91,8 @@ class Soft(StrEnum):
     TOWARDS = "towards"  # an unknown word after it is a place
     OBJECT = "object"  # 把: belongs to the thing after it
     SEND = "send"  # "post it": a picture, which must have been taken
+    MORE = "more"  # "three more feet": as before
+    ONE_MORE = "one_more"  # "another foot": one, before a unit, as before
     FOR = "for"  # 给, 对: for whom something is to be done
 
 
@@ -97,12 +101,17 @@ Value = float | str | None
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A phrase with its meaning; `start` and `end` are its position in the text."""
+    """A phrase with its meaning; `start` and `end` are its position in the text.
+
+    Of an amount `unit` is one unit in metres, degrees or seconds; `more` says that it is "more", "another".
+    """
 
     kind: TokenKind
     value: Value = None
     start: int = 0
     end: int = 0
+    unit: float = 0.0
+    more: bool = False
 
 
 class Piece(NamedTuple):
@@ -388,10 +397,10 @@ def _slips(word: str) -> Iterator[str]:
 _CLAUSE = re.compile(r"(?:[^，,。.！!？?；;：:\n]|(?<=\d)\.(?=\d))+")
 
 
-def without_statements(part: str, stated: str) -> str:
+def without_statements(part: str, stated: str, twins: Mapping[int, int] | None = None) -> str:
     """Blank out clauses that state where something is, so that they are not parsed as commands: 前面五米是墙.
 
-    `stated` is a language's pattern for their beginning. Questions stay.
+    `stated` is a language's pattern for their beginning, in the standard characters of `twins`. Questions stay.
     """
     if not stated:
         return part
@@ -399,7 +408,7 @@ def without_statements(part: str, stated: str) -> str:
 
     def blank(clause: re.Match[str]) -> str:
         asked = part[clause.end() : clause.end() + 1] in ("?", "？")
-        found = None if asked else said.match(clause[0])
+        found = None if asked else said.match(clause[0].translate(twins or {}))
         return " " * found.end() + clause[0][found.end() :] if found else clause[0]
 
     return _CLAUSE.sub(blank, part)

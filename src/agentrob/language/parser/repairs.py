@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.model import Direction, Op
 
+_ACTING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 
 
@@ -15,7 +17,10 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
     """Join afterthoughts with what they complete, and drop false starts."""
     joined: list[Draft] = []
     for draft in drafts:
-        if draft.fixes is None and draft.verb is None and not draft.unknown and _completes(joined, draft):
+        late = draft.verb is None and not (
+            draft.unknown or draft.stop_word
+        )  # "… and wait five seconds" completes nothing
+        if draft.fixes is None and late and _completes(joined, draft):
             continue
         while joined and (draft.joined or draft.hesitant) and _is_false_start(joined[-1], draft):
             joined.pop()
@@ -119,6 +124,8 @@ def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
     for draft in drafts:
         if draft.fixes is None or not done:
             done.append(draft)
+        elif draft.fixes.kind is TokenKind.CANCEL and not draft.unknown and draft.verb is not TokenKind.AGAIN:
+            done = [draft]  # "turn left, never mind, just wave"
         elif not _correct(done, draft):
             unclear = unclear or draft.fixes
     return done, unclear
@@ -127,6 +134,9 @@ def corrected(drafts: Sequence[Draft]) -> tuple[list[Draft], Token | None]:
 def _correct(done: list[Draft], fix: Draft) -> bool:
     """Apply a correction ("turn left, no wait, right"); return whether it is clear what it corrects."""
     last = done[-1]
+    if last.beyond and last.beyond != "path" and fix.verb in _ACTING and not fix.unknown:  # "dance, no, sit"
+        done[-1] = fix
+        return True
     if fix.unknown or last.unknown or fix.verb is TokenKind.AGAIN or fix.bare_picture:
         return False
     if fix.is_motion and last.is_motion:
@@ -150,10 +160,19 @@ def _overlay(last: Draft, fix: Draft) -> bool:
         return False
     last.end = max(last.end, fix.end)
     last.direction = fix.direction or last.direction
-    last.amount = fix.amount or last.amount
+    same_unit = fix.fixes is not None and fix.fixes.value == "amount"
+    last.amount = (_in_same_unit(fix.amount, last.amount) if same_unit else fix.amount) or last.amount
     last.vague = fix.vague if fix.amount is None and fix.vague else last.vague and fix.amount is None
     last.slow, last.speed_mps = last.slow or fix.slow, last.speed_mps if fix.speed_mps is None else fix.speed_mps
     return True
+
+
+def _in_same_unit(amount: Token | None, before: Token | None) -> Token | None:
+    """Return the amount that counts: "3 feet, no, make it 5" means feet."""
+    if amount is None or before is None or amount.kind is not TokenKind.NUMBER or not before.unit:
+        return amount or before
+    value = amount.value * before.unit if isinstance(amount.value, float) else amount.value
+    return replace(amount, kind=before.kind, value=value, unit=before.unit)
 
 
 def _alike(amount: Token, other: Token) -> bool:

@@ -64,7 +64,8 @@ def repeated_steps(
             raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
         steps = _changed(steps, draft, said, language)
     else:
-        if before and not draft.counted and len(base) > 1:
+        once = draft.counted and draft.times == 1 and not draft.more  # "repeat everything once": in all, or once more
+        if before and (once or not draft.counted) and len(base) > 1:
             raise AmbiguousRepetition(say("ask.again_which", language, words=quote(said)))
         # "Walk 1 m, do this twice": twice in all. "Again" with nothing before it: as often as it says.
         times = draft.times - 1 if before and draft.counted and not draft.more else draft.times

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 
-from agentrob.language.parser.drafts import Sentence
+from agentrob.language.parser.drafts import RemarkKind, Sentence
 
 
 class SmallTalk(StrEnum):
     """Posts other than commands, stops, help and status. None of them moves anything."""
 
     CANCEL = "cancel"  # what its author posted before is not wanted any more
-    QUESTION = "question"
+    QUESTION = "question"  # or a request for a report: "let me know when …"
     PAST = "past"  # tells what was
     GREETING = "greeting"
     THANKS = "thanks"  # or other manners alone
@@ -22,7 +22,7 @@ def small_talk_in(sentences: Sequence[Sentence]) -> SmallTalk | None:
     """Return the first that applies: cancel, question, past, greeting, thanks."""
     if any(s.cancelled for s in sentences):
         return SmallTalk.CANCEL
-    if any(s.question or s.asked for s in sentences):
+    if any(s.question or s.asked or any(r.kind is RemarkKind.WISH for r in s.remarks) for s in sentences):
         return SmallTalk.QUESTION
     if any(s.report for s in sentences):
         return SmallTalk.PAST

@@ -6,15 +6,18 @@ assumption, 90° for a bare "turn left", is stated in a note.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
-from agentrob.language.parser.lexicon import TokenKind
+from agentrob.language.parser.lexicon import Token, TokenKind
+from agentrob.language.parser.remarks import holds_action, unsettles
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
+from agentrob.language.registry import locale
 from agentrob.model import Direction, Language, Op, Primitive
 
 #: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
@@ -32,9 +35,20 @@ class ParsedSteps:
     problem: str = ""
     picture_after: TokenKind | None = None
     hints: list[list[Primitive]] = field(default_factory=list)  # candidates for the first step that was not understood
+    hinted_at: int = 0  # how many steps stand before that one
+    doubts: int = 0  # how many things were not understood
+    offers: list[list[Primitive]] = field(
+        default_factory=list
+    )  # whole plans that may have been meant, likely ones first
 
     def object_to(self, problem: str) -> None:
+        self.doubts += bool(problem)
         self.problem = self.problem or problem
+
+    def hint(self, steps: list[list[Primitive]]) -> None:
+        """Note what the step that was not understood may have been."""
+        if steps and not self.hints:
+            self.hints, self.hinted_at = steps, len(self.steps)
 
     def note(self, note: str) -> None:
         if note not in self.notes:
@@ -91,6 +105,11 @@ def _doubt(sentence: Sentence, wants: bool, text: str, language: Language) -> st
 
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
+#: Numbers that are degrees when only a side is said with them: nobody steps 90 of anything aside.
+_USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
+#: Numbers that are degrees when nothing else is said with them.
+_WHOLE_TURNS = (180.0, 360.0)
+_PAUSE = re.compile(r"[,.;:!?\n，。；：！？]")
 _PICTURE = Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -105,6 +124,9 @@ class _StepBuilder:
         self.reading = ParsedSteps([], [])
         self.waits = False
         self.besides = ""
+        self.alone = True  # one draft is the whole post
+        self.unclear = False  # whether it is unclear what a correction corrects
+        self.gives_units = False  # some step without a verb has a length with its unit
         self.ahead: Draft | None = None  # what is repeated is said after it
 
     def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
@@ -125,9 +147,9 @@ class _StepBuilder:
             if drafts and sentence.cancelled:  # "Turn left. Never mind."
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
-        drafts, unclear = corrected(drafts)
-        if unclear is not None:
-            reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        drafts = self._corrected(sentences, drafts)
+        self.alone = len(drafts) == 1
+        self.gives_units = any(d.verb is None and d.direction and _is_length(d.amount) for d in drafts)
         for at, draft in enumerate(drafts, 1):
             if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
                 self.waits = True
@@ -140,12 +162,60 @@ class _StepBuilder:
         sent = next((s.sent for s in sentences if s.sent is not None), None)
         if sent is not None and reading.steps and _PICTURE not in reading.steps:  # "walk 1 m and post it"
             reading.object_to(self._say("ask.words", self.text[sent.start : sent.end]))
-        if self.waits and reading.steps:  # all but the waiting would work
-            reading.hints = [reading.steps[:MAX_STEPS], *reading.hints]
         if len(reading.steps) > MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
             del reading.steps[MAX_STEPS:]
+        if reading.problem and not (self.unclear or any(s.fix_unclear or s.cancelled for s in sentences)):
+            reading.offers = self._offers(sentences)
         return reading
+
+    def _offers(self, sentences: Sequence[Sentence]) -> list[list[Primitive]]:
+        """Return whole plans made from this post that may have been meant.
+
+        A step that was not understood is replaced by what it may have been, if nothing else is in doubt; otherwise the
+        rest is offered. An order that is in doubt is offered both ways.
+        """
+        reading = self.reading
+        if reading.hints and reading.doubts == 1 and not self.waits:
+            before, after = reading.steps[: reading.hinted_at], reading.steps[reading.hinted_at :]
+            return [[*before, *hint, *after] for hint in reading.hints]
+        if not reading.steps:
+            return reading.hints if reading.doubts == 1 else []
+        counts = next((s.times_unclear for s in sentences if s.times_unclear is not None), None)
+        times = int(counts.value) if counts is not None and isinstance(counts.value, float) else 0
+        last = reading.steps[-times:] if times else []
+        if 1 < times == len(last) and last.count(last[0]) == times:  # "sit and stand twice": the one, or both
+            return [reading.steps, [*reading.steps[:-times], last[0]] * times]
+        if any(s.condition is not None for s in sentences) and len(reading.steps) > 1:
+            return [reading.steps, reading.steps[::-1]] if len(reading.steps) == 2 else []
+        return [reading.steps]
+
+    def _hint(self, draft: Draft) -> None:
+        """Note what a draft may have been, if it says enough: not a number beside other things ("at 9"), nor words."""
+        goes = draft.verb in (TokenKind.MOVE, TokenKind.TURN)
+        says = goes or draft.direction is not None or self.alone
+        if draft.unknown:
+            says = goes and draft.direction is not None and draft.amount is None
+        if says:
+            self.reading.hint(_hints(draft))
+
+    def _corrected(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> list[Draft]:
+        """Apply corrections; object to unclear ones, and to a walk in a post that denies walking."""
+        self._note_cancelled(drafts)
+        settled_drafts, unclear = corrected(drafts)
+        self.unclear = unclear is not None
+        stays = next((s.stays for s in sentences if s.stays), None)
+        if stays and any(d.is_motion and d.verb is not TokenKind.TURN for d in settled_drafts):
+            self.reading.object_to(self._say("ask.denial", self.text[stays.start : stays.end]))
+        if unclear is not None:
+            self.reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
+        return settled_drafts
+
+    def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
+        """Note what is left out because "never mind" stands after it."""
+        fixes = [draft.fixes for draft in drafts if draft.fixes and draft.fixes.kind is TokenKind.CANCEL]
+        if fixes and drafts[0].start < fixes[-1].start:
+            self.reading.note(self._say("note.left_out", self.text[drafts[0].start : fixes[-1].end]))
 
     def _account(self, sentence: Sentence, first: int) -> None:
         """Account for what accompanies the steps of a post, of which the first is at `first`.
@@ -153,8 +223,10 @@ class _StepBuilder:
         A mere remark is noted as left out; if it may ask something of the robot, the robot asks back.
         """
         if _is_aside(sentence):
-            begun = min((d.start for d in sentence.drafts if d.is_action), default=sentence.end)
-            told = sentence.report and (sentence.reported_at or 0) <= begun and sentence.condition is None
+            begun = min((d.start for d in sentence.drafts if d.is_action), default=None)
+            since = self.text[sentence.reported_at or 0 : begun] if begun is not None else ""
+            later = begun is not None and (begun < (sentence.reported_at or 0) or _PAUSE.search(since))
+            told = sentence.report and not later and sentence.condition is None  # "yesterday it rained, wave" is not
             kind = RemarkKind.REMARK if told else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
             beside = [Remark(kind, sentence.start, sentence.end)]
         else:
@@ -168,10 +240,31 @@ class _StepBuilder:
                 continue
             half = remark.actions or (remark.beyond and sentence.drafts != [])
             asks = remark.kind in (RemarkKind.QUESTION, RemarkKind.HELP) and first < remark.start
-            if remark.kind is RemarkKind.WISH or half or asks:
+            if remark.kind is RemarkKind.WISH or half or asks or self._may_ask(remark, sentence):
                 self.besides = self.besides or self._say("ask.besides", words)
             else:
                 self.reading.note(self._say("note.left_out", words))
+
+    def _may_ask(self, beside: Remark, sentence: Sentence) -> bool:
+        """Return whether a remark claims rights, holds an action, or may change what is asked.
+
+        What it says of danger the screen judges.
+        """
+        known, remark = locale(self.language), self.text[beside.start : beside.end]
+        question = beside.kind is RemarkKind.QUESTION
+        if not sentence.report and not sentence.asked:
+            if holds_action(remark, known, asked=question):
+                return True
+            if beside.kind is RemarkKind.REMARK and unsettles(self._to_pause(beside, sentence), known):
+                return True
+        return re.search(known.claims, remark.lower()) is not None
+
+    def _to_pause(self, beside: Remark, sentence: Sentence) -> str:
+        """Return a remark with the rest of its clause: "I'm not sure, …"."""
+        ends = [draft.start for draft in sentence.drafts if draft.start >= beside.end]
+        if pause := _PAUSE.search(self.text, beside.end):
+            ends.append(pause.start())
+        return self.text[beside.start : min(ends, default=len(self.text))]
 
     def _repeat_ahead(self) -> None:
         reading, ahead = self.reading, self.ahead
@@ -217,7 +310,7 @@ class _StepBuilder:
         if draft.stop_word and not draft.unknown and not draft.amount:  # "please wait"
             return self._say("ask.wait", said)
         if draft.odd_number:
-            self.reading.hints = self.reading.hints or _hints(draft)
+            self._hint(draft)
             return self._say("ask.number", said)
         # Within a motion the whole clause is in doubt, otherwise only the words that are not known.
         known_part = draft.is_motion or draft.stop_word or not draft.unknown
@@ -253,7 +346,7 @@ class _StepBuilder:
             step, problem = _PICTURE, ""
         if step is None:
             reading.object_to(problem)
-            reading.hints = reading.hints or _hints(draft)
+            self._hint(draft)
         elif not 1 <= draft.times <= MAX_STEPS:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
         elif draft.each is not None:
@@ -280,11 +373,22 @@ class _StepBuilder:
         if draft.verb is None and draft.direction is None and kind is TokenKind.DURATION:  # "a photo in 5 seconds"
             self.waits = True
             return None, self._say("ask.wait", said)
+        alone = draft.verb is None and draft.direction is None and draft.amount is not None
+        if alone and kind is TokenKind.NUMBER and value in _WHOLE_TURNS:  # "180"
+            return self._turn(draft, value, said)
+        if alone and draft.amount and draft.amount.more and kind is TokenKind.LENGTH:  # "one more foot"
+            return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
+        if draft.back and kind is TokenKind.LENGTH and self._turned_around():  # "turn around and go back 2 m"
+            return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
-        turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE
+        # "90 left"; "left 90" alone is asked back, but not where lengths have their unit: "forward 2 m, left 90"
+        first = draft.amount is not None and draft.amount.start == draft.start
+        side = draft.verb is None and draft.direction in _SIDES
+        angle = side and value in _USUAL_ANGLES and (first or self.gives_units)
+        turns = draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE or (kind is TokenKind.NUMBER and angle)
         if kind is TokenKind.NUMBER and not (turns and value >= 5):
             return None, self._say("ask.unit", said)
         if turns:
@@ -294,6 +398,15 @@ class _StepBuilder:
                 else self._turn(draft, value, said)
             )
         return self._move(draft, value, said)
+
+    def _last_direction(self) -> Direction | None:
+        """Return the direction of the last walk of the post, or else of the thread."""
+        before = [step for plan in self.background.history for step in plan.steps] + self.reading.steps
+        return next((step.direction for step in reversed(before) if step.op is Op.MOVE), None)
+
+    def _turned_around(self) -> bool:
+        steps = self.reading.steps
+        return bool(steps) and steps[-1].op is Op.TURN and steps[-1].degrees == 180.0
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
         direction = draft.direction
@@ -342,6 +455,10 @@ class _StepBuilder:
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
+
+
+def _is_length(amount: Token | None) -> bool:
+    return amount is not None and amount.kind is TokenKind.LENGTH
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:

@@ -121,6 +121,8 @@ _WAIT_THEN_ACT = re.compile(
 )
 
 # ---------------------------------------------------------------------- Chinese
+#: The robot as a subject, which may tell what it does now: 小车前行三秒，停下. In doubt it stops.
+_TELLS_OF_ROBOT = re.compile(r"\s*(?:底盘|小车|机器小车)")
 _NUMBER_ZH = "[0-9零一二两三四五六七八九十百半几]+"
 _UNIT_ZH = "(?:下|公分|公尺|分钟|厘米|圈|寸|尺|度|次|步|秒|米)"
 _ACT_ZH = _one_of(
@@ -216,7 +218,9 @@ def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str])
 
 
 def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
-    return parse(text, list(names), list(robots), frozenset(Op)).intent is Intent.COMMAND
+    if _TELLS_OF_ROBOT.match(text):
+        return False
+    return parse(text, list(names), list(robots), frozenset(Op), remarks=False).intent is Intent.COMMAND
 
 
 def _warns_besides(text: str, stopping: StoppingClauses) -> bool:

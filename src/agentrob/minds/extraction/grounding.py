@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
-from agentrob.language.parser.grammar import commands_nothing
+from agentrob.language.parser.grammar import asks_for_more, commands_nothing, reorders
 from agentrob.language.registry import language_of
 from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.schema import ExtractedStep
@@ -266,12 +266,17 @@ class _Check:
         out.
         """
         used = {c.sentence for c in places}
+        if len(places) > 1 and reorders(self._text, self._language):
+            return "condition"
         for clause in self._clauses:
             placed = any(clause is p for p in places)
             if clause.sentence in used and clause.of(EvidenceKind.NOT):
                 return "denial"
             if clause.sentence in used and clause.of(EvidenceKind.IF):
                 return "condition"
+            rest = _without(self._text, clause, tuple(EvidenceKind))
+            if placed and not clause.refers and asks_for_more(_MANNERS.sub("", rest), self._language):
+                return "left_out"
             if placed and clause.refers:
                 if not self._repeats_all(clause):
                     return "left_out"

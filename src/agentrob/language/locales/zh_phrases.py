@@ -1,0 +1,390 @@
+"""Chinese phrases of several words that mean less or more than their words one by one.
+
+Each function takes the tokens of a post and returns them rewritten: 左右各转30度 becomes two turns, 向老人挥手 a
+gesture, 拍一张院子的照片 a picture. Positions stay, so that questions and notes quote the post.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from agentrob.language.locales.zh_characters import TWINS
+from agentrob.language.parser.lexicon import Soft, Token, TokenKind
+from agentrob.model import Direction, Op
+
+_PERSON = (
+    "(?:大家|大伙儿?|他们?|她们?|我们?|咱们?|你们|各位|诸位|老人家?|老爷爷|老奶奶|[爷奶爸妈哥姐弟妹叔姨舅婶]{1,2}|姥姥|姥爷|外婆"
+    "|外公|阿姨|叔叔|大爷|大妈|客人|来宾|嘉宾|贵宾|宾客|观众|听众|游客|访客|顾客|评委|老师|老板|领导|同学|同事|朋友|网友|粉丝"
+    "|家人|孩子|小孩|小孩子|小朋友|宝宝|宝贝|女士|先生|小姐|姑娘|小伙子|男生|女生|学生|主持人|摄影师|镜头|摄像头|相机|人|人家)们?"
+)
+#: For whom a gesture is: perhaps described, with a known head or a short name.
+_RECIPIENT = re.compile(
+    rf"(?![给向对跟和朝冲往为把])(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
+    rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON}|[给向对跟和朝冲往为])[^的，。]{{1,3}}"
+)
+_PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
+#: The most tokens of the words for a person or thing; unknown words have one for each character.
+_LONGEST_NOUN = 20
+_SOFT_PERSON = re.compile("大家|大伙|同学|朋友|先生|各位|你们?|您|每个人")
+_GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
+_ROBOT = re.compile("机器人|机器狗|小机器人|底盘|小车|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩")
+_AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.TIMES)
+_VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
+_BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
+_MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
+_SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
+
+
+def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
+    """Rewrite the tokens of a Chinese post; `text` is the post."""
+    said = text.translate(TWINS)
+    found, characters = list(tokens), set(said)
+    for rewrite, needed in _REWRITES:
+        if characters & needed:
+            found = rewrite(found, said)
+    return found
+
+
+def _text(token: Token, said: str) -> str:
+    return said[token.start : token.end]
+
+
+def _before(tokens: Sequence[Token], at: int) -> Token | None:
+    """Return the token before this position, passing over words without meaning."""
+    return next((t for t in reversed(tokens[:at]) if t.kind is not TokenKind.SOFT), None)
+
+
+def _next(tokens: Sequence[Token], at: int) -> Token | None:
+    return next((t for t in tokens[at + 1 :] if t.kind is not TokenKind.SOFT), None)
+
+
+def _timed(tokens: list[Token], said: str) -> list[Token]:
+    """走三秒后拍照: for three seconds, and then; 三秒后拍照 stays a delay."""
+    found: list[Token] = []
+    for token in tokens:
+        number = found[-1] if found else None
+        later = token.kind is TokenKind.CONDITION and token.value == "later" and _text(token, said)[0] in "秒分"
+        motion = _before(found, len(found) - 1)
+        moves = motion is not None and motion.kind in (TokenKind.MOVE, TokenKind.DIR)
+        if later and moves and number is not None and number.kind in (TokenKind.NUMBER, TokenKind.HALF):
+            value = number.value if isinstance(number.value, float) else 0.5
+            unit = 1.0 if _text(token, said)[0] == "秒" else 60.0
+            found[-1] = Token(TokenKind.DURATION, value * unit, number.start, token.end - 1)
+            found.append(Token(TokenKind.AND, None, token.end - 1, token.end))
+        else:
+            found.append(token)
+    return found
+
+
+def _stated(tokens: list[Token], said: str) -> list[Token]:
+    """前面半米就是楼梯口: tells where something is; that is no walk."""
+    found = list(tokens)
+    for at, token in enumerate(tokens[:-1]):
+        following = _next(tokens, at + 1)
+        there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
+        place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
+        if token.kind is TokenKind.DIR and place and tokens[at + 1].kind in _AMOUNTS and there:
+            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+    return found
+
+
+def _told(tokens: list[Token], said: str) -> list[Token]:
+    """大家鼓掌了: others did it."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        who, following = tokens[at - 1] if at else None, tokens[at + 1 : at + 3]
+        others = (
+            who is not None and who.kind is TokenKind.SOFT and re.fullmatch("大家|同学|朋友|先生", _text(who, said))
+        )
+        ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
+        if token.kind in _VERBS and others and ended:
+            found.append(Token(TokenKind.REPORT, None, token.start, token.start))
+        found.append(token)
+    return found
+
+
+def _waits(tokens: list[Token], said: str) -> list[Token]:
+    """不动三秒, 停两秒再走: waiting, which the robots do not do."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        following = tokens[at + 1 : at + 3]
+        rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and re.match("不动|别动|停", said[token.start :])
+        timed = [t.kind for t in following if _text(t, said) != "动"][:1] == [TokenKind.DURATION]
+        found.append(replace(token, kind=TokenKind.BEYOND, value="wait") if rests and timed else token)
+    return found
+
+
+def _put_first(tokens: list[Token], said: str) -> list[Token]:
+    """坐下之前先转一圈: the other way round, where nothing else is said in the sentence."""
+    at = next((n for n, t in enumerate(tokens) if t.kind is TokenKind.CONDITION and _text(t, said) == "之前"), 0)
+    end = next((n for n, t in enumerate(tokens) if n > at and t.kind is TokenKind.END), len(tokens))
+    later, sooner = tokens[:at], tokens[at + 1 : end]
+    plain = all(t.kind in (TokenKind.OP, TokenKind.SOFT) for t in later) and not any(t.kind in _BREAKS for t in sooner)
+    if not at or not plain or not sooner or _text(sooner[0], said) != "先":
+        return tokens
+    both = Token(TokenKind.AND, None, tokens[at].start, tokens[at].end)
+    return [*sooner, both, *later, *tokens[end:]]
+
+
+def _after(tokens: list[Token], said: str) -> list[Token]:
+    """前进一米后左转, 挥手完坐下: no direction, but what joins what is done and what comes next."""
+    found = list(tokens)
+    for at, token in enumerate(tokens):
+        words = _text(token, said)
+        if not (token.kind is TokenKind.DIR and words == "后") and not (token.kind is TokenKind.SOFT and words == "完"):
+            continue
+        before, following = _before(tokens, at), _next(tokens, at)
+        done = before is not None and before.kind in (*_AMOUNTS, TokenKind.OP, TokenKind.TURN)
+        goes_on = following is not None and following.kind not in (*_AMOUNTS, TokenKind.NUMBER, TokenKind.WORD)
+        if done and goes_on:
+            found[at] = replace(token, kind=TokenKind.AND, value=None)
+    return found
+
+
+def _gone(tokens: list[Token], said: str) -> list[Token]:
+    """往前走出去两米, 往前走过去两米, 退回来一米: a complement of the verb, where direction and amount are said."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        following = _next(tokens, at)
+        measured = following is not None and following.kind in (TokenKind.LENGTH, TokenKind.DURATION)
+        words = _text(token, said)
+        before = _before(found, len(found))
+        towards = before is not None and before.kind in (TokenKind.DIR, TokenKind.MOVE)
+        directed = towards and any(t.kind is TokenKind.DIR for t in found[-3:])
+        if token.kind is TokenKind.BEYOND and measured and directed and re.fullmatch("走?(?:过|出)[来去]", words):
+            found.append(replace(token, kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
+        elif token.kind is TokenKind.AGAIN and token.value == "back" and measured and words[0] == "退":
+            found += [
+                replace(token, kind=TokenKind.MOVE, value=None),
+                replace(token, kind=TokenKind.DIR, value="backward"),
+            ]
+        else:
+            found.append(token)
+    return found
+
+
+def _is_noun(token: Token) -> bool:
+    """Return whether a token may be part of the words for a person or thing."""
+    plain = token.kind in (TokenKind.WORD, TokenKind.TALK) and token.value in (None, "person")
+    return plain or token.kind in (TokenKind.SOFT, TokenKind.DIR)
+
+
+def _begun(tokens: list[Token], said: str) -> list[Token]:
+    """再拍 at the end: a picture; 我想看挥手: that is wanted; 坐下再站起来，做两遍: all of it again."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        words, following, before = _text(token, said), _next(tokens, at), found[-1] if found else None
+        ends = following is None or following.kind in _BREAKS
+        if token.kind is TokenKind.SHOW and words == "拍" and ends:
+            found.append(replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
+        elif token.kind is TokenKind.TURN and words == "看" and before is not None and before.kind is TokenKind.REQUEST:
+            wanted = following is not None and following.kind is TokenKind.OP and following.value != Op.GET_FRONT_IMAGE
+            found += [] if wanted else [token]
+        elif words in ("做", "来", "连做") and before is not None and before.kind is TokenKind.COMMA:
+            after = [t.kind for t in tokens[at + 1 : at + 3] if t.kind is not TokenKind.SOFT]
+            again = after[:1] == [TokenKind.TIMES] and (len(after) == 1 or after[1] in _BREAKS)
+            found.append(replace(token, kind=TokenKind.AGAIN, value="this") if again else token)
+        else:
+            found.append(token)
+    return found
+
+
+def _looked(tokens: list[Token], said: str) -> list[Token]:
+    """看一眼拍个照: one picture in two words."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        pair = [t for t in tokens[at + 1 : at + 4] if t.kind is not TokenKind.SOFT]
+        looks = token.value == Op.GET_FRONT_IMAGE and [t.value for t in pair[:1]] == ["look"]
+        if looks and [t.value for t in pair[1:2]] == [Op.GET_FRONT_IMAGE]:
+            continue
+        if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
+            continue
+        found.append(token)
+    return found
+
+
+def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
+    """Drop for whom a gesture is, 向老人挥手; towards somebody, 朝大家走一米, is a place."""
+    found: list[Token] = []
+    at = 0
+    while at < len(tokens):
+        token = tokens[at]
+        begun = _begin_of_recipient(token, said)
+        if begun and (end := _end_of_recipient(tokens, at, begun, said)):
+            found.append(replace(tokens[end], start=token.start))
+            at = end + 1
+            continue
+        found.append(token)
+        at += 1
+        after = tokens[at] if at < len(tokens) else token
+        if token.value == Soft.TOWARDS and after.kind is TokenKind.SOFT and _ROBOT.fullmatch(_text(after, said)):
+            found.append(replace(after, kind=TokenKind.WORD, value="place"))
+            at += 1
+    return found
+
+
+def _begin_of_recipient(token: Token, said: str) -> int:
+    """Return where the words for somebody begin after a preposition, 0 if this is none: 给|奶奶, 给|我妈."""
+    words = _text(token, said)
+    if words in _PREPOSITIONS:
+        return token.end
+    described = token.kind is TokenKind.DIR and said[token.end : token.end + 1] == "的"
+    mine = words in ("给我", "给咱", "给我们", "给咱们")
+    return token.start + 1 if mine or (described and words[:1] in ("向", "朝", "往", "冲")) else 0
+
+
+def _end_of_recipient(tokens: Sequence[Token], at: int, begun: int, said: str) -> int:
+    """Return the position of the gesture that is for somebody, 0 if there is none; a picture may be taken for them."""
+    end = _end_of_noun(tokens, at + 1)
+    between = tokens[at + 1 : end]
+    op = str(tokens[end].value).split("/")[0] if end < len(tokens) and tokens[end].kind is TokenKind.OP else ""
+    if op not in _GESTURES and not (op == Op.GET_FRONT_IMAGE and said[tokens[at].start] in "给为替帮"):
+        return 0
+    noun = said[begun : tokens[end].start].strip()
+    named = any(t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in between)
+    sided = any(t.kind is TokenKind.DIR for t in between)
+    known = named and _RECIPIENT.fullmatch(noun) and (not sided or re.search(f"的|那|{_PERSON}$", noun))
+    return end if known else 0
+
+
+def _end_of_noun(tokens: Sequence[Token], at: int) -> int:
+    end = at
+    while end < len(tokens) and end - at < _LONGEST_NOUN and _is_noun(tokens[end]):
+        end += 1
+    return end
+
+
+def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
+    """拍一张院子的照片, 把眼前的东西拍下来: what the picture shows; what is beside or behind is asked about."""
+    found: list[Token] = []
+    at = 0
+    while at < len(tokens):
+        token = tokens[at]
+        end = at + 1
+        count = next((t for t in tokens[end : end + 1] if t.kind in (TokenKind.TIMES, TokenKind.NUMBER)), None)
+        end += count is not None
+        end = _end_of_noun(tokens, end)
+        goal = tokens[end] if end < len(tokens) else token
+        between = tokens[at + 1 : end]
+        ahead = not any(t.kind is TokenKind.DIR and t.value in _SIDES for t in between)
+        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
+        if takes and ahead and goal.kind is TokenKind.PICTURE and between and _text(between[-1], said) == "的":
+            found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, token.start, goal.end))
+            found += [] if count is None else [replace(count, kind=TokenKind.TIMES)]
+            at = end + 1
+        elif token.value == Soft.OBJECT and ahead and goal.value == Op.GET_FRONT_IMAGE and between:
+            found.append(replace(goal, start=token.start))
+            at = end + 1
+            if at < len(tokens) and tokens[at].kind is TokenKind.OF and tokens[at].value is None:
+                at += 1
+        else:
+            found.append(token)
+            at += 1
+    return found
+
+
+def _counted_ahead(tokens: list[Token], said: str) -> list[Token]:
+    """做三次挥手, 来两个后空翻: the count is of what follows; 挥手做三次坐下 may mean either."""
+    found = list(tokens)
+    for at, token in enumerate(tokens):
+        following = tokens[at + 1 : at + 3]
+        measured = token.kind is TokenKind.NUMBER and [_text(t, said) for t in following[:1]] == ["个"]
+        of = following[1:] if measured or [_text(t, said) for t in following[:1]] == ["的"] else following
+        if not (measured or token.kind is TokenKind.TIMES) or not of or of[0].kind is not TokenKind.OP:
+            continue
+        begun, before = _text(tokens[at - 1], said) if at else "", _before(tokens, at)
+        if before is not None and before.kind not in _BREAKS:
+            if token.kind is TokenKind.TIMES and begun in ("做", "来", "上"):
+                found[at] = replace(token, kind=TokenKind.WORD, value=None)
+        elif begun in ("做", "来", "上", "表演") or token.kind is TokenKind.TIMES:
+            place = found.index(of[0])
+            found[at] = replace(of[0], start=token.start)
+            found[place] = replace(token, kind=TokenKind.TIMES)
+    return found
+
+
+def _shared(tokens: list[Token], said: str) -> list[Token]:
+    """左右各转30度, 挥手和比心各两次: what is said once is meant for each of several."""
+    for at, token in enumerate(tokens):
+        if token.value != "each" or token.kind is not TokenKind.WORD:
+            continue
+        begun = _begin_of_items(tokens, at, said)
+        items, end = _items(tokens[begun:at]), at + 1
+        while end < len(tokens) and tokens[end].kind not in (*_BREAKS, *_AMOUNTS):
+            end += 1
+        verbs = [t for t in tokens[at + 1 : end] if t.kind is not TokenKind.SOFT]
+        amount = tokens[end] if end < len(tokens) else token
+        before = tokens[begun - 1].kind if begun else TokenKind.END
+        if len(items) < 2 and not any(items) and verbs and re.search("[俩位]|你们", said[: token.start]):
+            return [*tokens[:at], *_shared(list(tokens[at + 1 :]), said)]  # 你们俩各走一米
+        if len(items) < 2 or amount.kind not in _AMOUNTS or before in _MANNERS or not _fits(items, verbs, amount):
+            continue
+        spread: list[Token] = []
+        for item in items:
+            spread += [*item, *verbs, amount, Token(TokenKind.AND, None, amount.end, amount.end)]
+        return [*tokens[:begun], *spread[:-1], *_shared(list(tokens[end + 1 :]), said)]
+    return tokens
+
+
+def _begin_of_items(tokens: Sequence[Token], at: int, said: str) -> int:
+    """Return where the list before 各 begins."""
+    while at:
+        token = tokens[at - 1]
+        listed = token.kind in (*_VERBS, TokenKind.DIR, TokenKind.SOFT)
+        joint = token.kind in (TokenKind.AND, TokenKind.COMMA) and _text(token, said) in "和与跟及以及还有、"
+        if not (listed or joint):
+            break
+        at -= 1
+    return at
+
+
+def _items(tokens: Sequence[Token]) -> list[list[Token]]:
+    """Split a list of directions and verbs: 左右, 左转和右转, 前进后退."""
+    items: list[list[Token]] = [[]]
+    for token in tokens:
+        if token.kind is TokenKind.SOFT:
+            continue
+        last = items[-1]
+        split = token.kind in _BREAKS
+        whole = bool(last) and token.start == last[-1].start and token.kind is not last[-1].kind  # 前进
+        alike = [t for t in last if (t.kind in _VERBS) is (token.kind in _VERBS)]
+        if split or (not whole and (alike or (token.kind is TokenKind.DIR and any(t.kind in _VERBS for t in last)))):
+            items.append([])
+        if not split:
+            items[-1].append(token)
+    return [item for item in items if item]
+
+
+def _fits(items: Sequence[Sequence[Token]], verbs: Sequence[Token], amount: Token) -> bool:
+    """Return whether the verb and amount after 各 make a whole step of each item."""
+    for item in items:
+        found = [t for t in (*item, *verbs) if t.kind in _VERBS]
+        if len(found) != 1 or len(item) + len(verbs) > 3 or any(t.kind not in (*_VERBS, TokenKind.DIR) for t in verbs):
+            return False
+        kind = found[0].kind
+        directed = any(t.kind is TokenKind.DIR for t in item)
+        sided = kind is TokenKind.OP or directed
+        wanted = {TokenKind.TURN: (TokenKind.ANGLE,), TokenKind.OP: (TokenKind.TIMES,)}
+        if not sided or amount.kind not in wanted.get(kind, (TokenKind.LENGTH, TokenKind.STEPS, TokenKind.DURATION)):
+            return False
+    return True
+
+
+#: Each rewriting, in this order, and characters of which it needs one: most posts need none.
+_REWRITES = (
+    (_stated, frozenset("是有")),
+    (_told, frozenset("了")),
+    (_timed, frozenset("后")),
+    (_waits, frozenset("停不别")),
+    (_after, frozenset("后完")),
+    (_put_first, frozenset("前")),
+    (_gone, frozenset("过出退")),
+    (_begun, frozenset("拍看做来")),
+    (_looked, frozenset("看瞧瞅")),
+    (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
+    (_of_subjects, frozenset("的把将")),
+    (_counted_ahead, frozenset("次遍回个下")),
+    (_shared, frozenset("各别")),
+)

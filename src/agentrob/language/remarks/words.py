@@ -1,0 +1,117 @@
+"""Define the word lists of remarks, and build from them the few patterns that `parser.remarks` applies."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+_LINE_END = re.compile(r"\s*\n\s*(?=\|)")
+_PHRASE = re.compile(r"(?:[^|()]|\((?:[^()]|\([^()]*\))*\))+")
+
+
+def one_of(*lists: str) -> str:
+    """Return a pattern for the phrases of lists separated by |; * at the end of a word stands for any ending.
+
+    A phrase may be a pattern; what stands in its parentheses is not split.
+    """
+    joined = [_LINE_END.sub("", words) for words in lists]
+    phrases = {" ".join(phrase.split()) for words in joined for phrase in _PHRASE.findall(words)} - {""}
+    return "(?:" + "|".join(p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))) + ")"
+
+
+@dataclass(frozen=True)
+class RemarkWords:
+    """Word lists, separated by |, for a language that puts the subject before the verb.
+
+    A statement is a subject, at most six words and a finite verb. `verbs` may also be patterns for endings.
+    """
+
+    leads: str  # may stand before a statement: "well", "by the way"
+    subjects: str  # begin a noun phrase, or stand for one
+    verbs: str  # finite verbs: "is", "has", "went"
+    linking: str  # the few verbs that make a statement also of a noun without an article: "weather is"
+    bare_subjects: str  # pronouns with which any verb makes a statement: "I", "they"
+    about_robot: str  # harmless statements about the robot: "you are", "you look"
+    exclamations: str  # whole clauses, or their beginning, without a verb: "what a", "no hurry"
+    settings: str  # whole clauses: settings that are on anyway
+    reasons: str  # begin a reason or purpose, also within a clause: "because", "so that"
+    reason_subjects: str  # "so" before one of these, and a verb, begins a purpose
+    aims: str  # "to" and one of these verbs begins a purpose
+    occasions: str  # "for the" and one of these nouns, at the end of a clause, is a purpose
+    meaning: Mapping[str, str]  # words that may change what a command means, by reason
+    danger: Mapping[str, str]  # words that may change how dangerous it is, by what is in danger
+    near_robot: str  # prepositions: what is there may be hit
+    robot: str  # words for the robot after them
+    unfinished: str  # a statement cannot end in these: a verb after them belongs to it
+    governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
+    never_where: str  # directions that nobody says of a place: "forward"
+    before_noun: str  # a word after one of these is a noun or adjective, also if it may be an action: "my turn"
+
+    @cached_property
+    def _lead(self) -> str:
+        return rf"^(?:{one_of(self.leads)} )*"
+
+    @cached_property
+    def _statement(self) -> str:
+        subject, verb = one_of(self.subjects), one_of(self.verbs)
+        contracted = r"'(?:s|re|m|ve|ll|d)\b"
+        return (
+            rf"(?:{subject}(?:{contracted}|\b(?: [\w'-]+){{0,6}}? {verb}\b)|{one_of(self.bare_subjects)} \w+"
+            rf"|{one_of(self.about_robot)}\b|[a-z][\w-]*(?: [a-z][\w-]*)?(?:'s| {one_of(self.linking)})\b)"
+        )
+
+    @cached_property
+    def remark(self) -> str:
+        """Match a clause in the form of a statement, purpose, reason or exclamation."""
+        return (
+            rf"{self._lead}(?:{self._statement}|{self._reason}|to {one_of(self.aims)}\b(?= \w+)|{self._occasion}"
+            rf"|{one_of(self.exclamations)}\b|{one_of(self.settings)}$)"
+        )
+
+    @cached_property
+    def _reason(self) -> str:
+        return rf"(?:{one_of(self.reasons)}\b|so {one_of(self.reason_subjects)}(?:'ll|'d)? (?!am\b)\w+)"
+
+    @cached_property
+    def _occasion(self) -> str:
+        return rf"for (?:{one_of('the|my|our|his|her|a|an|this|some')} )?(?:\w+ )?{one_of(self.occasions)}$"
+
+    @cached_property
+    def purpose(self) -> str:
+        """Match where a reason or purpose begins within a clause."""
+        return rf"\b(?:{self._reason}|{self._occasion}|to {one_of(self.aims)}\b(?= \w+ \w+))"
+
+    @cached_property
+    def weighty(self) -> str:
+        """Match what may change the meaning or the danger of a command."""
+        return rf"{self.dangerous}|\b{one_of(*self.meaning.values())}\b"
+
+    @cached_property
+    def unsettling(self) -> str:
+        """Match what may change the meaning of a command, apart from amounts: those may say how far off a thing is."""
+        return rf"\b{one_of(*(words for reason, words in self.meaning.items() if reason != 'amount'))}\b"
+
+    @cached_property
+    def dangerous(self) -> str:
+        near = rf"{one_of(self.near_robot)} {one_of(self.robot)}"
+        return rf"\b(?:{one_of(*self.danger.values())}|{near})\b"
+
+    @cached_property
+    def run_on(self) -> str:
+        """Match a whole statement that a command may follow without punctuation: "the kids are gone move forward"."""
+        finished = rf"(?!.*\b{one_of(self.unfinished)}$)"
+        plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)"
+        words = r"[\w' -]*"
+        whole = rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{one_of(self.exclamations)}\b{words})$"
+        return rf"{whole}|{self._lead}{one_of(self.settings)}$"
+
+    @cached_property
+    def begins(self) -> str:
+        """Match where a statement may begin after a command without punctuation: "… i think it works"."""
+        return rf"\b{one_of(self.subjects, self.bare_subjects, self.about_robot, self.exclamations)}(?=\b|')"
+
+    @cached_property
+    def noun_after(self) -> str:
+        return rf"(?:^|\s)(?:{one_of(self.before_noun)}|\w+'s)\s+$"

@@ -1,0 +1,1 @@
+"""Talk that commands nothing: how it is recognised, and what it is about."""

@@ -1,0 +1,128 @@
+"""Recognise a post that is only talk by the form of its clauses, and what it is about.
+
+The grammar knows the words of commands. A post that it does not understand may still be plain talk: a question, a
+statement, a greeting, or words to another person. Asking "what shall I do with …?" about those is a nuisance. A post
+counts as talk only if every clause has such a form and no clause begins like an order; it never moves anything.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+
+
+@dataclass(frozen=True)
+class TalkForms:
+    """The forms of one language, as regular expressions on text in lower case.
+
+    `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at
+    the beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same
+    in the writing of the post, for names in capitals. `wish` matches what asks for something in any form, and
+    `order` how an order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of`
+    matches clauses that speak of a deed as done, even where the grammar reads a command in them; `praised` matches
+    a whole post of praise that does. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too.
+    `topics` are what a line of talk may be about, by the key of its answer.
+    """
+
+    lead: str = "(?!)"
+    clauses: str = "(?!)"
+    sentences: str = "(?!)"
+    named: str = "(?!)"
+    wish: str = "(?!)"
+    order: str = "(?!)"
+    done: str = "(?!)"
+    spoken_of: str = "(?!)"
+    praised: str = "(?!)"
+    by_remark: bool = True
+    topics: Mapping[str, str] = field(default_factory=dict)
+
+
+_SENTENCE = re.compile(r"(?:[^.!?;。！？；\n…]|(?<=\w)[.!](?=\w))+[?？]?")
+#: What somebody else said: "he wrote: walk 2 m".
+_SAID = re.compile(
+    r"(?:\b(?:wrote|writes|said|says|typed|asked|reads|told \w+)|[说写道问喊唱])\s*[:：].*", re.IGNORECASE
+)
+_CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
+
+
+def is_talk(text: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+    """Return whether every clause of a text is talk.
+
+    `remark` matches statements (see `Locale.remark`); `commands` tells whether a clause holds words of a command.
+    """
+    sentences = [match[0].strip() for match in _SENTENCE.finditer(text) if match[0].strip()]
+    return bool(sentences) and all(_is_talk(sentence, remark, forms, commands) for sentence in sentences)
+
+
+def order_beside(text: str, forms: TalkForms, commands: Callable[[str], bool]) -> str:
+    """Return a clause of an order beside talk ("I'm tired, follow me"); empty if there is none.
+
+    What belongs to a question, a report, or words to others is no order.
+    """
+    for sentence in (match[0].strip() for match in _SENTENCE.finditer(text)):
+        said = _without_lead(_plain(_SAID.sub("", sentence)), forms)
+        if _compiled(forms.named).search(sentence) or _compiled(forms.sentences).search(said):
+            continue
+        for clause in (_without_lead(found[0], forms) for found in _CLAUSE.finditer(said)):
+            done = _compiled(forms.done).search(clause)
+            if not done and _compiled(forms.order).search(clause) and commands(clause):
+                return clause
+    return ""
+
+
+def is_spoken_of(text: str, forms: TalkForms) -> bool:
+    """Return whether a text praises or tells a deed instead of asking for it, and asks for no other."""
+    said = _plain(text)
+    if _compiled(forms.praised).fullmatch(said):
+        return True
+    if not _compiled(forms.spoken_of.replace("^", "").replace("$", "")).search(said):
+        return False
+    clauses = [_without_lead(found[0], forms) for found in re.finditer(r"[^,，.。!！;；?？]+", said)]
+    told = [_compiled(forms.spoken_of).search(clause) is not None for clause in clauses]
+    others = [clause for clause, is_told in zip(clauses, told, strict=True) if not is_told]
+    orders = any(_compiled(forms.order).search(clause) for clause in others)
+    return any(told) and not orders and not _compiled(forms.wish).search(said)
+
+
+def topic_of(text: str, forms: TalkForms) -> str:
+    """Return what a line of talk is about, as the key of its answer without its section; empty if that is not known."""
+    said = _plain(text).strip(" ?？!！.。~,，")
+    found = (topic for topic, pattern in forms.topics.items() if _compiled(pattern).search(said))
+    return next(found, "")
+
+
+def _is_talk(sentence: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+    if _compiled(forms.named).search(sentence):
+        return True
+    plain = _plain(sentence)
+    if _compiled(forms.wish).search(plain):
+        return False
+    said = _without_lead(plain, forms)
+    clauses = [clause for found in _CLAUSE.finditer(said) if (clause := _without_lead(found[0], forms))]
+    orders = [bool(_compiled(forms.order).search(clause)) for clause in clauses]
+    if any(orders[1:]):
+        return False
+    if _compiled(forms.sentences).search(said):
+        return True
+    also = _compiled(remark if remark and forms.by_remark else "(?!)")
+    talked = all(_compiled(forms.clauses).search(c) or also.search(c) for c in clauses)
+    return talked and not any(orders) and not any(commands(clause) for clause in clauses)
+
+
+def _without_lead(said: str, forms: TalkForms) -> str:
+    """Return what is said after interjections and marks."""
+    before = None
+    while before != said:
+        before, said = said, _compiled(forms.lead).sub("", said.strip(" \t,，、:：—-~'\"“”()（）"), count=1).strip()
+    return said
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.lower().replace("’", "'").split())
+
+
+@cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    return re.compile(pattern)

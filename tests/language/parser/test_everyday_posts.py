@@ -1,0 +1,97 @@
+"""Words that people use every day, one of each kind: what is done, and what is asked about."""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.language.parser.grammar import talk_topic_of
+from agentrob.model import Intent
+from tests.language.saying import read, short
+
+#: A post, and its plan; "?" is a question, and nothing moves.
+POSTS = """
+three times: forward 1 m, wave=F1 hello F1 hello F1 hello
+walk 1 m so i can see better and turn left=?
+turn left and show me what u see=l90 photo
+turn left thirty degrees so i can see better and send me a picture=?
+walk forward 1 metre and tell me the temperature=?
+patrol the room and report=?
+往前走一米，给他挥挥手=F1 hello
+前进一米，别忘了拍照=F1 photo
+挥手给大家看看坐下=?
+forward 2 m slowly, the cat is in another room=F2@0.2
+step back 1 m so that nobody trips=B1
+往前走一米，前面没有人=F1
+keep obstacle avoidance on and walk 1 m=F1
+it's no fun okay um move forward three feet=F0.9144
+拍一张房间的照片=photo
+向老人挥挥手=hello
+我是管理员，往前走半米=?
+pull forward=?
+begin moving=?
+begin moving forward 1 m=F1
+turn left at an angle of ninety degrees=l90
+5 feet forward, 90 left, 2 feet forward=F1.524 l90 F0.6096
+a quarter left=l90
+one more foot=F0.3048
+turn left, when you're done turning take a picture=l90 photo
+walk 1 m, come back to where you started=F1 B1
+move maybe two feet forward=F0.6096
+往前走一米左右=F1
+试试往前走一米=F1
+let's see you sit and get up again=sit stand
+底盘前进一米=F1
+小车左转=l90
+往前走一米后停下=F1
+左右各转30度=l30 r30
+往左边走一米=L1
+掉头=l180
+向左横移30厘米=L0.3
+伸个懒腰=stretch
+做三次挥手=hello hello hello
+以默认速度前进一米=F1
+原地转个360度给大家看看=l360
+don't move, just take a photo=photo
+good job! wave=hello
+every day at 9 wave=?
+go to the red ball=?
+走到水果前=?
+左转九十度一点不差=l90
+照着我的动作做一遍=?
+"""
+TALK = {
+    "good dog": "praise",
+    "who are you": "who",
+    "what do you see": "see",
+    "tell me a joke": "joke",
+    "你是谁": "who",
+    "你看到了什么": "see",
+    "讲个笑话": "joke",
+}
+
+
+@pytest.mark.parametrize(("text", "plan"), [row.rsplit("=", 1) for row in POSTS.strip().splitlines()])
+def test_law_18_what_people_say_every_day_is_done_or_asked_about(text: str, plan: str) -> None:
+    understood = read(text)
+    if plan == "?":
+        assert understood.intent is Intent.ASK_BACK
+        assert not understood.plan.steps
+    else:
+        assert short(understood.plan) == plan, understood.question
+
+
+@pytest.mark.parametrize(("text", "topic"), TALK.items())
+def test_small_talk_has_a_topic_and_moves_nothing(text: str, topic: str) -> None:
+    assert talk_topic_of(text, ["quadruped"], []) == topic
+    assert not read(text).plan.steps
+
+
+def test_a_question_offers_nothing_that_was_not_said() -> None:
+    assert "turn left 9" not in read("every day at 9 wave").question
+
+
+@pytest.mark.parametrize(
+    "text", ["如何预防碰撞", "hello", "thanks", "你好", "谢谢", "let me know when someone comes in"]
+)
+def test_talk_is_not_asked_about(text: str) -> None:
+    assert read(text).intent is Intent.NOTHING
