@@ -219,8 +219,6 @@ def make_second_opinion() -> SecondOpinion | None:
     try:
         encoder, classifier = _harm_classifier()
     except ConfigError as e:
-        import structlog
-
         structlog.get_logger().warning("no harm classifier; the rules decide alone", error=str(e))
         return None
     return SecondOpinion(partial(_is_suspected, encoder, classifier), encoder.close)
