@@ -58,6 +58,15 @@ go to the red ball=?
 走到水果前=?
 左转九十度一点不差=l90
 照着我的动作做一遍=?
+no more than 1 m forward, then a picture=F1 photo
+walk 2 m, turn around and come back=?
+sit, you're making the camera shake=?
+walk 1 m, i mixed up left and right, turn left=?
+走两米，往后，我刚说反了，往前走两米=?
+只转身不走路，向右转一百二十度=?
+只拍照不走动=photo
+多谢多谢，拍的照片我收到了=?
+往前走两米然后掉头回来=?
 """
 TALK = {
     "good dog": "praise",

@@ -357,7 +357,8 @@ TABLE = {
         |hahaha|thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job
         |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|no problem|no worries
         |thanks again|thank you again|dear""",
-    "soft ": """if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
+    "soft ": """no more than|not more than|at most|at the most|a maximum of
+        |if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
         |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want|if you want to
         |if you wish|if you feel like it|if you're up for it|if it's not too much trouble|if it isn't too much trouble
         |if that works|if that works for you|if you would be so kind|if it pleases you|if you're ready|if you are ready

@@ -34,6 +34,9 @@ _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATI
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
+_RELATIVE = re.compile("的(?=[^，。！？；,.!?;\\s了吧呢吗话])")
+_ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
+_TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
 
 
@@ -373,6 +376,22 @@ def _fits(items: Sequence[Sequence[Token]], verbs: Sequence[Token], amount: Toke
 
 
 #: Each rewriting, in this order, and characters of which it needs one: most posts need none.
+def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
+    """拍的照片, 走的路: an action that describes a thing is not commanded."""
+
+    def describes(token: Token) -> bool:
+        of = _RELATIVE.match(said, token.end) or _TAKEN.match(said, token.start)
+        return token.kind in (*_VERBS, TokenKind.SHOW) and of is not None
+
+    return [replace(token, kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
+
+
+def _only(tokens: list[Token], said: str) -> list[Token]:
+    """只转身不走路: it does not say whether the turn is one more or the one that is commanded."""
+    found = [match.start() for match in _ONLY.finditer(said)]
+    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+
+
 _REWRITES = (
     (_stated, frozenset("是有")),
     (_told, frozenset("了")),
@@ -384,6 +403,8 @@ _REWRITES = (
     (_begun, frozenset("拍看做来")),
     (_looked, frozenset("看瞧瞅")),
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
+    (_of_relative_clauses, frozenset("的")),
+    (_only, frozenset("只")),
     (_of_subjects, frozenset("的把将")),
     (_counted_ahead, frozenset("次遍回个下")),
     (_shared, frozenset("各别")),

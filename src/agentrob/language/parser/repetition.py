@@ -16,6 +16,7 @@ from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitiv
 
 #: The most steps of one post.
 MAX_STEPS = 100
+HALF_TURN_DEG = 180.0
 #: What "slowly" means, in metres per second.
 SLOW_MPS = 0.2
 _SIDES = (Direction.LEFT, Direction.RIGHT)
@@ -60,7 +61,8 @@ def repeated_steps(
         raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
     if draft.back:
         steps = reversed_path(base)
-        if not steps or draft.counted or draft.amount is not None:
+        turned = bool(steps) and steps[0].op is Op.TURN and steps[0].degrees == HALF_TURN_DEG  # forward, or as it came?
+        if not steps or turned or draft.counted or draft.amount is not None:
             raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
         steps = _changed(steps, draft, said, language)
     else:

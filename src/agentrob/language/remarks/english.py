@@ -38,7 +38,8 @@ WORDS = RemarkWords(
     meaning={
         "condition": """only|except|unless|until|instead|rather|ready|enough|wait|waits|waiting|first|later|tomorrow
            |tonight|yet""",
-        "correction": "wrong|mistake*|mean|means|meant|too (?:far|much|fast|close|long|near|many)|last one|cancel*",
+        "correction": """wrong|mistake*|misspoke|mix(?:ed)? (?:it |that |them )?up|other way (?:a?round)|backwards|mean
+           |means|meant|too (?:far|much|fast|close|long|near|many)|last one|cancel*""",
         "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should*|supposed|ought
            |must (?!be\b|have\b)""",
         "denial": r"""
@@ -87,7 +88,7 @@ WORDS = RemarkWords(
        |(?!(?:morning|evening|building|ceiling|thing)$)\w+ing""",
     governs_verb="""if|when|who|that(?!')|which|where|what(?!')|how|because|than|or|but|and|see|sees|saw|seen|watch
        |watches|watched|make|makes|made|let|lets|help|helps|helped|hear|heard|want|wants|wanted|like|likes|liked|love
-       |loves|need|needs|told|tell|tells|say|says|said|ask|asks|asked|to""",
+       |loves|need|needs|making|letting|helping|seeing|watching|hearing|wanting|told|tell|tells|say|says|said|ask|asks|asked|to""",
     never_where="forward|forwards|backward|backwards|back",
     before_noun="""the|a|an|my|our|his|her|their|its|this|that|is|are|was|were|wide|very|still|already|new|last|next
        |your|no|any|of|for|at|on|some|good|great""",
