@@ -241,7 +241,8 @@ TABLE = {
     "fix=amount": """make that|make it|no make that|no make it|rather make it|sorry make it|sorry make that
         |wait make that|oh wait make that|oh wait make it|wait make it|oops make that|actually make it
         |actually make that|make it rather|or make it|or make that|better make it|let's make it|let's make that""",
-    "condition": """if|unless|until|till|while|whenever|when|once you|before|or|either|except|without|in case|as soon as
+    "condition": """no more than|not more than
+        |if|unless|until|till|while|whenever|when|once you|before|or|either|except|without|in case|as soon as
         |as long as|provided|assuming|every time|otherwise|instead of|rather than|whether|suppose|imagine|almost
         |were you to|pretend""",
     "condition=hedge": "maybe|perhaps|possibly|probably",
@@ -357,8 +358,7 @@ TABLE = {
         |hahaha|thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job
         |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|no problem|no worries
         |thanks again|thank you again|dear""",
-    "soft ": """no more than|not more than|at most|at the most|a maximum of
-        |if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
+    "soft ": """if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
         |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want|if you want to
         |if you wish|if you feel like it|if you're up for it|if it's not too much trouble|if it isn't too much trouble
         |if that works|if that works for you|if you would be so kind|if it pleases you|if you're ready|if you are ready
