@@ -473,7 +473,7 @@ _FORMS = """advance advancing advanced|back backing backed|clap clapping clapped
     |swivel swivelling swiveling|take taking taken|trot trotting trotted|turn turning turned|walk walking walked
     |wave waving waved"""
 _BASE = {form: forms.split()[0] for forms in _FORMS.split("|") for form in forms.split()[1:]}
-_WHOM = r"((?!(?:me|us|it|a|an|one|another|\d)\b)[a-z][a-z'-]*(?: [a-z][a-z'-]*){0,3}?)"
+_WHOM = r"((?!(?:me|us|it|sure|certain|a|an|one|another|\d)\b)[a-z][a-z'-]*(?: [a-z][a-z'-]*){0,3}?)"
 _KINDLY = "big|little|nice|nice big|quick|friendly|warm|good|great|lovely|huge|firm"
 _ORDER = OrderWords(
     _BASE,

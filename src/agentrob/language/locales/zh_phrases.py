@@ -34,7 +34,7 @@ _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATI
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
-_RELATIVE = re.compile("的(?=[^，。！？；,.!?;\\s了吧呢吗话])")
+_RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
 _TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)

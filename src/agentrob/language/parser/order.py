@@ -62,7 +62,9 @@ class OrderWords:
 
     @cached_property
     def fronted(self) -> re.Pattern[str]:
-        return re.compile(rf"^\s*(?:and |then )*{self._finished}(?P<first>[^,]+),\s*(?P<later>.+)$", re.IGNORECASE)
+        return re.compile(
+            rf"^\s*(?:and |then )*{self._finished}(?P<first>[^,]+),(?!\s*and\b)\s*(?P<later>.+)$", re.IGNORECASE
+        )
 
     @cached_property
     def behind(self) -> re.Pattern[str]:

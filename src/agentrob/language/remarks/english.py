@@ -47,7 +47,9 @@ WORDS = RemarkWords(
             |trust|do|go|now|move|moving)
            |(?:is|are|was|were) not|'(?:s|re) not|i(?:'m| am) not (?!\w+ing\b)
            |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! wait\b| believe\b)|cannot""",
-        "time": r"""then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
+        "time": r"""
+            (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
+           |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
            |(?:once|when|after|before) (?:done|finished|you're done|you are done) [a-z]+ing""",
         "order": r"commands?|orders?(?<!in order)|posts?|example|motion|moving|movements?|more|less",
         "amount": r"""
