@@ -67,6 +67,7 @@ walk 1 m, i mixed up left and right, turn left=?
 只拍照不走动=photo
 多谢多谢，拍的照片我收到了=?
 往前走两米然后掉头回来=?
+走两米，前面没有人完麻烦你后退一米五=?
 step back 1 m, and when that is done frobnicate=?
 after you turn left, and show me what you see, left forty five degrees=?
 after you make sure you make a heart four times, um turn right=?

@@ -35,6 +35,7 @@ _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
 _RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
+_POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
 _TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
@@ -386,6 +387,19 @@ def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
     return [replace(token, kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
 
 
+def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
+    """没有人麻烦你后退: the request is not denied, so the denial's end is not known."""
+    found = list(tokens)
+    for at, token in enumerate(tokens):
+        if token.kind is not TokenKind.NOT:
+            continue
+        end = next((n for n in range(at, len(tokens)) if tokens[n].kind in _BREAKS), len(tokens))
+        asked = next((n for n in range(at + 1, end) if _text(tokens[n], said).startswith(_POLITE)), end)
+        if any(t.kind in _VERBS for t in tokens[asked:end]):
+            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+    return found
+
+
 def _only(tokens: list[Token], said: str) -> list[Token]:
     """只转身不走路: it does not say whether the turn is one more or the one that is commanded."""
     found = [match.start() for match in _ONLY.finditer(said)]
@@ -405,6 +419,7 @@ _REWRITES = (
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
     (_of_relative_clauses, frozenset("的")),
     (_only, frozenset("只")),
+    (_denied_until_request, frozenset("没不别勿")),
     (_of_subjects, frozenset("的把将")),
     (_counted_ahead, frozenset("次遍回个下")),
     (_shared, frozenset("各别")),
