@@ -107,7 +107,7 @@ def _classifier() -> Finding:
     try:
         seconds = app.check_harm_classifier()
     except AgentRobError as e:
-        advice = "Until it answers, the rules decide alone. Mend it, or set harm_classifier = false."
+        advice = "Until it answers, the rules decide alone. Fix it, or set harm_classifier = false."
         return Finding("harm classifier", Status.WARNING, str(e), advice)
     return Finding("harm classifier", Status.OK, f"it answers {seconds:.1f} s after its start")
 

@@ -144,7 +144,7 @@ def test_wrong_settings_are_one_clear_line(options, expected):
 def test_it_ends_at_a_signal_and_leaves_the_domain_free(tmp_path, number):
     world = start_world(tmp_path, environment={"MUJOCO_GL": "off"})
     assert world.ready["camera"] == "ray"
-    assert world.end(number) < 10.0, "benchmarks/world.py measures how long it takes on a quiet machine"
+    assert world.end(number) < 1.0
     assert world.process.returncode == 0
     assert world.process.communicate()[1] == ""
     again = start_world(tmp_path, "--http-port", world.url.rsplit(":", 1)[1], environment={"MUJOCO_GL": "off"})

@@ -17,9 +17,9 @@ from agentrob.model import Language
 
 #: Says whether a text is suspected of harm. Blocks, and may raise anything.
 Classify = Callable[[str, Language], bool]
-#: How long the thoughts about a command wait for the answer, once the model is loaded.
+#: An assessment waits at most this long for the answer, once the model is loaded.
 LIMIT_S = 2.0
-#: How long they wait while the model is being loaded, counted from its start.
+#: While the model is being loaded: at most this long, counted from its start.
 LOAD_S = 15.0
 _log = structlog.get_logger()
 

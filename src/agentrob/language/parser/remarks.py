@@ -188,7 +188,7 @@ def _actions(tokens: Sequence[Token]) -> Iterator[Token]:
 
 def _is_noun(clause: str, token: Token, locale: Locale) -> bool:
     """Return whether a word that may be an action is a noun or an adjective here: "my turn", "is wide open"."""
-    if " " in clause[token.start : token.end]:  # "this turn around" is no turn of ours
+    if " " in clause[token.start : token.end]:  # in "filming this turn around" the turn is commanded
         return False
     return bool(locale.noun_after) and _compiled(locale.noun_after).search(clause[: token.start].lower()) is not None
 
