@@ -35,8 +35,8 @@ test: setup-dev
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
-	$(BIN)/pytest -q -n 2 --dist worksteal --slice $(SLICE) -m "slow and not sim" $(ARGS) $(OR_NONE)
 	$(BIN)/pytest -q --slice $(SLICE) -m "slow and sim" $(ARGS) $(OR_NONE)
+	$(BIN)/pytest -q -n 2 --dist worksteal --slice $(SLICE) -m "slow and not sim" $(ARGS) $(OR_NONE)
 
 test-long: export AGENTROB_TEST_SIZE := full
 test-long: setup-slow
