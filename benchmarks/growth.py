@@ -122,7 +122,7 @@ def _answer(pipe: Connection) -> Any:
 
 # -------------------------------------------------------------------- what is measured
 COLUMNS = (
-    "commands", "done", "claims", "workflows", "records", "files", "agent MB on disk", "agent MB", "agent threads",
+    "commands", "done", "claims", "assessments", "records", "files", "agent MB on disk", "agent MB", "agent threads",
     "agent open files", "driver MB", "events", "posts", "board MB on disk", "board MB", "board threads",
     "s per command",
 )  # fmt: skip
@@ -154,11 +154,11 @@ def _of(folder: Path) -> tuple[int, int, float]:
 
 def _line(folder: Path, pids: tuple[int, int, int], sent: int, done: int, each_s: float) -> str:
     agent, driver, board = pids
-    claims, workflows = _counts(folder / "agents" / ROBOT / "journal.sqlite", "claim", "workflow_status")
+    claims, assessments = _counts(folder / "agents" / ROBOT / "journal.sqlite", "claim", "assessment")
     events, posts = _counts(folder / "board" / "board.sqlite3", "events", "posts")
     files, records, mb = _of(folder / "agents")
     shown = (
-        sent, done, claims, workflows, records, files, f"{mb:.1f}", _memory(agent),
+        sent, done, claims, assessments, records, files, f"{mb:.1f}", _memory(agent),
         len(os.listdir(f"/proc/{agent}/task")), len(os.listdir(f"/proc/{agent}/fd")), _memory(driver), events, posts,
         f"{_of(folder / 'board')[2]:.1f}",
         _memory(board), len(os.listdir(f"/proc/{board}/task")), f"{each_s:.2f}",

@@ -225,7 +225,7 @@ def test_plan_compiles_no_words_of_harm_for_a_plain_command() -> None:
 
 
 def test_help_answers_quickly_since_rooms_are_opened_when_needed(tmp_path: Path) -> None:
-    heavy = ("mujoco", "numpy", "sqlalchemy", "dbos", "matplotlib", "cyclonedds", "fastapi", "httpx2")
+    heavy = ("mujoco", "numpy", "sqlalchemy", "matplotlib", "cyclonedds", "fastapi", "httpx2")
     code = (
         "import sys\nsys.argv = ['agentrob', '--help']\nfrom agentrob.cli.main import main\n"
         f"try:\n    main()\nexcept SystemExit:\n    pass\nprint([m for m in {heavy!r} if m in sys.modules])"

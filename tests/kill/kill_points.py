@@ -3,7 +3,7 @@
 Nothing in the product knows of this. An order (a line of JSON on standard input) names a function by where it is looked
 up, whether to die before or after it, at which call, and what the call's arguments must contain. It is answered by a
 line on standard output, and so is the death, right before it. `KILL_VERSION` makes it another version of the
-application to the engine of the agent's journal.
+agent to its journal.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ BEFORE_MOTION = [
     agent("planned", UNDERSTAND + "extract", "after", DONE, 1),
     agent("to be screened", UNDERSTAND + "judge", "before", DONE, 1),
     agent("screened", UNDERSTAND + "judge", "after", DONE, 1),
-    agent("thought kept", JOURNAL + "once", "after", DONE, 1),
+    agent("thought kept", JOURNAL + "assess", "after", DONE, 1),
     agent("not claimed on the forum yet", FORUM + "reply", "before", DONE, 1, containing="claim:"),
     agent("claimed on the forum", FORUM + "reply", "after", DONE, 1, containing="claim:"),
     agent("claim noted in the journal", JOURNAL + "set_status_post", "after", DONE, 1),

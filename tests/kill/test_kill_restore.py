@@ -264,5 +264,5 @@ def test_law_6_another_version_ends_what_the_one_before_it_left_open_and_tells_i
 
 
 def assert_worked_as(house: House, version: str) -> None:
-    """Else the process was not of another version to the journal's engine, and this test would show nothing."""
-    assert house.in_journal("SELECT 1 FROM workflow_status WHERE application_version = ?", version)
+    """Else the process was not of another version to the journal, and this test would show nothing."""
+    assert house.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = ?", version)

@@ -7,7 +7,7 @@ import sys
 
 HEAVY = (
     "cn2an", "proces", "numpy", "PIL", "matplotlib", "mujoco", "onnxruntime", "cyclonedds", "unitree_sdk2py", "fastapi",
-    "uvicorn", "sqlalchemy", "alembic", "jinja2", "dbos", "httpx2", "rich", "structlog", "prometheus_client", "openai",
+    "uvicorn", "sqlalchemy", "alembic", "jinja2", "httpx2", "rich", "structlog", "prometheus_client", "openai",
     "anthropic", "pydantic_ai", "linkify_it",
 )  # fmt: skip
 

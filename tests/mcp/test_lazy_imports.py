@@ -20,18 +20,18 @@ def imported(code: str) -> set[str]:
 
 @pytest.mark.parametrize("module", ["agentrob.mcp.client", "agentrob.mcp.adapter", "agentrob.mcp.metadata"])
 def test_the_client_is_usable_without_the_heavy_parts(module: str) -> None:
-    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds", "dbos", "typer", "mcp"}
+    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds", "typer", "mcp"}
     assert not imported(f"import {module}") & heavy, "even the SDK is imported when it is first needed"
 
 
 def test_a_server_imports_no_part_of_the_product_that_it_does_not_need() -> None:
-    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds", "dbos"}
+    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds"}
     assert "mcp" in (libraries := imported("import agentrob.mcp.forum.run"))
     assert not libraries & heavy
 
 
 def test_the_command_line_imports_no_library_before_a_command_needs_it() -> None:
-    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds", "dbos", "mcp", "uvicorn"}
+    heavy = {"numpy", "sqlalchemy", "fastapi", "matplotlib", "PIL", "mujoco", "cyclonedds", "mcp", "uvicorn"}
     assert not imported("import agentrob.cli.main") & heavy
 
 

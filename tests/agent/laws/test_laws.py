@@ -353,7 +353,7 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
         return text
 
     journal = await Journal.open(tmp_path, ROBOT)
-    assert await journal.once("post-1", lambda: answer("one")) == "one"
+    assert await journal.assess("1", lambda: answer("one")) == "one"
     assert await journal.move("1", lambda: answer("moved")) == "moved"
     assert await journal.cancel("2")
     begun = asyncio.Event()
@@ -368,7 +368,7 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
     await journal.close()
     await asyncio.gather(stuck, return_exceptions=True)
     journal = await Journal.open(tmp_path, ROBOT)
-    assert await journal.once("post-1", lambda: answer("two")) == "one"
+    assert await journal.assess("1", lambda: answer("two")) == "one"
     assert await journal.move("1", lambda: answer("again")) == "moved"
     assert await journal.move("2", lambda: answer("moved")) == "cancelled"
     assert await journal.move("3", lambda: answer("moved")) == "interrupted"

@@ -13,7 +13,8 @@ from typing import Any
 
 import pytest
 
-from agentrob.agent.store import engine_cleanup, retention
+from agentrob.agent.store import journal as journal_module
+from agentrob.agent.store import retention
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
@@ -36,7 +37,7 @@ async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str,
     journal = await Journal.open(folder, ROBOT)
     for post in posts:
         await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace"))
-        await journal.once(f"post-{post}", says("thought"))
+        await journal.assess(post, says("thought"))
         await journal.move(post, says("moved"))
         if post in told:
             await journal.finish(post, CommandState.DONE)
@@ -76,19 +77,24 @@ async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(
     await journal.close()
 
 
-async def test_what_the_engine_kept_of_a_told_command_goes_and_of_an_open_one_stays(
+async def test_the_assessment_of_a_told_command_goes_and_of_an_open_one_stays(tmp_path: Path) -> None:
+    journal = await kept(tmp_path, "told", "open", told=("told",), aged={})
+    assert rows(tmp_path, "SELECT post FROM assessment") == ["open"]
+    await journal.prune(30, 5000)
+    assert rows(tmp_path, "SELECT post FROM assessment") == ["open"]
+    assert await journal.assess("open", says("another")) == "thought"
+    assert await journal.move("told", says("again")) == "moved"
+    await journal.close()
+
+
+async def test_another_version_assesses_again_and_moves_nothing_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    journal = await kept(tmp_path, "told", "open", told=("told",), aged={})
-    await journal.prune(30, 5000)
-    ids = "SELECT workflow_uuid FROM workflow_status ORDER BY 1"
-    assert len(rows(tmp_path, ids)) == 4  # an hour has not gone by
-    monkeypatch.setattr(engine_cleanup, "KEEP_S", -1.0)
-    await journal.prune(30, 5000)
-    assert rows(tmp_path, ids) == ["post-open", "post-open:motion"]
-    assert set(rows(tmp_path, "SELECT workflow_uuid FROM operation_outputs")) == {"post-open", "post-open:motion"}
-    assert await journal.once("post-open", says("another")) == "thought"
-    assert await journal.move("told", says("again")) == "moved"  # its own row answers, not the engine's
+    await (await kept(tmp_path, "open", told=(), aged={})).close()
+    monkeypatch.setattr(journal_module, "VERSION", "another")
+    journal = await Journal.open(tmp_path, ROBOT)
+    assert await journal.assess("open", says("another")) == "another"
+    assert await journal.move("open", says("again")) == "moved"
     await journal.close()
 
 
@@ -112,7 +118,6 @@ def test_records_and_pictures_go_by_age_size_and_number(tmp_path: Path) -> None:
 
 async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(retention, "EVERY_S", 0.05)
-    monkeypatch.setattr(engine_cleanup, "KEEP_S", -1.0)
     scene.settings = scene.settings.model_copy(update={"retention": RetentionConfig(commands=1)})
     prune, rounds = retention.prune, asyncio.Semaphore(0)
 
@@ -124,9 +129,9 @@ async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monk
     async with scene.agent() as agent:
 
         def left() -> tuple[int, int, int]:
-            engine = rows(agent.folder, "SELECT workflow_uuid FROM workflow_status")
+            assessments = rows(agent.folder, "SELECT post FROM assessment")
             claims = rows(agent.folder, "SELECT post FROM claim")
-            return len(list((agent.folder / "records").iterdir())), len(engine), len(claims)
+            return len(list((agent.folder / "records").iterdir())), len(assessments), len(claims)
 
         for _ in range(3):
             final = await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))

@@ -1,14 +1,9 @@
 """The agent's journal: which posts it claimed, whether their motion began, and the result of each.
 
-Two things share one SQLite file. The rows (`claim`, `motion`, `meta`) are ours and decide whether anything may move.
-The workflows are DBOS's: each assessment and each motion is one, with an id made of the post, so that what was finished
-before a crash is not done again. Unfinished workflows are dropped at the start and begun again from the claim rows:
-what must not be repeated is guarded by its own row, never by the engine.
-
-    post-<id>            read the post, understand it, screen it
-    post-<id>:motion     move; the motion row is written before, and the first insert wins
-
-The final reply needs no workflow: before it is written again, the agent checks whether it is there.
+One SQLite file. A claim row is written before anything about a post is written on the forum, and a motion row before
+anything moves: its first insert wins, so that no restart moves a robot twice. The assessment of a post is kept until
+its final reply is on the forum, so that a restart does not think again. The final reply needs no row: before it is
+written again, the agent checks whether it is there.
 """
 
 from __future__ import annotations
@@ -16,74 +11,55 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import fcntl
-import socket
 import sqlite3
-import threading
 import time
 from collections.abc import Awaitable, Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from datetime import datetime
-from functools import partial
 from pathlib import Path
-from typing import IO, TypeVar
+from typing import IO
 
-from dbos import DBOS, DBOSConfig, DBOSPortableJSONSerializer, SetWorkflowID
-from dbos import error as dbos_error
 from pydantic import TypeAdapter
-from sqlalchemy.exc import SQLAlchemyError
 
 from agentrob.agent.store import rows as db
-from agentrob.agent.store.engine_cleanup import forget_finished, forget_unfinished
 from agentrob.agent.store.rows import COMMAND, DECIDED, ApprovalDecision, ApprovalRequest, Claim, MotionState, Rows
 from agentrob.errors import JournalError
 from agentrob.model import Command, CommandState, EndReason, Plan
 from agentrob.model.lifecycle import check_transition
 
-T = TypeVar("T")
 Work = Callable[[], Awaitable[str]]
 
-#: Increase it when stored workflows of the old version must not be taken for those of the new.
-VERSION = "agentrob-1"
-#: How many results are written at once.
-KEEPING = 8
+#: Increase it when an assessment that an older version kept must not be used by the new one.
+VERSION = "agentrob-2"
 #: A claim is kept at least this long: a younger post must be recognized again (law 6).
 AT_LEAST_S = 86400.0
 
 _PLAN = TypeAdapter(Plan)
 
 
-class _Ended(BaseException):
-    """Ends a workflow's thread at shutdown without an outcome, so that the next start begins it anew."""
-
-
-class NotBegun(_Ended):
+class NotBegun(Exception):
     """Raised by a motion that has done nothing yet: it has not begun, and is left to the next start."""
 
 
 class Journal(Rows):
-    """Open with `await Journal.open(...)`; one per process and one per robot and data folder."""
+    """Open with `await Journal.open(...)`; one per robot and data folder."""
 
     def __init__(self, folder: Path, robot: str) -> None:
         super().__init__(f"{robot}-journal")
         self._folder = folder
         self._robot = robot
         self._lock: IO[str] | None = None
-        self._loop = asyncio.get_running_loop()
-        # Apart, so that nothing that is kept holds up a motion; motions run one at a time.
-        self._keeping = ThreadPoolExecutor(KEEPING, thread_name_prefix=f"{robot}-keeping")
-        self._motions = ThreadPoolExecutor(2, thread_name_prefix=f"{robot}-motions")
-        self._work: dict[str, Work] = {}
-        self._ended = threading.Event()
-        self._era = ""
+        #: Running motions, and the works that move.
+        self._motions: set[asyncio.Task[str]] = set()
+        self._works: set[asyncio.Task[str]] = set()
+        self._closing = False
 
     # ---------------------------------------------------------------- open and close
     @classmethod
     async def open(cls, folder: Path, robot: str) -> Journal:
-        """Take the lock, make or read the file, start the engine. `JournalError` when that cannot be done."""
+        """Take the lock, make or read the file. `JournalError` when that cannot be done."""
         journal = cls(folder, robot)
         try:
             await journal._in_rows(journal._open)
-            await asyncio.get_running_loop().run_in_executor(journal._motions, journal._launch)
         except BaseException:
             await journal.close()
             raise
@@ -95,13 +71,12 @@ class Journal(Rows):
             self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._lock = (self._folder / "journal.lock").open("w")
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # WAL must be set before the engine opens the file: three times the throughput of the default.
             self._db = sqlite3.connect(path, timeout=30.0, isolation_level=None)
             self._db.execute("PRAGMA journal_mode=wal")
             self._db.execute("PRAGMA synchronous=FULL")
             self._db.executescript(db.TABLES)
-            db.migrate(self._db)
-            self._era = (self._one("SELECT value FROM meta WHERE key = 'era'") or ("",))[0]
+            with self._together():
+                db.migrate(self._db, VERSION)
         except BlockingIOError:
             raise JournalError(
                 f"an agent for {self._robot} already runs with {self._folder}; end it first, or use another data folder"
@@ -109,40 +84,12 @@ class Journal(Rows):
         except (OSError, sqlite3.Error) as e:
             raise JournalError(f"the journal {path} cannot be opened: {e}") from None
 
-    def _launch(self) -> None:
-        if _open:
-            raise JournalError("this process already has an open journal; run one agent per process")
-        url = f"sqlite:///{self._folder / 'journal.sqlite'}"
-        config: DBOSConfig = {
-            "name": "agentrob",
-            "system_database_url": url,
-            # A name of its own per machine and robot: the engine re-runs whatever bears the same one.
-            "executor_id": f"{socket.gethostname()}-{self._robot}",
-            "application_version": VERSION,
-            "serializer": DBOSPortableJSONSerializer(),
-            # Nothing of ours waits for notifications; this is only how long closing takes.
-            "notification_listener_polling_interval_sec": 0.2,
-            "log_level": "ERROR",
-            "console_log_level": "ERROR",
-        }
-        try:
-            forget_unfinished(url, self._has_workflows())
-            DBOS(config=config)
-            DBOS.launch()
-        except Exception as e:
-            raise JournalError(f"the journal's engine does not start: {e}") from e
-        _open.append(self)
-
-    def _has_workflows(self) -> bool:
-        found = self._rows.submit(self._one, "SELECT 1 FROM sqlite_master WHERE name = 'workflow_status'").result()
-        return found is not None
-
     async def close(self) -> None:
-        """End the engine and leave running work unfinished. Calling again does nothing."""
-        self._ended.set()
-        if self in _open:
-            _open.remove(self)
-            await asyncio.to_thread(DBOS.destroy, workflow_completion_timeout_sec=0)
+        """End running motions, without a result if they have begun. Calling again does nothing."""
+        self._closing = True
+        for work in self._works:
+            work.cancel()
+        await asyncio.gather(*self._motions, return_exceptions=True)
         if self._db is not None:
             await self._in_rows(self._db.close)
             self._db = None
@@ -150,8 +97,6 @@ class Journal(Rows):
             self._lock.close()
             self._lock = None
         self._rows.shutdown(wait=False)
-        self._keeping.shutdown(wait=False)
-        self._motions.shutdown(wait=False)
 
     # ---------------------------------------------------------------- claims
     async def claim(self, command: Command, ended: EndReason | None = None) -> Claim:
@@ -225,7 +170,9 @@ class Journal(Rows):
 
         def rows() -> None:
             self._check(post_id, final)
-            self._do("UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+            with self._together():
+                self._do("UPDATE claim SET final = ? WHERE post = ?", (final, post_id))
+                self._do("DELETE FROM assessment WHERE post = ?", (post_id,))
 
         await self._in_rows(rows)
 
@@ -272,22 +219,16 @@ class Journal(Rows):
         return await self._in_rows(self._one, "SELECT 1 FROM approval WHERE said_by = ?", (post_id,)) is not None
 
     async def prune(self, days: float, commands: int) -> None:
-        """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago,
-        and the engine's workflows of ended commands. Raises `JournalError`."""
+        """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago.
+        Raises `JournalError`."""
 
-        def rows() -> list[str]:
+        def rows() -> None:
             now = time.time()
             with self._together():
                 assert self._db is not None
                 db.prune(self._db, now - days * 86400.0, commands, now - AT_LEAST_S)
-            return [row[0] for row in self._all("SELECT post FROM claim WHERE final IS NULL")]
 
-        open_posts = await self._in_rows(rows)
-        needed = {f"{self._era}post-{post}{part}" for post in open_posts for part in ("", ":motion")}
-        try:
-            await self._loop.run_in_executor(self._keeping, forget_finished, needed)
-        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
-            raise JournalError(f"old workflows cannot be dropped: {e}") from None
+        await self._in_rows(rows)
 
     async def history(self, topic_id: str, limit: int = 5) -> list[Plan]:
         """The plans that were done in a topic, oldest first."""
@@ -298,17 +239,24 @@ class Journal(Rows):
         found = await self._in_rows(self._all, query, (topic_id, limit))
         return [_PLAN.validate_json(row[0]) for row in reversed(found)]
 
-    # ---------------------------------------------------------------- workflows
-    async def once(self, workflow_id: str, work: Work) -> str:
-        """Do `work` and keep its result. The same id again, also after a restart, returns the kept result."""
-        return await self._run(self._keeping, _keep, workflow_id, work)
+    # ---------------------------------------------------------------- what is done once
+    async def assess(self, post_id: str, work: Work) -> str:
+        """Do `work` and keep its result until the final reply of the post is on the forum. The same post again, also
+        after a restart, returns the kept result."""
+        found = await self._in_rows(self._one, "SELECT result FROM assessment WHERE post = ?", (post_id,))
+        if found is not None:
+            return str(found[0])
+        result = await work()
+        query = "INSERT INTO assessment (post, result) VALUES (?, ?) ON CONFLICT DO NOTHING"
+        await self._in_rows(self._do, query, (post_id, result))
+        return result
 
     async def move(self, post_id: str, work: Work) -> str:
         """Do `work`, which moves a robot, at most once ever, and return its result, or the kept one.
 
         `CommandState.INTERRUPTED`: it had begun before, and its end is not known. `CommandState.CANCELLED`: it was
         cancelled before it began. Raises `IllegalTransition` for a command that may not run: one that waits for its
-        approval, or whose end was told.
+        approval, or whose end was told. A motion goes on when its caller is cancelled; only `close` ends it.
         """
 
         def may_begin() -> None:
@@ -317,47 +265,33 @@ class Journal(Rows):
                 check_transition(claim.state, CommandState.RUNNING)
 
         await self._in_rows(may_begin)
-        return await self._run(self._motions, _move, f"post-{post_id}:motion", work)
+        motion = asyncio.get_running_loop().create_task(self._moved(post_id, work))
+        self._motions.add(motion)
+        motion.add_done_callback(self._forget)
+        return await asyncio.shield(motion)
 
-    async def _run(self, pool: ThreadPoolExecutor, workflow: Callable[[str], str], workflow_id: str, work: Work) -> str:
-        workflow_id = self._era + workflow_id
-        self._work[workflow_id] = work
+    async def _moved(self, post_id: str, work: Work) -> str:
+        instead = await self._in_rows(self._begin, post_id)
+        if instead is not None:
+            return instead
         try:
-            return await self._loop.run_in_executor(pool, partial(self._start, workflow, workflow_id))
-        except asyncio.CancelledError:
-            raise
-        except _Ended:
+            if self._closing:
+                raise NotBegun
+            working = asyncio.ensure_future(work())
+            self._works.add(working)
+            working.add_done_callback(self._works.discard)
+            result = await working
+        except NotBegun:
+            with contextlib.suppress(JournalError):  # then it counts as interrupted
+                await self._in_rows(self._not_begun, post_id)
             raise asyncio.CancelledError from None
-        except (sqlite3.Error, SQLAlchemyError, dbos_error.DBOSException) as e:
-            raise JournalError(f"the journal cannot be written: {e}") from None
-        finally:
-            self._work.pop(workflow_id, None)
+        await self._in_rows(self._end, post_id, result)
+        return result
 
-    def _start(self, workflow: Callable[[str], str], workflow_id: str) -> str:
-        if self._ended.is_set():
-            raise _Ended
-        with SetWorkflowID(workflow_id):
-            return DBOS.start_workflow(workflow, workflow_id).get_result()
-
-    def _perform(self, workflow_id: str) -> str:
-        """Called in a workflow's thread: do the work on the agent's own loop, where its connections live."""
-        work = self._work.get(workflow_id)
-        if work is None or self._ended.is_set():
-            raise NotBegun
-        future = asyncio.run_coroutine_threadsafe(_awaited(work), self._loop)
-        while True:
-            try:
-                return future.result(0.5)
-            except TimeoutError:
-                if self._ended.is_set():
-                    future.cancel()
-                    raise _Ended from None
-            except NotBegun:
-                raise
-            except BaseException as e:
-                if self._ended.is_set():
-                    raise _Ended from None
-                raise e
+    def _forget(self, motion: asyncio.Task[str]) -> None:
+        self._motions.discard(motion)
+        if not motion.cancelled():
+            motion.exception()  # its caller, if it still waits, is told
 
     # ---------------------------------------------------------------- motion rows
     def _begin(self, post_id: str) -> str | None:
@@ -404,58 +338,10 @@ class Journal(Rows):
         """Forget the posts of a forum that was replaced, since its ids mean other posts now: open claims end."""
 
         def rows() -> None:
-            era = f"before-{time.time_ns()}-"
+            mark = f"before-{time.time_ns()}-"
             with self._together():
                 for query in db.SET_ASIDE:
-                    self._do(query, (era,))
-            self._era = era
+                    self._do(query, (mark,))
+                self._do("DELETE FROM assessment")
 
         await self._in_rows(rows)
-
-
-# -------------------------------------------------------------------- the engine's side
-#: The one open journal of this process: the engine is one per process too.
-_open: list[Journal] = []
-
-
-def _journal() -> Journal:
-    if not _open:
-        raise _Ended
-    return _open[0]
-
-
-@DBOS.workflow(name="keep")
-def _keep(workflow_id: str) -> str:
-    return _perform(workflow_id)
-
-
-@DBOS.workflow(name="move")
-def _move(workflow_id: str) -> str:
-    return _perform_motion(workflow_id)
-
-
-@DBOS.step(name="perform")
-def _perform(workflow_id: str) -> str:
-    return _journal()._perform(workflow_id)
-
-
-@DBOS.step(name="perform_motion")
-def _perform_motion(workflow_id: str) -> str:
-    """Steps run at least once, motion at most once: between the two stands the motion row."""
-    journal = _journal()
-    post_id = workflow_id.partition("post-")[2].removesuffix(":motion")
-    instead = journal._rows.submit(journal._begin, post_id).result()
-    if instead is not None:
-        return instead
-    try:
-        result = journal._perform(workflow_id)
-    except NotBegun:
-        with contextlib.suppress(Exception):  # closed already: then it counts as interrupted
-            journal._rows.submit(journal._not_begun, post_id).result()
-        raise
-    journal._rows.submit(journal._end, post_id, result).result()
-    return result
-
-
-async def _awaited(work: Work) -> str:
-    return await work()

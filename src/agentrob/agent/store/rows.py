@@ -43,7 +43,13 @@ CREATE INDEX IF NOT EXISTS claim_topic ON claim (topic);
 CREATE TABLE IF NOT EXISTS motion (post TEXT PRIMARY KEY, state TEXT NOT NULL, result TEXT, at REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS approval (
     post TEXT PRIMARY KEY, asked_at TEXT NOT NULL, until_at TEXT NOT NULL, said TEXT, said_by TEXT);
+CREATE TABLE IF NOT EXISTS assessment (post TEXT PRIMARY KEY, result TEXT NOT NULL);
 """
+#: Tables that version 0.1 kept for an engine of durable workflows. Only rows of ours decided what may move.
+OLD_ENGINE = (
+    "operation_outputs", "workflow_events", "workflow_events_history", "workflow_input", "workflow_output", "streams",
+    "notifications", "workflow_status", "workflow_schedules", "queues", "application_versions", "dbos_migrations",
+)  # fmt: skip
 #: Claims as `read_claim` wants to be given them.
 CLAIMS = """
 SELECT command, boot, accepted_s, status_post, final, ended, motion.state, asked_at, until_at, said
@@ -115,10 +121,15 @@ class Rows:
         return datetime.fromisoformat(found) if found else None
 
 
-def migrate(db: sqlite3.Connection) -> None:
-    """Add the column that journals of earlier versions lack."""
+def migrate(db: sqlite3.Connection, version: str) -> None:
+    """Add the column that journals of earlier versions lack, and drop what another version kept for itself."""
     if "ended" not in [column[1] for column in db.execute("PRAGMA table_info(claim)")]:
         db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
+    for table in OLD_ENGINE:
+        db.execute(f"DROP TABLE IF EXISTS {table}")
+    if db.execute("SELECT 1 FROM meta WHERE key = 'version' AND value = ?", (version,)).fetchone() is None:
+        db.execute("DELETE FROM assessment")
+        db.execute("INSERT OR REPLACE INTO meta (key, value) VALUES ('version', ?)", (version,))
 
 
 def prune(db: sqlite3.Connection, before: float, commands: int, day: float) -> None:
@@ -130,7 +141,7 @@ def prune(db: sqlite3.Connection, before: float, commands: int, day: float) -> N
     """
     old = "final NOT NULL AND (at < :before OR (at < :day AND number <= (SELECT max(number) FROM claim) - :commands))"
     values = {"before": before, "day": day, "commands": commands}
-    for table in ("motion", "approval"):
+    for table in ("motion", "approval", "assessment"):
         db.execute(f"DELETE FROM {table} WHERE post IN (SELECT post FROM claim WHERE {old})", values)
     db.execute(f"DELETE FROM claim WHERE {old}", values)
     # Posts that were cancelled before anybody claimed them.
@@ -148,7 +159,6 @@ SET_ASIDE = (
     "UPDATE claim SET post = ? || post, topic = '', final = coalesce(final, 'cancelled')",
     "UPDATE motion SET post = ? || post",
     "UPDATE approval SET post = ? || post, said_by = NULL",
-    "INSERT OR REPLACE INTO meta (key, value) VALUES ('era', ?)",
 )
 
 

@@ -74,10 +74,7 @@ class Assessor:
         """Understand and judge a command once; a restart gets the same assessment. A command that is ended does not
         wait for the mind."""
         work = partial(self._think, job, terms)
-        if not job.known:
-            # Here, where no slow mind takes a thread of the journal, and whoever cancels this cancels the mind too.
-            work = partial(_return, await work())
-        assessment = _ASSESSMENT.validate_json(await self.journal.once(f"post-{job.command.post_id}", work))
+        assessment = _ASSESSMENT.validate_json(await self.journal.assess(job.command.post_id, work))
         if assessment.understanding.intent is not Intent.NOTHING:
             job.command = replace(job.command, language=assessment.understanding.language)
         job.assessment = assessment
@@ -193,8 +190,3 @@ class Assessor:
         usage = (*assessment.usage, *(screened.usage if screened else ()))
         verdict = apply_review(verdict, screened, language, settings.screen == "required")
         return replace(assessment, verdict=verdict, usage=usage, screened=screened)
-
-
-async def _return(text: str) -> str:
-    """Return a result that exists already."""
-    return text
