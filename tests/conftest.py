@@ -34,7 +34,7 @@ sys.dont_write_bytecode = False
 
 # An HTTP client loads the authorities that it trusts, which takes 45 ms of CPU for those of the machine, and the tests
 # make thousands of clients. None of them leaves this machine: this authority is nobody's, and its key was thrown away.
-os.environ.setdefault("SSL_CERT_FILE", str(Path(__file__).with_name("authority.pem")))
+os.environ["SSL_CERT_FILE"] = str(Path(__file__).with_name("authority.pem"))
 
 # In the environment, since a test's own processes drive the same robot.
 _domain = take("domain", FAKE_DOMAINS)

@@ -65,9 +65,9 @@ def newest(house: House) -> int:
 
 
 def era(house: House) -> str:
-    """Which forum the journal's rows are of: another word after each that was replaced."""
-    found = house.in_journal("SELECT value FROM meta WHERE key = 'era'")
-    return str(found[0]) if found else ""
+    """The prefix of the posts that the journal set aside last, because their forum was replaced; empty before that."""
+    found = house.in_journal("SELECT max(post) FROM claim WHERE post LIKE 'before-%'")
+    return "-".join(found[0].split("-")[:2]) + "-" if found and found[0] else ""
 
 
 def board_of_yesterday(house: House, backup: Backup, more_until: int) -> Asked | None:
