@@ -131,7 +131,8 @@ QUALIFIERS: dict[str, tuple[str, float]] = _table(
         "thrice|three times|三次|三遍|三回": ("times", 3.0),
         "four times|四次|四遍": ("times", 4.0),
         "five times|五次|五遍": ("times", 5.0),
-        "then|and|and then|after that|afterwards|next|before|after|but|while|followed by|finally|also|plus|"
+        "then|and|and then|go ahead and|after that|afterwards|next|before|after|but|while|followed by|finally|also|"
+        "plus|"
         ",|;|:|(|)|[|]|—|–|，|、|；|：|（|）|然后|接着|并|并且|之后|随后|最后|而后|但|但是|同时": ("break", 0.0),
         ".|!|?|。|！|？|…": ("end", 0.0),
     }
@@ -326,6 +327,9 @@ def _pattern(phrases: dict[str, object]) -> re.Pattern[str]:
     return re.compile("|".join(parts))
 
 
+#: A purpose, and the words in it that request no photo: "2 m back to get a better view".
+_PURPOSE = re.compile(r"\b(?:to (?:get|have)|for) an? \w+ (?:view|look)\b|(?:好让|为了|免得)[^，。；！？,.;!?]*")
+_SIGHT = frozenset(["see", "view", "look", "看见", "看到", "看看", "看一下"])
 #: Characters before 起来 with which it means to get up.
 _RISES_AFTER = "站坐爬立你您请快就再并后吧先"
 _ALL: dict[str, object] = {**dict.fromkeys((*ACTIONS, *DIRECTIONS, *FIXED_ANGLES, *QUALIFIERS))}
@@ -334,8 +338,11 @@ _WORDS = _pattern(_ALL)
 
 def _words(low: str, taken: list[bool]) -> Iterator[Evidence]:
     """Yield words with a meaning, outside of amounts. One phrase can be several ("back up": motion, backward)."""
+    purposes = [match.span() for match in _PURPOSE.finditer(low)]
     for match in _WORDS.finditer(low):
         start, end, phrase = match.start(), match.end(), match[0]
+        if phrase in _SIGHT and any(begin <= start < stop for begin, stop in purposes):
+            continue
         if any(taken[start:end]) or (phrase == "." and low[end : end + 1].isdigit()):
             continue
         if phrase == "起来" and re.search(rf"[{_HAN}]$", low[:start]) and low[start - 1] not in _RISES_AFTER:

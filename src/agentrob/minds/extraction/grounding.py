@@ -150,13 +150,13 @@ class _Check:
         span = _find(self._text, step.words, at)
         if span is None:
             raise _Lacking("words")
-        around = [c for c in self._clauses if c.start < span[1] and span[0] < c.end]
+        around = [c for c in self._clauses if c.start < span[1] and span[0] < c.end and c.start >= at]
         for clause in around:
             if self._names(step, clause) and clause.claims < self._most(clause):
                 clause.claims += step.times
                 if clause.claims > self._most(clause):
                     raise _Lacking("count")
-                return max(at, clause.start), clause
+                return clause.start, clause
         raise _Lacking("count" if any(self._names(step, c) for c in around) else "action")
 
     def _names(self, step: ExtractedStep, clause: _Clause) -> bool:
@@ -266,7 +266,8 @@ class _Check:
         out.
         """
         used = {c.sentence for c in places}
-        if len(places) > 1 and reorders(self._text, self._language):
+        named = {m.start for m in self._mentions if m.kind is EvidenceKind.ACTION}
+        if max(len(places), len(named)) > 1 and reorders(self._text, self._language):
             return "condition"
         for clause in self._clauses:
             placed = any(clause is p for p in places)
@@ -287,7 +288,9 @@ class _Check:
         return None
 
     def _is_remark(self, clause: _Clause) -> bool:
-        """Return whether a clause without a step is politeness, a remark, or a speed."""
+        """Return whether a clause without a step is politeness, a remark, or a speed; an action with a side is none."""
+        if clause.ops and clause.directions:
+            return False
         words = _without(self._text, clause, (EvidenceKind.SLOW, EvidenceKind.SPEED))
         return commands_nothing(_MANNERS.sub("", words), self._language)
 
@@ -401,6 +404,8 @@ _SOFT = frozenset(
 
 
 def _is_bare(text: str, clause: _Clause) -> bool:
+    if clause.ops and clause.directions:
+        return False
     rest = _without(text, clause, tuple(EvidenceKind))
     return all(word.strip(".,;:!?~'\"").lower() in _SOFT | {""} for word in rest.split())
 
@@ -418,10 +423,9 @@ def _full(clause: _Clause, verb: Evidence) -> bool:
     """Return whether a clause is complete, so that a further verb begins another; "move, uh, move 2 m" is one."""
     if not any(m.kind is EvidenceKind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
-    if verb.op in clause.ops:
-        return bool(
-            clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE)
-        )  # "snap three pictures" is one deed
+    if verb.op in clause.ops:  # "snap three pictures" is one action, 挥手后挥手两次 two
+        twice = verb.op not in (*_MOTIONS, Op.GET_FRONT_IMAGE) and clause.directions
+        return bool(twice or clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE))
     return bool(
         clause.ops - set(_MOTIONS)
         or clause.directions

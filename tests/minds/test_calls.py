@@ -1,0 +1,83 @@
+"""How often a configured model is asked: never about a post that the rules read, once about one that they ask back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from agentrob.language.visible_text import visible_text
+from agentrob.minds.extraction.mind import ModelMind
+from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit includes it)
+from agentrob.minds.protocol import Addressee, Reading
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Capabilities, Intent, Op
+from agentrob.wiring import app
+from tests.language.parser import generated_posts
+from tests.minds.brain import Brain, running_brain
+from tests.sizes import size
+
+LISTENER = Addressee(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
+TESTS = Path(__file__).parents[1]
+ASKED_BACK = TESTS / "language/asks_back.jsonl"
+PLAIN = TESTS / "semantic/plain_posts.jsonl"
+
+
+@pytest.fixture
+def brain() -> Iterator[Brain]:
+    with running_brain() as made:
+        yield made
+
+
+@pytest.fixture
+def configured(brain: Brain, tmp_path: Path) -> Callable[[], ModelMind]:
+    """Makes the mind `clever` of a configuration file that sets nothing but the model and its price."""
+
+    def make() -> ModelMind:
+        table = {"provider": "compatible", "model": "some-model", "base_url": f"{brain.server.url}/v1"}
+        price = {"input_per_million": 2.0, "output_per_million": 10.0}
+        minds = {"clever": {**table, "price": price, "limits": {"day_tokens": 0}}}
+        mind = app.make_mind("clever", app.configuration.parse({"data": str(tmp_path), "minds": minds}))
+        assert isinstance(mind, ModelMind)
+        return mind
+
+    return make
+
+
+def rows(path: Path) -> list[str]:
+    return [json.loads(line)["text"] for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+async def readings(texts: list[str], mind: ModelMind) -> list[tuple[Intent, Reading]]:
+    """What the rules make of each text, and how the mind reads it."""
+    found = []
+    for text in texts:
+        post = visible_text(f"@quadruped {text}")
+        found.append(((await RulesMind().understand(post, LISTENER)).intent, await mind.read(post, LISTENER)))
+    await mind.close()
+    return found
+
+
+async def test_posts_that_the_rules_read_whole_ask_no_model_and_cost_nothing(
+    brain: Brain, configured: Callable[[], ModelMind]
+) -> None:
+    texts = rows(PLAIN) + [post.text for post in generated_posts.posts(size(500, 10_000))]
+    texts = [text for text in texts if (await RulesMind().understand(text, LISTENER)).intent is not Intent.ASK_BACK]
+    found = await readings(texts, configured())
+    assert len(found) > 300
+    assert {(reading.mind, tuple(reading.usage), reading.fallback) for _, reading in found} == {("rules", (), "")}
+    assert sum(reading.understanding.intent is Intent.COMMAND for _, reading in found) > 250
+    assert brain.server.requests == []
+
+
+async def test_a_post_about_which_the_rules_ask_back_asks_the_model_once(
+    brain: Brain, configured: Callable[[], ModelMind]
+) -> None:
+    texts = rows(ASKED_BACK)[:: size(6, 1)]
+    found = await readings(texts, configured())
+    assert {intent for intent, _ in found} == {Intent.ASK_BACK}
+    assert [kind for kind, _ in brain.asked] == ["read"] * len(found)
+    assert {(reading.mind, len(reading.usage)) for _, reading in found} == {("clever", 1)}
+    assert all(reading.usage[0].cost for _, reading in found)
