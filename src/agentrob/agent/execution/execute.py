@@ -1,7 +1,6 @@
-"""Carry out a screened plan step by step under its mandate: the only code of the agent that moves a robot.
+"""Carry out a screened plan step by step under its mandate. No other code of the agent moves a robot.
 
-What was measured is kept on the `Run` as it is measured, before anything else is done with it, so that no fault of ours
-can lose it (law 18).
+Each result is stored on the `Run` at once, before it is used, so that a bug cannot lose a measurement (law 18).
 """
 
 from __future__ import annotations
@@ -35,17 +34,17 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.mandate import mandate_of, mandate_violation
 
 LOOK_S = 0.05
-#: How long the lease of a busy robot is requested again: the lease of a dead process lapses within a second.
+#: How long to retry for the lease of a busy robot; the lease of a dead process expires within a second.
 BUSY_S = 1.5
-#: Why we ended a step: the forum was silent, so a stop could not have been received.
+#: Why the agent ended a step: the forum did not answer, so a stop could not have arrived.
 SILENT = "stop_channel"
-#: Why the end of a step is not known: the driver stopped answering.
+#: Why the result of a step is unknown: the driver stopped answering.
 UNREACHABLE = "unreachable"
 #: Why a step or a command ended: an error in the agent.
 INTERNAL = "internal"
-#: The rule of a verdict when the forum could not be asked, so it is not known whether the command changed.
+#: The rule of a verdict when the forum did not answer, so that the command may have changed.
 UNVERIFIED = "command.unverified"
-#: How long to wait for the driver's result of a step that an error of ours ended.
+#: How long to wait for the driver's result of a step that an error in the agent ended.
 TELL_S = 5.0
 #: Why a step ended: a person stopped it.
 BY_PEOPLE = frozenset({EndReason.STOP, "halt"})
@@ -58,11 +57,11 @@ _log = structlog.get_logger()
 class ExecutionHooks:
     """Callbacks through which the agent controls a running command.
 
-    `since` returns since when (monotonic seconds) no stop may have come. `permit` judges a plan of the command on
-    today's state. `ended` returns the reason as soon as the command must end. `alive` waits until the stop channel is
-    proven alive; `silent` returns whether it no longer is. `stop` stops the robot on our own initiative. `on_step` is
-    called with each step and its number from 0; a step takes at most `step_s`. `on_run` gets the run before its first
-    step, and can read from it at any time what was measured so far.
+    `since` returns the time (monotonic seconds) since when no stop may have come. `permit` judges a plan again, on the
+    current state. `ended` returns the reason as soon as the command must end. `alive` waits until the stop channel is
+    proven alive; `silent` returns whether it no longer is. `stop` stops the robot. `on_step` is called with each step
+    and its number from 0. A step takes at most `step_s`. `on_run` gets the run before its first step; its results can
+    be read at any time.
     """
 
     since: Callable[[], Awaitable[float]]
@@ -79,10 +78,10 @@ class ExecutionHooks:
 @dataclass(frozen=True, slots=True)
 class Execution:
     """The result of a plan, with one result per step. `first_motion_s` is monotonic. `message` is an English sentence
-    of the driver, `fault` the stable word of an error of ours that ended it.
+    of the driver; `fault` is set if an error in the agent ended it.
 
-    `stopped_by` is the name given by somebody who stopped the robot without us. `pictures` are the files of the steps'
-    pictures ("" for none), once they are on disk. `looked` records the loop of a model that steered.
+    `stopped_by` is the name given by somebody who stopped the robot at the driver. `pictures` are the paths of the
+    steps' pictures ("" for none), once they are on disk. `looked` records the visual loop, if a model steered.
     """
 
     status: CommandState
@@ -127,7 +126,7 @@ class Run:
         return CommandState.DONE
 
     async def _may(self, step: Primitive) -> CommandState | None:
-        """None when the step may begin now, else the state that the command ends in."""
+        """Return None if the step may begin now, else the final state of the command."""
         if step.moves or not self.results:
             self.verdict, capabilities = await self.hooks.permit(self.plan)
             if self.verdict.decision is not Decision.ALLOW or capabilities is None:
@@ -140,7 +139,7 @@ class Run:
         if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
             return CommandState.INTERRUPTED
-        # Nothing is awaited between this check and the step: whatever ended the command before now ends it here.
+        # There is no await between this check and the step, so an end that came earlier is never missed.
         return why.state_in_motion if (why := self.hooks.ended()) else None
 
     def _refused(self, step: Primitive, reason: str, message: str) -> None:
@@ -150,7 +149,7 @@ class Run:
         )
 
     async def _step(self, step: Primitive) -> ActionResult:
-        """Do a step and keep its result at once."""
+        """Do a step and store its result at once."""
         sent_s = time.monotonic()
         deadline_s = min(self.hooks.step_s, max(0.1, self.left_s()))
         stepping = asyncio.create_task(self.driver.step(self.lease, step, deadline_s))
@@ -165,7 +164,7 @@ class Run:
                     and ended_by != EndReason.STOP
                 ):
                     await self._stop(ended_by)
-        except Exception:  # nobody watches the step any more, so it ends now, and the driver says how far it went
+        except Exception:  # the step is no longer supervised, so stop it; the driver reports how far it went
             _log.error("step ended by a fault of the agent", trace=traceback.format_exc())
             ended_by = self.fault = INTERNAL
             await self._stop(INTERNAL)
@@ -177,7 +176,7 @@ class Run:
                 await asyncio.wait({stepping})
         result = _outcome(stepping, step, sent_s)
         stopped_by_us = ended_by and result.outcome in (Outcome.STOPPED, Outcome.INTERRUPTED)
-        if stopped_by_us and (result.reason in BY_PEOPLE or result.reason == LAPSED):  # a stop lets the lease lapse
+        if stopped_by_us and (result.reason in BY_PEOPLE or result.reason == LAPSED):  # after a stop, the lease lapses
             result = replace(result, reason=ended_by)
         self.results.append(result)
         if step.moves and self.first_motion_s is None and result.outcome is not Outcome.REFUSED:
@@ -204,12 +203,15 @@ class Run:
         try:
             await self.hooks.stop(why)
         except RobotError:
-            pass  # then the lease lapses, and the driver stops the robot by itself
+            pass  # the lease lapses, and then the driver stops the robot
         except Exception:
             _log.error("stop failed", trace=traceback.format_exc())
 
     def _status_of_verdict(self, verdict: Verdict) -> CommandState:
-        """The final state of a command that may not begin its next step. A forum that was away interrupts a command."""
+        """Return the final state of a command that may not begin its next step.
+
+        If the forum did not answer, a command that has moved the robot is interrupted.
+        """
         if verdict.rule == UNVERIFIED and any(result.moved for result in self.results):
             return CommandState.INTERRUPTED
         return CommandState.CANCELLED if verdict.rule.startswith("command.") else CommandState.REFUSED
@@ -220,25 +222,29 @@ class Run:
                 return CommandState.STOPPED
             return CommandState.INTERRUPTED if result.reason in _BY_US else CommandState.FAILED
         if result.reason == UNREACHABLE:
-            return CommandState.INTERRUPTED  # begun, and how far it went is not known
+            return CommandState.INTERRUPTED  # it began, and how far it went is unknown
         if result.outcome is Outcome.REFUSED and len(self.results) == 1:
             return CommandState.REFUSED
         return CommandState.FAILED
 
     async def carried_out(self, work: Callable[[], Awaitable[CommandState]]) -> Execution:
-        """Do `work`, which returns the command's final state, while holding the robot's lease. Raises nothing but a
-        cancellation: a robot that cannot be used is a result, and so is a fault of our own."""
+        """Do `work`, which returns the command's final state, while holding the robot's lease.
+
+        Raises nothing but a cancellation: an unusable robot or an error in the agent is a result.
+        """
         self.hooks.on_run(self)
         try:
             async with contextlib.AsyncExitStack() as stack:
                 await take_lease(stack, self)
                 self.status = await work()
-        except LeaseLost as e:  # a stop came after the command was accepted, perhaps one that the forum does not know
+        except LeaseLost as e:  # a stop came after the command was accepted, perhaps not through the forum
             self.stopped_by = e.by
             self.status, self.message = CommandState.FAILED, str(e)
             if e.why in BY_PEOPLE:
                 self.status, self.message = CommandState.STOPPED, ""
-            elif e.why == EndReason.RELEASE and not self.results:  # accepted before it was released at its machine
+            elif (
+                e.why == EndReason.RELEASE and not self.results
+            ):  # accepted before the robot was released at its machine
                 self.status = CommandState.CANCELLED
         except RobotError as e:
             self.message = str(e)
@@ -265,12 +271,12 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, hooks: Exe
 
 
 def holder_of(trace_id: str) -> str:
-    """The name of the lease's holder while the agent moves the robot for a command."""
+    """Return the holder's name for the lease of a command."""
     return f"agent {trace_id}"
 
 
 async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
-    """Take the robot's lease. An agent that was killed keeps it for a moment longer, so a busy robot is asked again."""
+    """Take the robot's lease, with retries: the lease of a killed agent takes a moment to expire."""
     until_s = time.monotonic() + BUSY_S
     while run.hooks.ended() is None:
         try:
@@ -284,14 +290,14 @@ async def take_lease(stack: contextlib.AsyncExitStack, run: Run) -> None:
 
 
 def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: float) -> ActionResult:
-    """The result of a step; made here if the driver gave none."""
+    """Return the driver's result of a step, or an unknown result if the driver gave none."""
     try:
         return stepping.result()
     except LeaseLost as e:
         reason, outcome, text = e.why, Outcome.STOPPED, str(e)
     except RobotError as e:
         reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, str(e)
-    except asyncio.CancelledError:  # we gave it up: see `TELL_S`
+    except asyncio.CancelledError:  # the wait of `TELL_S` is over
         reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, "The driver did not say how far the step went."
     except Exception as e:  # it was sent, whatever the answer was
         reason, outcome, text = UNREACHABLE, Outcome.UNKNOWN, f"The driver's answer cannot be read ({e!r})."
@@ -299,7 +305,7 @@ def _outcome(stepping: asyncio.Task[ActionResult], step: Primitive, sent_s: floa
 
 
 def decisive(execution: Execution, verdict: Verdict) -> Verdict:
-    """The verdict that the report names: the guard's if it refused a step that the screen allowed."""
+    """Return the verdict for the report: the guard's if it refused a step that the screen allowed."""
     last = execution.verdict or verdict
     refused = next((r for r in execution.results if r.outcome is Outcome.REFUSED), None)
     if execution.status is CommandState.REFUSED and last.decision is Decision.ALLOW and refused is not None:

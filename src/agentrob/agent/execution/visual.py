@@ -50,7 +50,7 @@ OnResult = Callable[[ActionResult], None]
 
 
 class CommandEnded(Exception):
-    """The loop must end now, and the command in this state."""
+    """The loop must end now; `status` is the command's final state."""
 
     def __init__(self, status: CommandState) -> None:
         super().__init__(status)
@@ -59,7 +59,7 @@ class CommandEnded(Exception):
 
 @dataclass(frozen=True, slots=True)
 class VisualTask:
-    """A goal, the model that sees, and its limits. `goal_text` is the goal in our words."""
+    """A goal, the model that sees, and its limits. `goal_text` is the goal in the agent's words."""
 
     goal: Goal
     goal_text: str
@@ -123,7 +123,7 @@ class VisualRun(Run):
         return StepAttempt(result)
 
     async def _problem(self, step: Primitive) -> str | None:
-        """None if the step may begin now, else the reason. Raises `CommandEnded` if no step may begin."""
+        """Return None if the step may begin now, else the reason. Raises `CommandEnded` if no step may begin."""
         assert self.mandate is not None
         if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
             return beyond
@@ -132,13 +132,13 @@ class VisualRun(Run):
         if step.moves and not await self.hooks.alive():
             self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
             raise CommandEnded(CommandState.INTERRUPTED)
-        # Nothing is awaited between this look and the step: whatever ended the command before now, ends it here.
+        # There is no await between this check and the step, so an end that came earlier is never missed.
         if why := self.hooks.ended():
             raise CommandEnded(why.state_in_motion)
         return None
 
     async def _denied(self, step: Primitive) -> str | None:
-        """Why the step is refused, by the state of now. Raises `CommandEnded` if the refusal ends the command."""
+        """Return why the step is refused in the current state. Raises `CommandEnded` if that ends the command."""
         verdict, capabilities = await self.hooks.permit(Plan((step,)))
         if verdict.decision is Decision.ALLOW and capabilities is not None:
             return None
@@ -154,9 +154,9 @@ class VisualRun(Run):
     def since_s(self) -> float:
         return time.monotonic() - self.started_s
 
-    # ------------------------------------------------------------ the loop, and what cuts it off
+    # ------------------------------------------------------------ the loop, and what ends it
     async def reached(self) -> CommandState:
-        """Follow the loop to its end; return the command's final state."""
+        """Run the loop to its end; return the command's final state."""
         try:
             self.end = await self.follow()
         except CommandEnded as e:
@@ -164,14 +164,14 @@ class VisualRun(Run):
         return CommandState.DONE if self.end.claim == "done" else CommandState.FAILED
 
     async def follow(self) -> LoopEnd:
-        """Run the loop to its end. Raises `CommandEnded` or `LeaseLost` as soon as something outside ends it."""
+        """Run the loop to its end. Raises `CommandEnded` or `LeaseLost` as soon as it is interrupted."""
         looping = asyncio.create_task(self.loop.run())
         asked_s = time.monotonic()
         try:
             while not looping.done():
                 await asyncio.wait({looping}, timeout=LOOK_S)
                 if looping.done() or self.stepping:
-                    continue  # a step ends by itself for the same reasons
+                    continue  # a step checks the same conditions itself
                 if why := self.hooks.ended():
                     raise CommandEnded(why.state_in_motion)
                 if time.monotonic() - asked_s > ASK_LEASE_S:
@@ -184,7 +184,7 @@ class VisualRun(Run):
                 await asyncio.wait({looping})
 
     async def _keeps_lease(self) -> None:
-        with contextlib.suppress(RobotUnreachable):  # the next step says so, if there is one
+        with contextlib.suppress(RobotUnreachable):  # the next step reports it
             if (lost := await self.driver.lost(self.lease)) is not None and not self.stepping:
                 raise lost
 
@@ -198,7 +198,7 @@ class VisualRun(Run):
         execution = super().execution()
         try:
             looked: LoopRecord | None = self.looked(self.end)
-        except Exception:  # the measurements are reported anyway; a claim that cannot be checked does not count
+        except Exception:  # report the measurements anyway; a claim that cannot be checked does not count
             _log.error("loop not described", trace=traceback.format_exc())
             looked = None
         if (looked is None or looked.contradicted) and execution.status is CommandState.DONE:

@@ -1,4 +1,4 @@
-"""Execute a goal without a forum: a model steers the robot on this machine, for `agentrob drive`."""
+"""Let a model steer a robot on this machine without a forum, for `agentrob drive`."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ async def run_visual_task_locally(
     language: Language,
     on_result: Callable[[ActionResult], None],
 ) -> Execution:
-    """Let a model reach a goal through the driver at `socket`. The same budgets, mandate and screen as on a forum hold;
-    what stops it is the driver: `agentrob stop`, the hardware, the end of this process."""
+    """Let a model reach a goal through the driver at `socket`, with the same budgets, mandate and screen as on a forum.
+
+    It ends on `agentrob stop`, on a stop of the hardware, or with this process.
+    """
     async with DriverClient(robot, socket) as driver:
         capabilities = await driver.capabilities()
         now = datetime.now(UTC)

@@ -1,7 +1,7 @@
-"""A short animation of a command: what a camera saw, or the way on a map, over the speeds commanded and measured.
+"""Draw a short animation of a command: camera pictures or a map, above a chart of commanded and measured speeds.
 
-Drawn in a process of its own, at low priority and with limits (`python -m agentrob.agent.media.animation`: a scene on
-standard input, a WebP on standard output), so that it can neither hold up a stop nor take the agent down with it.
+It is drawn in a separate process of low priority with resource limits, so that it cannot delay a stop or crash the
+agent: `python -m agentrob.agent.media.animation` reads a scene on standard input and writes a WebP to standard output.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from PIL import Image, ImageChops, ImageDraw, ImageFilter, ImageFont, ImageOps
 
 MAX_BYTES = 2 * 2**20
 MAX_FRAMES = 40
-#: A command longer than this is shown faster than life; its last picture stays for a while.
+#: The maximum playing time; longer commands are played faster. The last picture is shown for `LAST_S`.
 PLAY_S, LAST_S = 6.0, 2.0
-#: Played so often, then it rests on its last picture, which shows the whole way.
+#: The animation is played this often and ends on its last picture, which shows the whole path.
 LOOPS = 3
-#: Grey levels that count as a change, and the narrowest part of a picture that is shown for the whole.
+#: The smallest change of a grey level that counts as motion, and the smallest crop relative to the picture's width.
 _CHANGED, _NEAREST = 24, 0.42
-#: So long after a step last told its place, nothing is said of it any more.
+#: The progress of a step is shown until this long after its last sample.
 _SILENT_S = 0.8
 _CPU_S, _MEMORY = 20, 2 * 2**30
 _W, _H, _STRIP = 480, 360, 90
-_FINE = 2  # lines are drawn so many times as large, then made small: Pillow has no smooth ones
-# The colours of the plot beside it (agentrob.agent.media.plot).
+_FINE = 2  # lines are drawn this many times as large and scaled down, because Pillow does not antialias them
+# The same colours as in the plot (agentrob.agent.media.plot).
 _CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
 _ASKED, _MEASURED, _TURNING, _START, _END = "#8b98a9", "#4db6f5", "#c79bf2", "#7bd88f", "#ffb454"
 
@@ -43,11 +43,13 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Scene:
-    """What is shown. Seen from the start: x to the right, y forward, in metres; times count from the first step.
+    """What the animation shows, in the robot's frame at the start: x to the right, y forward, in metres.
 
-    `moments`: (seconds, step from 1, x, y, heading in radians from forward to the left, m/s, rad/s, m/s commanded,
-    rad/s commanded). `steps`: what each step asks for and in which unit ("m", "°" or nothing). `frames`: when a
-    picture was taken and how many bytes its JPEG has.
+    Times are seconds after the start of the first step.
+
+    `moments` are (seconds, step from 1, x, y, heading in radians counter-clockwise from forward, measured m/s, measured
+    rad/s, commanded m/s, commanded rad/s). `steps` are the requested amounts with their units ("m", "°" or empty).
+    `frames` are the times of the pictures and the sizes of their JPEGs in bytes.
     """
 
     seconds: float
@@ -58,7 +60,7 @@ class Scene:
 
 
 def write_scene(scene: Scene, pictures: Sequence[bytes]) -> bytes:
-    """The scene and its JPEGs as the drawing process reads them."""
+    """Serialise a scene and its JPEGs for the drawing process."""
     return json.dumps(asdict(scene)).encode() + b"\n" + b"".join(pictures)
 
 
@@ -68,7 +70,7 @@ def read_scene(stream: BinaryIO) -> tuple[Scene, list[bytes]]:
 
 
 def draw(scene: Scene, pictures: Sequence[bytes]) -> bytes | None:
-    """The WebP, at most `MAX_BYTES`; None when that cannot be."""
+    """Return the animation as a WebP, or None if it does not fit into `MAX_BYTES`."""
     count = max(8, min(MAX_FRAMES, round(4 * scene.seconds)))
     for quality in (70, 50, 30):
         images = list(_images(scene, pictures, count))
@@ -90,7 +92,7 @@ def _images(scene: Scene, pictures: Sequence[bytes], count: int) -> Iterator[Ima
     for k in range(count):
         t_s = scene.seconds * k / (count - 1)
         at = max((i for i, (taken_s, _) in enumerate(scene.frames) if taken_s <= t_s), default=0)
-        if film and not scene.moments:  # a gesture: there is nothing to say below it
+        if film and not scene.moments:  # a gesture has no path and no speed
             yield film[at]
             continue
         image = Image.new("RGB", (_W, _H), _CARD)
@@ -101,12 +103,12 @@ def _images(scene: Scene, pictures: Sequence[bytes], count: int) -> Iterator[Ima
 
 def _decoded(jpeg: bytes, size: tuple[int, int]) -> Image.Image:
     with Image.open(io.BytesIO(jpeg), formats=("JPEG",)) as picture:
-        picture.draft("RGB", (size[0] * 2, size[1] * 2))  # decodes to not many more pixels than are needed
+        picture.draft("RGB", (size[0] * 2, size[1] * 2))  # decodes at a reduced size
         return picture.convert("RGB")
 
 
 def _near(film: Sequence[Image.Image], size: tuple[int, int]) -> list[Image.Image]:
-    """The part of the pictures where something moves, in `size`: a camera on a wall shows a robot rather small."""
+    """Crop the pictures to the part where something moves: on a camera on a wall, a robot is small."""
     if not film or any(picture.size != film[0].size for picture in film):
         return [ImageOps.fit(picture, size) for picture in film]
     (w, h), small = film[0].size, (160, 90)
@@ -129,7 +131,7 @@ class _Stage:
     def __init__(self, scene: Scene, fast: bool) -> None:
         self.scene = scene
         self.fast = f" ×{scene.seconds / PLAY_S:.2g}" if fast else ""
-        self.fonts = {False: _font(21), True: _font(18)}  # beside a map there is less room
+        self.fonts = {False: _font(21), True: _font(18)}  # smaller beside a map
         self._grounds: dict[int, Image.Image] = {}
         self.top_mps = max([0.2, *(max(m[5], m[7]) for m in scene.moments)])
         walked = (m[5] for m in scene.moments if scene.steps[m[1] - 1][1] == "m")
@@ -137,7 +139,7 @@ class _Stage:
         self.top_rps = max([0.4, *(max(abs(m[6]), abs(m[8])) for m in scene.moments)])
 
     def map(self, size: tuple[int, int], t_s: float) -> Image.Image:
-        """The way walked until then over the way asked for."""
+        """Draw the path walked until `t_s` over the requested path."""
         scene, (w, h) = self.scene, (size[0] * _FINE, size[1] * _FINE)
         at, scale = self._fit(w, h)
         fine = w / _W * 3
@@ -163,7 +165,7 @@ class _Stage:
         return lambda p: (w / 2 + (p[0] - mid_x) * scale, h / 2 - (p[1] - mid_y) * scale), scale
 
     def _ground(self, at: Callable[[Point], Point], scale: float, size: tuple[int, int]) -> Image.Image:
-        """A grid through the start, and how wide its squares are where there is room to read it."""
+        """Draw a grid through the start, with its spacing if there is room for the label."""
         image = Image.new("RGB", size, _CARD)
         pen, (w, h) = ImageDraw.Draw(image), size
         step = next(s for s in (0.25, 0.5, 1, 2, 5, 10, 20, 50, 1e9) if s * scale > h / 6)
@@ -178,7 +180,7 @@ class _Stage:
         return image
 
     def strip(self, image: Image.Image, t_s: float, with_map: bool) -> None:
-        """Below the picture: how far, how fast, how long, and the speeds over time."""
+        """Draw the strip below the picture: distance, speed, time, and a chart of the speeds."""
         top, left = _H - _STRIP, 10
         if with_map:
             image.paste(self.map((118, _STRIP), t_s), (0, top))
@@ -194,10 +196,12 @@ class _Stage:
         image.paste(self._chart((box[2] - box[0], box[3] - box[1]), t_s), box[:2])
 
     def _words(self, t_s: float) -> tuple[str, str]:
-        """How much of the step is done, and how fast it goes."""
+        """Return the labels for the progress of the step and the speed."""
         scene = self.scene
         now = next((m for m in reversed(scene.moments) if m[0] <= t_s), None)
-        if now is None or (t_s - now[0] > _SILENT_S and t_s < scene.seconds):  # a gesture, or a picture, or nothing yet
+        if now is None or (
+            t_s - now[0] > _SILENT_S and t_s < scene.seconds
+        ):  # a gesture, a picture, or before the first sample
             return "", ""
         if t_s >= scene.seconds and self.fastest_mps:
             return "", f"max {self.fastest_mps:.2f} m/s"
@@ -213,7 +217,7 @@ class _Stage:
         return f"{gone:.2f} / {amount:g} {unit}", f"{now[5]:.2f} m/s"
 
     def _chart(self, size: tuple[int, int], t_s: float) -> Image.Image:
-        """Commanded in grey, measured in blue; turning in violet, on a scale of its own."""
+        """Draw the speeds: commanded in grey, measured in blue, turning in violet on a separate scale."""
         w, h = size[0] * _FINE, size[1] * _FINE
         image = Image.new("RGB", (w, h), _CARD)
         pen, whole = ImageDraw.Draw(image), max(self.scene.seconds, 0.1)
@@ -225,7 +229,7 @@ class _Stage:
             (6, self.top_rps, _TURNING),
             (5, self.top_mps, _MEASURED),
         ):
-            # Only while the step is of that kind: a walking body always turns a little.
+            # Show turning only for turns: a walking robot always turns a little.
             for number, (_, unit) in enumerate(self.scene.steps, 1):
                 if (unit == "°") != (index in (6, 8)):
                     continue
@@ -242,7 +246,7 @@ class _Stage:
 
 
 def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """The plot's own, which comes with matplotlib (that itself is slow to import)."""
+    """Load the font of the plot from matplotlib's files, without the slow import of matplotlib."""
     found = importlib.util.find_spec("matplotlib")
     if found is not None and found.origin:
         file = Path(found.origin).parent / "mpl-data/fonts/ttf/DejaVuSans.ttf"
@@ -266,7 +270,7 @@ def _dot(pen: ImageDraw.ImageDraw, at: Point, radius: float, color: str) -> None
 
 
 def _arrow(pen: ImageDraw.ImageDraw, at: Point, heading: float, size: float, color: str) -> None:
-    """A dart that points where the robot looks."""
+    """Draw an arrowhead in the robot's heading."""
     corners = []
     for angle, far in ((0.0, 1.15), (2.5, 1.0), (math.pi, 0.45), (-2.5, 1.0)):
         a = heading + angle
@@ -275,7 +279,7 @@ def _arrow(pen: ImageDraw.ImageDraw, at: Point, heading: float, size: float, col
 
 
 def main() -> None:
-    """The drawing process."""
+    """Run the drawing process."""
     os.nice(10)
     resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))

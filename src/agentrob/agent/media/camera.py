@@ -1,6 +1,6 @@
-"""The camera of the room, live on the robot's page: while somebody watches or the robot moves, and never else.
+"""Stream the room camera to the robot's page, only while somebody watches or the robot moves.
 
-What it shows is also told to whoever records a command, so that nothing is looked at twice.
+Each picture also goes to the recorder, so that the camera is not polled twice.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from agentrob.forums.protocol import RobotPages
 from agentrob.process.tls import tls
 
 FPS = 10.0
-#: The picture goes on for a moment after the last motion, so that the end is seen.
+#: The stream continues this long after the last motion, so that viewers see how it ended.
 LINGER_S = 1.0
 _MAX_BYTES = 4 * 2**20
 _log = structlog.get_logger()
 
 
 async def snapshot(http: httpx2.AsyncClient, url: str) -> bytes:
-    """One picture. Raises httpx2's errors, and `ForumError` for one that is too large."""
+    """Fetch one picture. Raises httpx2's errors, and `ForumError` if it is too large."""
     answer = await http.get(url)
     answer.raise_for_status()
     if len(answer.content) > _MAX_BYTES:
@@ -51,11 +51,11 @@ class Camera:
         self._wanted = asyncio.Event()
 
     def wake(self) -> None:
-        """Somebody watches, or the robot is about to move."""
+        """Start streaming: somebody watches, or the robot is about to move."""
         self._wanted.set()
 
     async def run(self) -> None:
-        """For ever; a camera or a forum that fails is tried again with the next wake."""
+        """Stream until cancelled. After an error of the camera or the forum, the next `wake` starts again."""
         async with httpx2.AsyncClient(timeout=3.0, trust_env=False, verify=tls()) as http:
             while True:
                 await self._wanted.wait()

@@ -1,4 +1,4 @@
-"""Where pictures of replies are kept when not on the forum: a bucket that speaks S3, with links that soon expire."""
+"""Store the pictures of replies in an S3-compatible bucket instead of the forum, behind links that expire."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from agentrob.errors import ConfigError, ImageStoreError
 if TYPE_CHECKING:
     from obstore.store import S3Store
 
-#: One picture is given up after this: a reply waits for it.
+#: The timeout for storing one picture; a reply waits for it.
 KEEP_S = 6.0
 _TYPES = {b"\xff\xd8": ("jpg", "image/jpeg"), b"\x89P": ("png", "image/png"), b"RI": ("webp", "image/webp")}
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """Whoever has `url` can see the picture for `valid_s` seconds after `made_at`."""
+    """A link to a picture that is valid for `valid_s` seconds after `made_at`."""
 
     url: str
     made_at: datetime
@@ -35,12 +35,12 @@ class Link:
 
 
 class ImageStore(Protocol):
-    """Keeps pictures and gives links to them."""
+    """Stores pictures and returns links to them."""
 
     async def keep(self, name: str, data: bytes) -> Link:
-        """Keep a JPEG, PNG, WebP or JSON lines under a new address that nobody can guess; `name` is part of it.
+        """Store a JPEG, PNG, WebP or JSON lines file under a new unguessable address that contains `name`.
 
-        Raises `ImageStoreError`, after `KEEP_S` at the latest.
+        Raises `ImageStoreError`, also if it takes longer than `KEEP_S`.
         """
         ...
 
@@ -71,7 +71,7 @@ class Bucket:
 
 
 def make_store(config: ImagesConfig) -> ImageStore | None:
-    """The configured store; None when pictures go to the forum. Raises `ConfigError`; nothing is connected yet."""
+    """Return the configured store, or None if pictures go to the forum. Does not connect; raises `ConfigError`."""
     return None if config.store == "inline" else Bucket(config)
 
 
@@ -99,7 +99,7 @@ def _open(config: ImagesConfig) -> S3Store:
 
 
 def _reason(error: BaseException) -> str:
-    """In one line: the library's errors hold the address, the answer's whole text and their own insides."""
+    """Return the cause in one line: the library's errors contain the address, the whole response and debug output."""
     text = str(error).partition("Debug source")[0]
     code = re.search(r"<Code>(\w{1,60})</Code>", text)
     told = " ".join(text.partition("<?xml")[0].split()).rpartition(" - ")[2].rstrip(" :")

@@ -1,4 +1,4 @@
-"""The pictures of a reply: photos, the path, the recording; in the post, or kept elsewhere and linked."""
+"""Collect the pictures of a reply: photos, the path and the recording, attached to the post or stored and linked."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """One of them: the photo of a step (from 1), the path as PNG, the recording as WebP; its data, or the calls of a
-    model, as JSON lines."""
+    """One file of a reply: the photo of a step (from 1), the path as PNG, or the recording as WebP; as JSON lines, the
+    data of the recording or a model's calls."""
 
     kind: Literal["step", "path", "recording", "data", "calls"]
     data: bytes
@@ -30,17 +30,17 @@ class Picture:
 
     @property
     def attached(self) -> bool:
-        """Whether the post itself shows it."""
+        """Whether it is attached to the post itself."""
         return self.link is None
 
 
 async def illustrate(
     report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False, calls: bytes = b""
 ) -> tuple[Picture, ...]:
-    """All pictures of a report, stills first. Never raises: what cannot be made or kept is left out or attached.
+    """Return all pictures of a report, stills first. Never raises: a picture that cannot be drawn is left out, and one
+    that cannot be stored is attached.
 
-    `hurry`: the agent is being ended, so nothing is drawn and nothing sent elsewhere. `calls` are those of a model, as
-    JSON lines.
+    With `hurry` (the agent is shutting down) nothing is drawn or stored. `calls` are a model's calls as JSON lines.
     """
     drawn = () if hurry else report.results
     path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry))
@@ -59,7 +59,7 @@ async def illustrate(
 
 
 async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | None) -> Picture | None:
-    """The recording that was not ready for the reply; None when there is none."""
+    """Return the recording that was not ready for the reply, or None."""
     if (webp := await recorder.late(post_id)) is None:
         return None
     recording = Picture("recording", webp)
@@ -71,13 +71,13 @@ async def _path(results: Sequence[ActionResult]) -> bytes | None:
         return None
     try:
         return await asyncio.to_thread(path_plot, results)
-    except Exception as e:  # whatever it is, the reply matters more
+    except Exception as e:  # the reply must not fail because of a picture
         _log.warning("path not drawn", error=str(e) or type(e).__name__)
         return None
 
 
 async def _kept(store: ImageStore, name: str, picture: Picture) -> Picture:
-    """The picture with its link; as it was when the store does not take it."""
+    """Store a picture and return it with its link; return it unchanged if the store fails."""
     try:
         return replace(picture, link=await store.keep(name, picture.data))
     except ImageStoreError as e:

@@ -1,4 +1,4 @@
-"""The path a robot walked, as a picture: start, end and heading, what was asked beside what was measured."""
+"""Plot the path of a robot: start, end and heading, with the requested path beside the measured one."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from PIL import Image
 
 from agentrob.model import ActionResult, Direction, Op, Pose
 
-# A quiet slate card of its own, so that it sits well on light and on dark pages alike.
+# A slate background, which suits light and dark pages.
 _CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
 _ASKED, _MEASURED, _START, _END = "#8b98a9", "#4db6f5", "#7bd88f", "#ffb454"
-# Small in inches and fine in pixels: the words stay readable when a thread shows the picture at half its width.
+# Few inches at a high resolution: the labels stay readable when a thread shows the picture at half its width.
 _WIDTH_IN, _HEIGHT_IN, _DPI = 4.0, 3.0, 200
 _AXES = (0.15, 0.16, 0.81, 0.72)
 _WIDE = _AXES[2] * _WIDTH_IN / (_AXES[3] * _HEIGHT_IN)
 
 
 def path_plot(results: Sequence[ActionResult]) -> bytes | None:
-    """A PNG of 800x600 pixels, or None when there is no path. Computes for about 0.1 s: call it in a thread.
+    """Return a PNG of 800x600 pixels, or None without a path. Takes about 0.1 s: call it in a thread.
 
     The frame is the robot's at the start: x forward (up in the picture), y left, in metres.
     """
@@ -47,7 +47,7 @@ def path_plot(results: Sequence[ActionResult]) -> bytes | None:
 
 @cache
 def _matplotlib() -> tuple[Any, Any]:
-    """Heavy and slow to import, so only when the first path is drawn; its `pyplot` (global state) is never used."""
+    """Import matplotlib, which is slow, when the first path is drawn; without `pyplot`, which has global state."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -55,8 +55,8 @@ def _matplotlib() -> tuple[Any, Any]:
 
 
 def warm_up() -> None:
-    """Import what plots and pictures need, which takes up to a second: before anything is served, since even in a
-    thread it would make a stop wait."""
+    """Import the plotting libraries, which takes up to a second. Call it at the start, because even in a thread the
+    import would delay a stop."""
     _matplotlib()
     Image.preinit()
 
@@ -81,7 +81,7 @@ def _canvas() -> tuple[Any, Any]:
 
 
 def _line(axes: Any, path: Sequence[Pose], **style: Any) -> None:
-    # Forward is up and left is left: what a person expects who stands behind the robot.
+    # Forward is up and left is left, as seen from behind the robot.
     axes.plot([-p.y_m for p in path], [p.x_m for p in path], solid_capstyle="round", **style)
 
 
@@ -94,7 +94,7 @@ def _marker(axes: Any, pose: Pose, color: str, name: str, arrow_m: float) -> Non
 
 
 def _frame(axes: Any, path: Sequence[Pose]) -> float:
-    """Equal axes with room around the path, never closer than a metre; returns the height in metres."""
+    """Set equal axes with a margin around the path, about a metre high at least; return the height in metres."""
     xs, ys = [-p.y_m for p in path], [p.x_m for p in path]
     height = max((max(xs) - min(xs)) / _WIDE, max(ys) - min(ys), 0.7) * 1.35
     for seen, half, limit in ((xs, height * _WIDE / 2, axes.set_xlim), (ys, height / 2, axes.set_ylim)):
@@ -110,7 +110,7 @@ def seen_from(start: Pose, pose: Pose) -> Pose:
 
 
 def asked_path(results: Sequence[ActionResult]) -> Iterator[Pose]:
-    """The path as it was asked for, had every step been exact."""
+    """Yield the requested path, as if every step were exact."""
     x = y = yaw = 0.0
     yield Pose(x, y, yaw)
     for step in (r.primitive for r in results):

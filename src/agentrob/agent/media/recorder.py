@@ -1,7 +1,7 @@
-"""Records each command: what a camera sees while it runs, then its data on disk and a short animation for the reply.
+"""Record each command: camera pictures while it runs, then its data on disk and a short animation for the reply.
 
-Nothing here can hold up or lose a motion, a stop or a reply: pictures are taken beside them, the animation is drawn in
-a process of its own within a limit, and whatever goes wrong costs only the recording.
+A recording never delays or prevents a motion, a stop or a reply: pictures are taken in a separate task, the animation
+is drawn in a separate process with a time limit, and an error loses only the recording.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from agentrob.model import ActionResult, Op, Outcome, Report
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
-#: A reply waits at most so long for its animation; one that takes longer follows, but not later than that.
+#: How long a reply waits for its animation, and how long after that the animation may still be added.
 DRAW_S, LATE_S = 1.5, 30.0
-#: Shorter commands have nothing that is worth an animation.
+#: Shorter commands get no animation.
 SHORTEST_S = 1.0
-#: Pictures come at first so often; when there are many, every second one goes and they come half as often.
+#: The initial interval between pictures. At `MANY` pictures, every second one is dropped and the interval doubles.
 FIRST_EVERY_S, MANY = 0.25, 48
-#: Films kept for reports that are still to be made: a model may take its time over one while the next command moves.
+#: How many films wait for their reports: a model may still work on one report while the next command runs.
 FILMS = 4
-#: A robot's own camera is looked through no more often than this.
+#: The shortest interval between pictures of the robot's own camera.
 LOOK_EVERY_S = 0.5
-#: A camera that fails so often in a row is left alone until the next command.
+#: After this many consecutive failures, a camera is not polled until the next command.
 TRIES = 4
 _MAX_FRAME, _MAX_MOMENTS = 2**20, 600
-#: Bytes that file systems hand out at a time (ext4, XFS and Btrfs by default).
+#: The block size of file systems in bytes (the default of ext4, XFS and Btrfs).
 BLOCK = 4096
 _log = structlog.get_logger()
 
@@ -50,7 +50,7 @@ Look = Callable[[], Awaitable[bytes]]
 
 
 def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
-    """How this robot's recorder takes pictures by itself; None when it takes none, or `Camera` tells it of them."""
+    """Return how the recorder takes pictures, or None if it takes none or `Camera` delivers them."""
     if settings.recording.view == "robot":
         return driver.look
     if settings.recording.view != "room" or not settings.room_camera:
@@ -65,7 +65,7 @@ def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
 
 @dataclass
 class Film:
-    """The pictures of one command, evenly spread however long it takes: (monotonic seconds, JPEG)."""
+    """The pictures of one command, at even intervals however long it takes: (monotonic seconds, JPEG)."""
 
     frames: list[tuple[float, bytes]] = field(default_factory=list)
     every_s: float = FIRST_EVERY_S
@@ -95,15 +95,15 @@ class Recorder:
 
     # ------------------------------------------------------------------ while it moves
     def see(self, jpeg: bytes) -> None:
-        """A picture of a camera that somebody else looks through anyway."""
+        """Add a picture that another component took."""
         if self._running is not None:
             self._running.add(jpeg)
 
     @contextlib.contextmanager
     def filming(self, post_id: str) -> Iterator[None]:
-        """Take pictures until the context ends. Awaits nothing, and raises nothing of its own."""
+        """Take pictures until the context ends. Neither waits nor raises."""
         self._running = self._films[post_id] = Film()
-        while len(self._films) > FILMS:  # those of commands whose reports were never made
+        while len(self._films) > FILMS:  # of commands that never got a report
             del self._films[next(iter(self._films))]
         filming = asyncio.create_task(self._film(self._running, self._look)) if self._look else None
         try:
@@ -120,16 +120,17 @@ class Recorder:
             try:
                 film.add(await look())
                 left = TRIES
-            except Exception as e:  # a camera may fail in any way: that is no reason for anything but no pictures
+            except Exception as e:  # whatever the camera raises, only its picture is lost
                 left -= 1
                 _log.info("no picture for the recording", error=str(e) or type(e).__name__)
             await asyncio.sleep(max(0.05, LOOK_EVERY_S - (time.monotonic() - begun_s)))
 
     # ------------------------------------------------------------------ afterwards
     async def animation(self, report: Report, *, hurry: bool = False) -> bytes | None:
-        """The recording goes to disk, and the animation comes back as WebP; None when it is not ready in `DRAW_S`.
+        """Write the recording to disk and return the animation as WebP, or None if it is not ready within `DRAW_S`.
 
-        Then `late` may have it. In a hurry there is none; after a restart the pictures are lost, and it shows the way.
+        `late` returns it afterwards. With `hurry` nothing is drawn. After a restart the pictures are lost, and the
+        animation shows a map.
         """
         post_id = report.command.post_id
         film = self._films.pop(post_id, Film())
@@ -146,11 +147,11 @@ class Recorder:
         return await self._ready(post_id, DRAW_S)
 
     async def late(self, post_id: str) -> bytes | None:
-        """The animation that was not ready for the reply, when it is; None when there is none."""
+        """Wait for the animation that was not ready for the reply; None if there is none."""
         return await self._ready(post_id, LATE_S, last=True)
 
     def forget(self, post_id: str) -> None:
-        """The command's report is told, or cannot be: nobody asks for its pictures or its animation any more."""
+        """Drop the pictures and the animation of a command whose report is written or cannot be written."""
         self._films.pop(post_id, None)
         if (drawing := self._drawing.pop(post_id, None)) is not None:
             drawing.cancel()
@@ -179,7 +180,7 @@ class Recorder:
             return None
 
     def _keep(self, report: Report) -> None:
-        """Write the data, then let go of what is too old or too much."""
+        """Write the data, then delete old recordings."""
         command, started = report.command, begins_s(report.results)
         ago_s = time.monotonic() - started
         head = {
@@ -187,7 +188,7 @@ class Recorder:
             "robot": command.robot,
             "trace_id": command.trace_id,
             "status": report.status,
-            # A report that is told after the machine was started anew does not know any more.
+            # Unknown if the machine was rebooted before the report was written.
             "began_unix_s": round(time.time() - ago_s, 3) if started and ago_s >= 0 else None,
         }
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -196,30 +197,30 @@ class Recorder:
         prune(self._folder, self._settings.keep_days, self._settings.keep_mb)
 
     def kept(self, post_id: str) -> str:
-        """The path of a command's data as it is kept; empty when there is none."""
+        """Return the path of a command's data, or an empty string if it is not stored."""
         path = self.file(post_id)
         return str(path) if path.exists() else ""
 
     def data(self, post_id: str) -> bytes:
-        """A command's data as JSON lines; empty when it is not kept."""
+        """Return a command's data as JSON lines, or nothing if it is not stored."""
         with contextlib.suppress(OSError):
             return self.file(post_id).read_bytes()
         return b""
 
     def file(self, post_id: str, kind: str = "jsonl") -> Path:
-        """Where the recording of a command is kept."""
+        """Return the path for a command's recording."""
         return self._folder / f"{safe_name(post_id)}.{kind}"
 
 
 def safe_name(post_id: str) -> str:
-    """Ids are the forum's; they must not name another file."""
+    """Return a forum's post id as a safe file name, without path separators."""
     return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in post_id)[:80]
 
 
 def prune(folder: Path, keep_days: float, keep_mb: float, most: int | None = None) -> None:
-    """Delete what is older than `keep_days`, and the oldest until the rest fits into `keep_mb` and is `most` files.
+    """Delete files older than `keep_days`, then the oldest until at most `keep_mb` and at most `most` files are left.
 
-    A file counts as the whole blocks that it takes on the disk: most recordings are far smaller than one.
+    Sizes are rounded up to whole blocks, because most recordings are far smaller than one.
     """
     files = []
     for path in folder.iterdir():
@@ -240,7 +241,7 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene, list[bytes]]:
-    """What the drawing process needs to know."""
+    """Return the scene for the drawing process."""
     zero_s, moments = begins_s(results), list(samples(results))
     thin = moments[:: 1 + len(moments) // _MAX_MOMENTS]
     seen = [(m, seen_from(moments[0].pose, m.pose)) for m in thin]
@@ -262,7 +263,7 @@ def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene
 
 
 def _written(results: Sequence[ActionResult], film: Film) -> bytes:
-    """The scene for the drawing process; empty when there is nothing to show."""
+    """Return the serialised scene for the drawing process, or nothing if there is nothing to show."""
     scene, pictures = _scene(results, film)
     return animation.write_scene(scene, pictures) if pictures or len(scene.moments) > 1 else b""
 
@@ -275,7 +276,7 @@ def _asked_of(result: ActionResult) -> tuple[float, str]:
 
 
 async def _drawn(scene: bytes) -> bytes | None:
-    """The answer of the drawing process; None when it fails. It never outlives this call."""
+    """Run the drawing process and return its output, or None if it fails. It never outlives this call."""
     environment = {k: v for k, v in os.environ.items() if k in ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")}
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "agentrob.agent.media.animation", stdin=-1, stdout=-1, stderr=-3, env=environment

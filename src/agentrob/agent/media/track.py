@@ -1,5 +1,4 @@
-"""What a command's recording says (pure): poses, velocities measured beside those commanded, and commands that a bound
-held down."""
+"""Compute a command's recording: poses, measured and commanded velocities, and steps slowed down by a limit. Pure."""
 
 from __future__ import annotations
 
@@ -10,9 +9,9 @@ from typing import Any, NamedTuple
 
 from agentrob.model import ActionResult, Op, Pose
 
-#: Velocity is measured as the way of so long: shorter, it is mostly the noise of odometry and the sway of a gait.
+#: Velocity is averaged over this window; over a shorter one it is mostly odometry noise and the sway of the gait.
 WINDOW_S = 0.4
-#: A command that stands at its highest for so many control periods was held there by a bound.
+#: If the commanded speed stays at its maximum for this many control periods, a limit held it there.
 HELD_SAMPLES = 6
 
 
@@ -29,7 +28,7 @@ class Velocity(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """One moment of a command. `t_s` counts from the beginning of its first step, `step` from 1."""
+    """One sample of a command. `t_s` counts from the start of its first step, `step` from 1."""
 
     t_s: float
     step: int
@@ -39,7 +38,7 @@ class Sample(NamedTuple):
 
 
 class Clip(NamedTuple):
-    """A step that was commanded slower than it was asked for."""
+    """A step that was commanded at a lower speed than requested."""
 
     step: int
     asked_mps: float
@@ -47,22 +46,22 @@ class Clip(NamedTuple):
 
 
 def begins_s(results: Sequence[ActionResult]) -> float:
-    """When the first step that was begun began (monotonic); 0 when none was."""
+    """Return the start of the first step in monotonic seconds, or 0 if no step started."""
     return min((r.started_s for r in results if r.ended_s > r.started_s), default=0.0)
 
 
 def seconds(results: Sequence[ActionResult]) -> float:
-    """How long the steps took together, pauses included."""
+    """Return the duration of all steps, including pauses."""
     return max((r.ended_s for r in results), default=0.0) - begins_s(results) if begins_s(results) else 0.0
 
 
 def samples(results: Sequence[ActionResult]) -> Iterator[Sample]:
-    """The whole command in order. Steps without a path (gestures, pictures) have none."""
+    """Yield the samples of the whole command in order. Steps without a path (gestures, pictures) have none."""
     zero_s = begins_s(results)
     for number, result in enumerate(results, 1):
         times_s = [point[0] for point in result.path]
         sent_s = [c[0] for c in result.commanded]
-        # A simulated body may live faster than we do: its seconds become ours.
+        # Simulated time may run faster than real time: scale it to real time.
         scale = min(1.0, result.duration_s / times_s[-1]) if times_s and times_s[-1] > 0 else 1.0
         for i, (t_s, *where) in enumerate(result.path):
             at = bisect.bisect_right(sent_s, t_s) - 1
@@ -72,7 +71,7 @@ def samples(results: Sequence[ActionResult]) -> Iterator[Sample]:
 
 
 def _measured(result: ActionResult, i: int) -> Velocity:
-    """By the odometry around one point, as far as the window reaches on both sides."""
+    """Compute the velocity at one point from the odometry within the window around it."""
     path = result.path
     first = last = i
     while first > 0 and path[i][0] - path[first - 1][0] <= WINDOW_S / 2:
@@ -89,7 +88,7 @@ def _measured(result: ActionResult, i: int) -> Velocity:
 
 
 def clips(results: Sequence[ActionResult]) -> tuple[Clip, ...]:
-    """The steps whose asked speed a bound did not allow (a limit, a gait, ranges that are unknown)."""
+    """Return the steps slower than requested, because of a limit, a gait or unknown ranges."""
     found = []
     for number, result in enumerate(results, 1):
         asked_mps = result.primitive.speed_mps
@@ -103,7 +102,7 @@ def clips(results: Sequence[ActionResult]) -> tuple[Clip, ...]:
 
 
 def lines(results: Sequence[ActionResult], **head: Any) -> Iterator[dict[str, Any]]:
-    """The recording as data, one JSON object a line: a head, then samples and events by time.
+    """Yield the recording as JSON objects: a head, then samples and events in order of time.
 
     Poses are odometry in the robot's own frame (REP-103, metres and radians), velocities are in its body's frame.
     """

@@ -31,20 +31,20 @@ from agentrob.language.messages.catalog import say
 from agentrob.model import CommandState, Decision, EndReason, Post, StatusCard, Verdict
 from agentrob.screening.rights import may_approve
 
-#: So shortly after one of the thread's commands was settled, an approval must say which command it means: two who
-#: approve the same at once approve one command, not the next one too.
+#: For this long after a decision in a thread, an approval must reply to the command that it means, so that two people
+#: who approve the same command at once do not approve the next one too.
 OTHER_S = 30.0
-#: By how much our copy of the forum's clock may be off.
+#: The tolerance for the agent's estimate of the forum's clock.
 CLOCK_S = 2.0
-#: How long the forum may take to answer who may approve.
+#: The timeout for asking the forum who may approve.
 ASK_S = 10.0
 _log = structlog.get_logger()
 
 
 @dataclass
 class Approvals:
-    """The approvals of one robot. `now` is the forum's clock, `spawn` starts a task that nobody awaits, `called` is the
-    name by which posts address the robot."""
+    """The approvals of one robot. `now` is the forum's clock, `spawn` starts a background task, `called` is the name by
+    which posts address the robot."""
 
     name: str
     called: str
@@ -59,12 +59,13 @@ class Approvals:
     # ---------------------------------------------------------------- waiting
     @property
     def wait_s(self) -> float:
-        """How long after its post a command can be approved."""
+        """Return how long after its post a command can be approved."""
         return min(self.settings.approval.wait_s, self.settings.queue_expiry_s)
 
     async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
-        """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time. After a
-        restart it goes on waiting; others pass it meanwhile.
+        """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time.
+
+        Other commands pass it meanwhile. After a restart it continues to wait.
 
         `understood` says what it would do and `needed` why it needs an approval.
         """
@@ -94,18 +95,21 @@ class Approvals:
         return CommandTerms(robot=self.name, rights=own_rights(self.settings))
 
     def _settle(self, topic_id: str, at: datetime) -> None:
-        """Record that a command of this topic no longer waits."""
+        """Record that a command of this topic has been decided or has ended."""
         recent = {k: v for k, v in self._settled_at.items() if at - v <= timedelta(seconds=OTHER_S)}
         self._settled_at = recent | {topic_id: at}
 
-    # ---------------------------------------------------------------- hearing
+    # ---------------------------------------------------------------- decisions
     async def hear(self, post: Post, triaged: TriagedPost) -> None:
-        """Count a post that approves or denies a command, or reply why it does not count. A post counts once."""
+        """Record the decision of a post that approves or denies a command, or reply why it has no effect.
+
+        A post counts only once.
+        """
         if await self.journal.has_decision(post.id):
             return
         job, why = self._meant(post, triaged)
         if job is None and not triaged.fresh:
-            return  # perhaps it was counted by a journal that is lost
+            return  # it may have counted already, in a journal that was lost
         if job is not None:
             why = await self._objection(job, post, triaged)
         if job is None or why:
@@ -123,7 +127,7 @@ class Approvals:
             job.end(EndReason.DENIED)
 
     def _meant(self, post: Post, triaged: TriagedPost) -> tuple[QueuedCommand | None, str]:
-        """The command that a post decides about, or the reason why there is none."""
+        """Return the command that a post decides about, or the reason why there is none."""
         denies = triaged.route is Route.DENY
         found = [job for job in self.queue if job.command.topic_id == post.topic_id and _waits(job, denies)]
         if named := [job for job in found if post.reply_to in job.status.posts or post.reply_to == job.command.post_id]:
@@ -137,7 +141,7 @@ class Approvals:
         return found[0], ""
 
     async def _objection(self, job: QueuedCommand, post: Post, triaged: TriagedPost) -> str:
-        """Why a post may not decide about this command; empty if it may."""
+        """Return why a post may not decide about this command, or an empty string if it may."""
         assert job.asked is not None
         language, denies = triaged.language, triaged.route is Route.DENY
         if post.version > 1:
@@ -147,7 +151,7 @@ class Approvals:
         if not denies and post.created_at < job.asked.asked_at - timedelta(seconds=CLOCK_S):
             return say("agent.approval.early", language)
         if denies and post.author.id == job.command.author.id:
-            return ""  # who asked may take it back in any words
+            return ""  # the author may always withdraw the command
         verdict = await self._may(job, post, triaged)
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
@@ -173,7 +177,7 @@ class Approvals:
 
 
 def _waits(job: QueuedCommand, denies: bool) -> bool:
-    """Whether a decision about this command still counts: an approved command can be denied until it moves."""
+    """Return whether a decision on this command still counts: an approved command can be denied until it moves."""
     if job.asked is None or job.ended is not None or job.moving or job.status is None:
         return False
     return job.decided is None or denies

@@ -1,4 +1,4 @@
-"""The queue of one robot: commands wait in the order in which they were accepted, one moves at a time."""
+"""The queue of one robot: commands wait in the order of acceptance, and one runs at a time."""
 
 from __future__ import annotations
 
@@ -23,13 +23,12 @@ class QueuedCommand:
     """One command in progress, from its claim to its final reply.
 
     `known`: an earlier process claimed it, `waited_s` seconds before `accepted_s` (monotonic). `begun`: its motion
-    began in that process, so only its report is left to write, and nothing ends it any more. `ended` is the
-    reason as soon as the command may not go on; `paced`: its account may command now. Others go before it until it is
-    `ready`, read and judged, and while it is `held`. `asked`: it waits or waited for an approval, and what was said of
-    it. `stop` brings what the stop that ended it did, `stopped_by` whose it was; `took_back` is how many others it
-    ended. `thought` is what was made of it, as soon as that is known, `looked` the loop of a model that steered; `run`
-    is its motion, if that began in this process, with all that was measured so far; `status` is its status post, `task`
-    what carries it through.
+    began in that process, so only its report is left to write, and it cannot be ended. `ended` is the reason why it may
+    not continue. `paced`: it has passed its account's rate limit. Other commands pass it until it is `ready` (read and
+    judged) and while it is `held`. `asked` is its approval request with the decision, if it needs one. `stop` returns
+    the result of the stop that ended it, `stopped_by` names who stopped it, and `took_back` counts the commands that it
+    cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered. `run` is its
+    execution in this process with the results so far, `status` its status post, `task` the task that processes it.
     """
 
     command: Command
@@ -55,7 +54,7 @@ class QueuedCommand:
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
 
     def note(self, name: str, at: datetime) -> None:
-        """Record when something happened, in milliseconds after the post was accepted. The first time counts."""
+        """Record the first time that something happened, in milliseconds after the post."""
         self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
 
     @property
@@ -64,7 +63,7 @@ class QueuedCommand:
 
     @property
     def decided(self) -> ApprovalDecision | None:
-        """The decision on its approval, once there is one."""
+        """Return the decision on its approval, if there is one."""
         return self.asked.decided if self.asked is not None else None
 
     def decide(self, decided: ApprovalDecision) -> None:
@@ -74,7 +73,7 @@ class QueuedCommand:
         self._changed.set()
 
     def end(self, why: EndReason) -> None:
-        """End it; the first reason counts."""
+        """End it; the first reason is kept."""
         if self.can_end:
             self.ended = why
         self._changed.set()
@@ -99,7 +98,7 @@ class QueuedCommand:
 
 
 class CommandQueue:
-    """The commands that wait or move. `on_change` is called when one is added, removed or moves up."""
+    """The commands that wait or run. `on_change` is called when one is added, removed or moves up."""
 
     def __init__(self, on_change: Callable[[], None] = lambda: None) -> None:
         self._jobs: list[QueuedCommand] = []
@@ -115,33 +114,33 @@ class CommandQueue:
 
     @property
     def posts(self) -> list[str]:
-        """The posts of all commands in progress, the next one first and those held back last."""
+        """Return the posts of all commands in progress, the next one first and held ones last."""
         return [job.command.post_id for job in sorted(self._jobs, key=lambda job: job.held)]
 
     @property
     def moving(self) -> QueuedCommand | None:
-        """The command whose motion runs now."""
+        """Return the command that moves the robot now."""
         return next((job for job in self._jobs if job.moving), None)
 
     def find(self, post_id: str) -> QueuedCommand | None:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)
 
     def asking(self) -> set[asyncio.Task[Any]]:
-        """The tasks of commands that wait for an approval."""
+        """Return the tasks of the commands that wait for an approval."""
         return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
 
     def place(self, job: QueuedCommand) -> int:
-        """How many commands are before it; 0 when it is next."""
+        """Return how many commands are ahead of it; 0 if it is next."""
         before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
         return len(before) + (self._turn not in (None, job, *before))
 
     def of_same_author(self, before: QueuedCommand) -> list[QueuedCommand]:
-        """The earlier commands of its account that are still in progress."""
+        """Return the earlier commands of its account that are still in progress."""
         author = before.command.author.id
         return [job for job in self._jobs[: self._jobs.index(before)] if job.command.author.id == author]
 
     def number_of(self, account_id: str) -> int:
-        """How many commands of this account are in progress."""
+        """Return how many commands of this account are in progress."""
         return sum(job.command.author.id == account_id for job in self._jobs)
 
     async def in_order(self, job: QueuedCommand) -> None:
@@ -155,7 +154,7 @@ class CommandQueue:
         self._moved_up()
 
     def topics(self) -> frozenset[str]:
-        """Threads in which a bare "stop" is meant for this robot."""
+        """Return the threads in which a bare "stop" addresses this robot."""
         return frozenset(job.command.topic_id for job in self._jobs)
 
     def enter(self, job: QueuedCommand) -> None:
@@ -176,20 +175,20 @@ class CommandQueue:
         self._on_change()
 
     def end_all(self, why: EndReason) -> list[QueuedCommand]:
-        """End every command; returns those that had not been ended."""
+        """End every command; return those that had not been ended."""
         return self._end(self._jobs, why)
 
     def end_posted(self, until: datetime, why: EndReason) -> list[QueuedCommand]:
-        """End every command that was posted then or earlier; returns those that had not been ended."""
+        """End every command posted at this time or earlier; return those that had not been ended."""
         return self._end([job for job in self._jobs if job.command.posted_at <= until], why)
 
     def end_before(self, job: QueuedCommand, why: EndReason) -> list[QueuedCommand]:
-        """End every command that was accepted before this one, whatever the forum's clock said of either; returns those
-        that had not been ended."""
+        """End every command accepted before this one, regardless of the times of the posts; return those that had not
+        been ended."""
         return self._end(self._jobs[: self._jobs.index(job)] if job in self._jobs else [], why)
 
     def end_waiting(self, job: QueuedCommand, why: EndReason) -> list[QueuedCommand]:
-        """End the earlier commands of its own account that do not move; return those that had not been ended."""
+        """End the earlier commands of its account that are not moving; return those that had not been ended."""
         return self._end([other for other in self.of_same_author(job) if not other.moving], why)
 
     def _end(self, jobs: Sequence[QueuedCommand], why: EndReason) -> list[QueuedCommand]:
@@ -199,7 +198,7 @@ class CommandQueue:
         return found
 
     async def turn(self, job: QueuedCommand, expiry_s: float) -> bool:
-        """Wait for the job's turn. False if it was ended before, or is `expiry_s` old."""
+        """Wait for the command's turn. Return False if it was ended or is older than `expiry_s`."""
         job.ready = True
         left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
         if left_s is not None and left_s <= 0:
@@ -216,14 +215,14 @@ class CommandQueue:
         return job.ended is None
 
     def close(self) -> None:
-        """Give out no more turns: the commands that wait are left to the agent's next start."""
+        """Start no more commands: those that wait are processed after the agent's next start."""
         self._closed = True
 
     def _is_next(self, job: QueuedCommand) -> bool:
         return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
     async def aside(self, job: QueuedCommand, seconds: float) -> None:
-        """Let others pass it for this long, even if it is ended meanwhile."""
+        """Let other commands pass it for this long, even if it is ended meanwhile."""
         job.held = True
         self._moved_up()
         try:
@@ -232,8 +231,10 @@ class CommandQueue:
             job.held = False
 
     async def hold(self, job: QueuedCommand, seconds: float, until: Callable[[], object] = lambda: False) -> bool:
-        """Let others pass it for this long, or `until` a condition holds; it keeps its place. False if it was ended
-        meanwhile."""
+        """Let other commands pass it for this long, or `until` a condition holds; it keeps its place.
+
+        Return False if it was ended meanwhile.
+        """
         job.held = True
         self._moved_up()
         try:

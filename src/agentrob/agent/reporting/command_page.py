@@ -1,4 +1,4 @@
-"""The forum's page of a command, if it has one: find its address and publish its record."""
+"""Find the address of a command's page on the forum and publish the command's record there, if the forum has pages."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from agentrob.agent.reporting.status_post import insist
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import CommandPages
 
-#: A forum that fails so often is left without the record, which stays on the robot's machine.
+#: How often to try; if all fail, the record is only on the robot's machine.
 TRIES = 4
-#: Bytes of JSON; of a longer record what a model was told and answered is left out.
+#: The maximum size of a record as JSON; a longer one is published without the conversation with the model.
 MOST_BYTES = 60 * 1024
-#: What the forum has itself and may have to forget (people's words), and what is only of this machine.
+#: Not published: people's words, which the forum has and may have to delete, and paths of this machine.
 _NOT_SENT = frozenset({"author", "text", "content_hash", "recording"})
-#: The address of a page is waited for so long: a report does not wait for its link.
+#: The timeout for the address of a page, because a report must not wait for its link.
 PAGE_S = 2.0
-#: What can stand in a link of Markdown as it is.
+#: An address that needs no escaping in a Markdown link.
 _ADDRESS = re.compile(r"https?://[^\s<>()\[\]\\`*]{1,500}")
 _log = structlog.get_logger()
 
 
 def public(facts: Mapping[str, Any], pictures: Sequence[Picture]) -> dict[str, Any]:
-    """The record as it is published: without people's words and local paths, with the kinds of its pictures."""
+    """Return the record for publication: without people's words and local paths, with the kinds of its pictures."""
     record = {k: v for k, v in facts.items() if k not in _NOT_SENT}
     record["pictures"] = [{"kind": p.kind, "step": p.step} for p in pictures if p.attached]
     links = [(p, p.link) for p in pictures if p.link]
@@ -46,8 +46,10 @@ def public(facts: Mapping[str, Any], pictures: Sequence[Picture]) -> dict[str, A
 
 
 async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
-    """The address of a command's page; empty where the forum has none or does not say it at once. Never raises a
-    `ForumError`. `hurry`: the agent is being ended."""
+    """Return the address of a command's page, or an empty string if the forum has none or does not answer in time.
+
+    Never raises a `ForumError`. With `hurry` (the agent is shutting down) the forum is not asked.
+    """
     if hurry or not isinstance(forum, CommandPages):
         return ""
     try:

@@ -1,6 +1,6 @@
-"""Write the notes on minds in a reply: which one answered in place of another, and the tokens and time used (pure).
+"""Write the notes on minds in a reply: which mind replaced another, and the tokens and time used. Pure.
 
-Names of models come from their servers: they are shown as code only.
+Names of models come from their servers, so they are shown as code.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from agentrob.model import Language
 
 
 def notes(assessment: Assessment | None, asked: str, language: Language, more: Sequence[Usage] = ()) -> list[str]:
-    """Paragraphs for a report; `asked` is the mind of the configuration, `more` the usage after the assessment.
+    """Return the paragraphs for a report; empty if no model was involved.
 
-    None where no model had a part in it.
+    `asked` is the configured mind, `more` the usage after the assessment.
     """
     if assessment is None:
         return []
@@ -35,16 +35,16 @@ def notes(assessment: Assessment | None, asked: str, language: Language, more: S
 
 
 def worded(summary: Summary | None, language: Language) -> str:
-    """A model's summary, marked as the model's words; empty without one."""
+    """Return a model's summary, marked as the model's words, or an empty string."""
     if summary is None or not summary.text:
         return ""
     return say("agent.mind.polished", language, text=disarmed(summary.text), mind=quote(summary.mind))
 
 
 def usage_line(usage: Sequence[Usage], language: Language) -> str:
-    """Which models were asked, their tokens, cost where prices are known, and time.
+    """Return the models that were asked, with tokens, time, and costs if prices are configured.
 
-    Questions to the same model are added up; empty when no model was asked.
+    Questions to the same model are added up. Empty if no model was asked.
     """
     groups: dict[tuple[str, str], list[Usage]] = {}
     for one in usage:
@@ -53,7 +53,7 @@ def usage_line(usage: Sequence[Usage], language: Language) -> str:
 
 
 def _taken(ones: Sequence[Usage], language: Language) -> str:
-    """The usage of one model, over all its questions."""
+    """Return the usage of one model over all its questions."""
     first = ones[0]
     name = f"{quote(first.mind)} ({quote(first.model)})" if first.model else quote(first.mind)
     parts = []

@@ -1,4 +1,4 @@
-"""Publish the state of a robot for its page, and reset a simulated room."""
+"""Publish the state of a robot on its page, and reset a simulated room."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
 LOOK_S = 1.0
-#: Several changes within this time are shown as one.
+#: Changes within this time are published together.
 DEBOUNCE_S = 0.1
-#: The most waiting commands that are listed.
+#: How many waiting commands are listed.
 LINE = 20
 REFRESH_S = 5.0
-#: After a reset the odometry jumps; the guard needs a moment until it lets itself be homed again.
+#: After a reset the odometry jumps, so the guard accepts a new home only after a moment.
 HOME_TRIES, HOME_WAIT_S = 10, 0.3
 _log = structlog.get_logger()
 
 
 class Presence:
-    """Publishes a card every five seconds and when something changed. `waiting`: the posts of commands, in order."""
+    """Publishes a card every five seconds and on changes. `waiting` returns the queued commands' posts in order."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class Presence:
         self._changed.set()
 
     async def run(self) -> None:
-        """Publish until cancelled. A forum that does not answer is tried again a second later."""
+        """Publish until cancelled. If the forum does not answer, try again a second later."""
         shown: dict[str, Any] | None = None
         shown_s = -float("inf")
         while True:
@@ -75,7 +75,7 @@ class Presence:
                 continue
 
     async def card(self) -> dict[str, Any]:
-        """The card as it is now; a robot whose driver does not answer is `offline`."""
+        """Return the current card; a robot whose driver does not answer is `offline`."""
         try:
             capabilities, state = await asyncio.gather(self._driver.capabilities(), self._driver.state())
         except RobotError:
@@ -105,7 +105,7 @@ class Presence:
 
 
 def _lock_of(state: RobotState) -> dict[str, str] | None:
-    """Who locked the robot, why and when, as its card says it; None while it is not locked."""
+    """Return who locked the robot, why and when, for its card; None if it is not locked."""
     if not state.halted:
         return None
     lock = state.lock or Lock("", "")
@@ -113,7 +113,7 @@ def _lock_of(state: RobotState) -> dict[str, str] | None:
 
 
 async def reset_room(driver: DriverClient, settings: RobotConfig, by: str) -> None:
-    """Put a simulated room back and set the robot's home there. Raises `RobotError` when that does not work."""
+    """Reset a simulated room and set the robot's home again. Raises `RobotError` if that fails."""
     try:
         async with httpx2.AsyncClient(timeout=10.0, trust_env=False, verify=tls()) as http:
             (await http.post(settings.room_reset)).raise_for_status()

@@ -1,7 +1,7 @@
-"""Write replies: facts in, Markdown out, in the language of the post (pure).
+"""Write replies as Markdown in the language of the post. Pure.
 
-People's own words are in it only as escaped code (`agentrob.language.messages.catalog.quote`); sentences that
-others made of them, a mind, the screen or a driver, are disarmed here once more.
+People's words appear only as escaped code (`agentrob.language.messages.catalog.quote`). Sentences of a mind, the screen
+or a driver, which may contain such words, are sanitised by `disarmed`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from agentrob.model import (
 
 SENTENCE_CHARS = 600
 _UNSEEN = re.compile("[\u00ad\u034f\u061c\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
-#: Markup that forums act on, and what is shown instead.
+#: Markup that forums interpret, with its replacements.
 _DISARMING = (
     (re.compile(r"[@＠](?=\S)"), "@ "),
     (re.compile(r"<"), "‹"),
@@ -45,25 +45,25 @@ _DISARMING = (
     (re.compile(r"\bwww\.", re.IGNORECASE), "www. "),
     (re.compile(r"^(?:#+|[-+*=_|]+|\d{1,9}[.)])(?=\s|$)"), ""),
 )
-#: What every status that is not `done` and says why in `Report.message` may name; see `because.*` in sentences.
+#: The measured value of each operation, and its format.
 _MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 _COLUMNS = ("step", "asked", "measured", "outcome")
-#: Reasons for which we ended a step ourselves, so the driver's message does not mention them.
+#: Reasons for which the agent itself ended a step; the driver's message does not mention them.
 _NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
 
 
-# -------------------------------------------------------------------- words that are not ours
+# -------------------------------------------------------------------- untrusted text
 def disarmed(text: str) -> str:
-    """Disarm a sentence made elsewhere, perhaps of somebody's words: on one line, shortened, without mention, picture,
-    link, address that a forum would link, HTML, entity, heading, quote, list, table, code fence or `[tag]`, and without
-    characters that nobody sees or that turn the order of what is read around."""
+    """Sanitise a sentence that may contain untrusted text: one line, shortened, without mentions, pictures, links,
+    addresses that a forum would link, HTML, entities, headings, quotes, lists, tables, code fences, `[tag]`s, and
+    invisible or bidirectional control characters."""
     plain = " ".join(_UNSEEN.sub("", text).split())
     for pattern, instead in _DISARMING:
         plain = pattern.sub(instead, plain)
     return plain if len(plain) <= SENTENCE_CHARS else plain[: SENTENCE_CHARS - 1] + "…"
 
 
-# -------------------------------------------------------------------- while it goes
+# -------------------------------------------------------------------- progress
 def seen(language: Language, trace_id: str) -> str:
     return f"{say('agent.seen', language)} {_small(say('agent.trace', language, trace_id=trace_id))}"
 
@@ -78,7 +78,7 @@ def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
 
 
 def planned(plan: Plan, language: Language, goal: str = "") -> str:
-    """A plan in words, or the goal in its place."""
+    """Return the goal in words if there is one, else the plan."""
     return goal or say("agent.list.joint", language).join(doing(step, language) for step in plan.steps)
 
 
@@ -90,7 +90,7 @@ def doing(step: Primitive, language: Language) -> str:
 def waits(
     understood: str, needed: str, rights: RobotRights | None, called: str, wait_s: float, language: Language
 ) -> str:
-    """Say that a command waits for approval: what it would do, why it waits, for whom and for how long."""
+    """Say that a command waits for approval: what it would do, why, who may approve it and how long it waits."""
     rights = rights or RobotRights()
     role = f"agent.who.{rights.approve}"
     who = say(role if can_say(role) else "agent.who.moderator", language)
@@ -114,11 +114,10 @@ def final(
     calls: str = "",
     page: str = "",
 ) -> str:
-    """The final reply to a command. The message of a stopped one is the handle of who stopped it.
+    """Return the final reply to a command. The message of a stopped command names who stopped it.
 
-    `notes` are paragraphs of ours that stand before the foot, `said` is one that stands after the head, `calls` a table
-    that has all steps beside the calls of a model which they came of; `page` is the forum's own page of the command, if
-    it has one.
+    `summary` is a paragraph after the head, `notes` are paragraphs before the foot. `calls` is a table of the model's
+    calls with their steps, which replaces the table of steps. `page` is the address of the command's page, if any.
     """
     language = report.command.language
     parts = [_head(report), summary, _why(report), calls or _table(report)]
@@ -134,7 +133,7 @@ def final(
 
 
 def plain(report: Report) -> str:
-    """The report as plain data, used if writing the reply fails."""
+    """Return the report as plain data, used if writing the reply fails."""
     steps = [
         f"{n}. `{r.primitive.op} {r.primitive.asked()}`: {r.outcome}, measured `{dict(r.measured)}`"
         for n, r in enumerate(report.results, 1)
@@ -143,13 +142,13 @@ def plain(report: Report) -> str:
 
 
 def short(report: Report) -> str:
-    """The text of the status post when the report is a reply of its own."""
+    """Return the text of the status post when the report is a separate reply."""
     return say("agent.see_reply", report.command.language, state=_head(report))
 
 
 def _head(report: Report) -> str:
     language = report.command.language
-    # That nothing moved is said only where no step was given to the driver, or the driver refused each.
+    # "Nothing moved" is said only if no step was sent to the driver, or the driver refused all of them.
     begun = any(result.moved for result in report.results)
     at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
     match report.status:
@@ -162,7 +161,7 @@ def _head(report: Report) -> str:
         case CommandState.CANCELLED | CommandState.REFUSED if begun:
             return say(f"agent.{report.status}.at", language, step=at)
         case CommandState.INTERRUPTED if report.message == say("agent.interrupted.claim", language):
-            return ""  # it names the state itself
+            return ""  # the message names the state
         case CommandState.INTERRUPTED if any(r.outcome is Outcome.UNKNOWN for r in report.results):
             return say("agent.interrupted.unknown", language)
         case CommandState.STOPPED if report.message:
@@ -172,7 +171,7 @@ def _head(report: Report) -> str:
 
 
 def _why(report: Report) -> str:
-    """The verdict's sentence, the message, and why the step that ended it did so."""
+    """Return the verdict's reason, the message, and why the last step failed."""
     language = report.command.language
     sentences = []
     verdict = report.verdict
@@ -184,10 +183,14 @@ def _why(report: Report) -> str:
         sentences.append(disarmed(verdict.reason))
     if report.message and report.status is not CommandState.STOPPED:
         sentences.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
-    last = _decisive(report.results[-1:] if report.goal else report.results)  # on the way to a goal it may go on
+    last = _decisive(
+        report.results[-1:] if report.goal else report.results
+    )  # with a goal, a failed step may be followed by others
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
         reason = _reason(last, language)
-        sentences = [sentence for sentence in sentences if sentence not in reason]  # said once: "My agent was ended."
+        sentences = [
+            sentence for sentence in sentences if sentence not in reason
+        ]  # no repetition of, for example, "My agent was ended."
         sentences.append(reason)
     if report.status is CommandState.REFUSED and verdict is not None:
         sentences.append(say("agent.rule", language, rule=verdict.rule))
@@ -199,7 +202,7 @@ def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
 
 
 def _reason(result: ActionResult, language: Language) -> str:
-    """Our sentence for the reason, if there is one, and the driver's English message where it says more."""
+    """Return the catalogue's sentence for the reason, if any, or the driver's English message if that says more."""
     reason = result.reason
     own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""
     if not own and not result.message and reason:
@@ -222,24 +225,24 @@ def _table(report: Report) -> str:
 
 
 def markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table whose first column holds numbers."""
+    """Return a Markdown table whose first column is right-aligned."""
     lines = [head, ["---:", *["---"] * (len(head) - 1)], *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def asked(result: ActionResult, language: Language) -> str:
-    """A step in words."""
+    """Return a step in words."""
     return doing(result.primitive, language)
 
 
 def outcome(result: ActionResult, language: Language) -> str:
-    """How a step ended, in a word or two."""
+    """Return how a step ended, in a word or two."""
     text = say(f"agent.outcome.{result.outcome}", language)
     return say("agent.outcome.animated", language, outcome=text) if result.animated else text
 
 
 def measured(result: ActionResult, language: Language) -> str:
-    """What was measured of a step; a dash if nothing is measured."""
+    """Return the measured value of a step, or a dash if there is none."""
     if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
         return "–"
     key, form = _MEASURES[result.primitive.op]
@@ -250,14 +253,14 @@ def measured(result: ActionResult, language: Language) -> str:
 
 
 def _slower(report: Report) -> str:
-    """Say which steps were slower than asked, even if they were done."""
+    """Say which steps were slower than requested, even if they succeeded."""
     language = report.command.language
     sentences = (say("agent.slower", language, **clip._asdict()) for clip in clips(report.results))
     return join_sentences(sentences, language)
 
 
 def _pictures(pictures: Sequence[Picture], language: Language) -> str:
-    """List the pictures: below the text, or behind links that expire."""
+    """List the pictures, with links for those that are stored elsewhere."""
     names = [(p, say(f"agent.picture.{p.kind}", language, step=p.step)) for p in pictures]
     linked = [name if p.link is None else f"[{name}]({p.link.url})" for p, name in names]
     joint = "、" if language == "zh" else ", "
@@ -287,7 +290,7 @@ def _small(text: str) -> str:
 
 # -------------------------------------------------------------------- stop and status
 def stop_figures(stop: StopResult, language: Language) -> str:
-    """What a stop did, in measured figures."""
+    """Describe the effect of a stop in measured figures."""
     if not stop.confirmed:
         return say("agent.stop.unconfirmed", language)
     text = say("agent.stop.moving" if stop.was_moving else "agent.stop.still", language, latency_ms=stop.latency_ms)
@@ -305,9 +308,12 @@ def stop_reply(
     how: str = "",
     taken: bool = False,
 ) -> str:
-    """The reply to a stop post. `stop` None: the driver could not be reached. `ended` counts commands.
-    `halted` None: a halt was asked for, but the robot could only be stopped. `how` says how a halt is released.
-    `taken`: the post was taken as a stop, though it is not plainly one."""
+    """Return the reply to a stop post.
+
+    `stop` is None if the driver was unreachable, `halted` is None if a halt was requested but only a stop succeeded.
+    `ended` counts the commands that the stop ended. `how` says how to release a halt. `taken`: the post was treated as
+    a stop although it may not be one.
+    """
     sentences = [say("agent.stopped", language)] if stop is not None and stop.confirmed else []
     sentences += [say("agent.stop.taken", language)] if taken else []
     sentences.append(stop_figures(stop, language) if stop else say("agent.stop.unreachable", language))
@@ -322,13 +328,13 @@ def stop_reply(
 
 
 def clock_set(by: timedelta, language: Language) -> str:
-    """Say that the forum's clock was set, and by about how much."""
+    """Say that the forum's clock was changed, and by about how much."""
     about = duration(abs(by.total_seconds()), language)
     return say("agent.clock.back" if by < timedelta(0) else "agent.clock.ahead", language, by=about)
 
 
 def state_text(state: RobotState | None, waiting: int, language: Language, message: str = "") -> str:
-    """The answer to "how are you"; `state` None: the robot cannot be reached, as `message` says."""
+    """Return the answer to a status question. `state` is None if the robot is unreachable; `message` says why."""
     if state is None:
         return say("agent.status.unknown", language, message=disarmed(message))
     mode = say(f"agent.mode.{state.mode}", language) if can_say(f"agent.mode.{state.mode}") else disarmed(state.mode)

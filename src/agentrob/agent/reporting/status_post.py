@@ -1,8 +1,8 @@
 """One status post per command, edited in place: progress never waits for the forum, and the end is always written.
 
-Two agents of one account may come to the same post, by mistake or after a crash. The first post under the claim's key
-is the claim, and only whoever holds it shows progress and tells the end. One whose claim it is not tells an end only
-when nobody else does (`left_open`), and that is a guess: a card of no steps, which gives way to what was measured.
+Two agents of one account may process the same post, by mistake or after a crash. The first post under the claim's key
+is the claim, and only its owner shows progress and writes the end. Another agent writes an end only if the owner does
+not (`left_open`). That end is a guess, a card without steps, and is replaced by a measured one.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from agentrob.forums.protocol import Forum, Written
 from agentrob.model import Command, CommandState, Post, StatusCard
 
 T = TypeVar("T")
-#: The most edits of a post on a forum that limits them; the last one is for the end.
+#: The maximum number of edits of a post on a forum that limits them; the last one is reserved for the end.
 MAX_EDITS = 3
 _BACKOFF_S = (0.2, 30.0)
-#: A denial (403, 401) may be of the account, for a while: what must be told is tried again, at first and at most after
-#: so long, and given up after a week; what is soon of no use any more after a minute.
+#: A denial (401, 403) may be temporary, so the write is retried with these delays (first, longest): for a week if it
+#: must arrive, for a minute if it is soon outdated.
 _DENIED_S = (0.5, 30.0)
 TOLD_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
-#: An open status post that shows nothing new for so long while nothing of it moves has been left by its agent.
+#: A status post is abandoned if it has not changed for this long and its command does not move.
 LEFT_S, _LOOK_S = 5.0, 0.5
-#: A forum that fails so often (for some 50 s) with pictures is told without: it may be they that it cannot bear.
+#: After this many failures (about 50 s) the text is posted without pictures, in case they cause the failures.
 PICTURE_TRIES = 9
 _log = structlog.get_logger()
 
@@ -63,23 +63,25 @@ class StatusPost:
 
     @property
     def post_id(self) -> str | None:
-        """The id of the status post, once it is written."""
+        """Return the id of the status post, once it is written."""
         return self._post_id
 
     @property
     def posts(self) -> frozenset[str]:
-        """Our posts to which a reply is about this command."""
+        """Return the agent's posts about this command; a reply to one of them refers to the command."""
         return frozenset(post_id for post_id in (self._post_id, self._asks_id) if post_id is not None)
 
     @property
     def shown(self) -> StatusCard | None:
-        """The newest state, which the forum may not show yet."""
+        """Return the newest state, which the forum may not show yet."""
         newest = self._next or self._last
         return newest.card if newest else None
 
     async def claim(self, shown: Shown) -> Written:
-        """Write the first status, trying until the forum answers. `created` False: the command was claimed before, and
-        nothing is shown unless the claim is ours after all (`adopt`)."""
+        """Write the first status, trying until the forum answers.
+
+        If `created` is False, the command was claimed before, and nothing is shown unless `adopt` takes over the claim.
+        """
         key = f"claim:{self._command.post_id}"
         written = await insist(
             lambda: self._forum.reply(
@@ -92,12 +94,11 @@ class StatusPost:
         return written
 
     def adopt(self, claimed: Post) -> None:
-        """Continue an earlier claim of ours. One that has ended shows nothing more."""
+        """Continue an earlier claim of this agent. If that has ended, nothing more is shown."""
         self._shows = not is_final(claimed.card)
 
     def show(self, shown: Shown) -> None:
-        """Show this as soon as the forum allows, in place of anything not shown yet. Ignored if the claim is not
-        ours."""
+        """Show this as soon as the forum allows, instead of anything not shown yet. Ignored without the claim."""
         if shown == self._last or not self._shows:
             return
         self._next = shown
@@ -118,10 +119,7 @@ class StatusPost:
                 _log.info("status not shown", post=self._command.post_id, error=str(e))
 
     async def ask(self, shown: Shown) -> None:
-        """Write something that people reply to, trying until it is there.
-
-        Where edits are limited it is a reply of its own.
-        """
+        """Write a question to people, trying until it is posted; as a separate reply if edits are limited."""
         self._next = None
         if self._sending is not None:
             await asyncio.wait({self._sending})
@@ -139,7 +137,7 @@ class StatusPost:
         self._last = shown
 
     async def has_ended(self) -> bool:
-        """Whether the status post shows a final state by now. Never raises a `ForumError`."""
+        """Return whether the status post shows a final state. Never raises a `ForumError`."""
         if self._post_id is None:
             return False
         try:
@@ -150,12 +148,12 @@ class StatusPost:
     async def close(
         self, final: Shown, images: Sequence[bytes] = (), short: str = "", *, measured: bool = False
     ) -> bool:
-        """Write the end once, trying until the forum answers. Return whether the end that is there is ours: an end that
-        another agent wrote is left alone, unless it was a guess and this one was `measured`.
+        """Write the end once, trying until the forum answers. Return whether the end on the forum is this agent's.
 
-        Raises `ForumDenied` when neither the post may be edited nor a reply written: perhaps for a while (see
-        `until_allowed`). Where edits are limited the report is a reply of its own, and the status post says only
-        `short`.
+        An end that another agent wrote is kept, unless it was a guess and this one was `measured`.
+
+        Raises `ForumDenied` if neither an edit nor a reply is allowed, which may be temporary (see `until_allowed`). If
+        edits are limited, the report is a separate reply, and the status post shows `short`.
         """
         self._next = None
         self._shows = False
@@ -163,7 +161,7 @@ class StatusPost:
             await asyncio.wait({self._sending}, timeout=10.0)
             self._sending.cancel()
         if self._post_id is not None and not self._limited:
-            with contextlib.suppress(ForumError):  # gone, or not to be edited any more
+            with contextlib.suppress(ForumError):  # removed, or no longer editable
                 return await _illustrated(lambda pictures: self._tell(final, pictures, measured), images)
         return await self._tell_in_reply(final, images, short, measured)
 
@@ -179,7 +177,7 @@ class StatusPost:
     async def _tell(self, final: Shown, images: Sequence[bytes], measured: bool) -> bool:
         assert self._post_id is not None
         now = await self._forum.post(self._post_id)
-        # A lost answer or a crash may have left the end told already; pictures would be added a second time.
+        # The end may be written already (lost answer, crash); writing it again would add the pictures twice.
         if (card := now.card) is not None and is_final(card) and not (measured and _guessed(card)):
             return card.trace_id == final.card.trace_id
         await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
@@ -212,18 +210,20 @@ class StatusPost:
 
 
 def is_final(card: StatusCard | None) -> bool:
-    """Whether a status post with this card shows a final state."""
+    """Return whether this card shows a final state."""
     return card is not None and card.is_final
 
 
 def _guessed(card: StatusCard) -> bool:
-    """Whether an end was written by an agent that did not know the result."""
+    """Return whether an agent wrote this end without knowing the result."""
     return card.state == CommandState.INTERRUPTED and card.steps == 0
 
 
 async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[bool]]) -> bool:
-    """Wait until an open status post shows a final state (False) or was abandoned (True): nothing new for `LEFT_S`
-    while its command, by its trace id, did not move."""
+    """Wait until an open status post shows a final state (False) or is abandoned (True).
+
+    It is abandoned after `LEFT_S` without a change or a motion of its command, which is found by its trace id.
+    """
     since_s = time.monotonic()
     while time.monotonic() - since_s < LEFT_S:
         try:
@@ -240,8 +240,7 @@ async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[b
 
 
 async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images: Sequence[bytes]) -> T:
-    """Write with pictures. If the forum does not accept them, write without the moving ones, then without any: the text
-    matters more."""
+    """Write with pictures. If the forum rejects them, write without the animations, then without any picture."""
     still = tuple(image for image in images if not image.startswith(b"RIFF"))
     for pictures in dict.fromkeys((tuple(images), still)) if images else ():
         try:
@@ -276,8 +275,10 @@ async def until_allowed(
     limit_s: float = TOLD_WITHIN_S,
     wait: Callable[[float], Awaitable[object]] = asyncio.sleep,
 ) -> T:
-    """Repeat a write while the forum denies it: our account may be suspended for a while. After `limit_s` the denial is
-    raised; other errors are raised at once."""
+    """Repeat a write while the forum denies it, because the account may be suspended temporarily.
+
+    Raises the denial after `limit_s`, and other errors at once.
+    """
     wait_s, longest_s = _DENIED_S
     until_s = time.monotonic() + limit_s
     while True:

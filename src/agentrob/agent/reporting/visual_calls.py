@@ -1,8 +1,7 @@
-"""List every call of a model on the way to a goal with its result: a table for the reply, JSON lines for programs.
+"""List every call of a visual loop with its result: a table for the reply, JSON lines for programs. Pure.
 
-In the table it stands in place of the steps, each beside the call that it came of: what was asked, what was measured,
-and which picture was seen then. What a model wrote is escaped code of at most 100 characters; the whole is in the lines
-and in the command's record. Pure.
+The table replaces the table of steps: each row shows a call, what was measured and the picture that was taken. A
+model's words are escaped code of at most 100 characters; the JSON lines and the command's record have all of them.
 """
 
 from __future__ import annotations
@@ -17,13 +16,13 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op
 
-#: The most rows in a reply.
+#: The maximum number of rows in a reply.
 MOST_ROWS = 30
 _NONE = "–"
 
 
 def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequence[Picture], language: Language) -> str:
-    """All calls in order, as Markdown; steps that no call asked for (pictures that were shown) stand between them."""
+    """Return all calls in order as Markdown, with the steps that no call requested (pictures shown to the model)."""
     head = [
         say("agent.table.step", language), say("visual.calls.asked", language), say("agent.table.measured", language),
         say("agent.table.outcome", language),
@@ -35,7 +34,7 @@ def table(looked: LoopRecord, results: Sequence[ActionResult], pictures: Sequenc
 
 
 def lines(looked: LoopRecord) -> bytes:
-    """The calls as JSON lines: the goal and how it ended, then a line for each call."""
+    """Return the calls as JSON lines: the goal and its end, then one line per call."""
     head = {"goal": looked.goal, "mind": looked.mind, "end": asdict(looked.end), "contradicted": looked.contradicted}
     rows = [head, *(asdict(turn) for turn in looked.turns)]
     return "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in rows).encode()
@@ -69,7 +68,7 @@ def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], 
 
 
 def _seen(pictures: Sequence[Picture], language: Language) -> dict[int, str]:
-    """By step: which of the post's pictures was seen then, or its link."""
+    """Return the label of the picture of each step, with its link if it has one."""
     seen, place = {}, 0
     for picture in pictures:
         place += picture.attached
@@ -88,7 +87,7 @@ def _outcome(turn: LoopCall, language: Language) -> str:
 
 
 def call(turn: LoopCall) -> str:
-    """A call as code: its name and its arguments; words without one as they are."""
+    """Return a call as code, with its arguments; words without a call unchanged."""
     if not turn.tool:
         return _code(turn.words)
     given = turn.arguments.get("raw") if list(turn.arguments) == ["raw"] else None
@@ -109,5 +108,5 @@ def _plain(value: object) -> str:
 
 
 def _code(words: str) -> str:
-    """Inline code that is safe inside a table."""
+    """Return inline code that is safe inside a table."""
     return quote(words.replace("|", "¦"))

@@ -1,7 +1,7 @@
-"""Write what a visual loop did: what was measured, what the model claims, and why it ended (pure).
+"""Describe a visual loop: what was measured, what the model claims, and why it ended. Pure.
 
-The model's words come from what a camera read: they stand as escaped code of at most 100 characters each, as the
-model's, beside what the robot measured, and never as what is so.
+The model's words may come from text in front of the camera. They are quoted as escaped code of at most 100 characters,
+marked as the model's claims, beside the robot's measurements.
 """
 
 from __future__ import annotations
@@ -14,15 +14,14 @@ from agentrob.minds.visual_loop.claims import turned_deg, walked_m
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
 from agentrob.model import ActionResult, Language, Op, Outcome
 
-#: The most refused calls that are listed.
+#: The maximum number of refused calls in a report.
 MOST_REFUSED = 3
 
 
 def paragraphs(
     looked: LoopRecord | None, results: Sequence[ActionResult], language: Language, *, refused: bool = True
 ) -> list[str]:
-    """For a report: the measured sums, the model's claims as such, and, where no table has them, the calls that were
-    not done."""
+    """Return the paragraphs for a report: measured totals, the model's claims and, with `refused`, refused calls."""
     if looked is None:
         return []
     done = [r for r in results if r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)]
@@ -40,7 +39,7 @@ def paragraphs(
 
 
 def why(looked: LoopRecord | None, language: Language) -> str:
-    """Why a loop ended without success, in a sentence of ours; empty when it was cut off from outside, or succeeded."""
+    """Return why a loop ended without success, or an empty string if it succeeded or was interrupted."""
     if looked is None or looked.contradicted:
         return ""
     end = looked.end
