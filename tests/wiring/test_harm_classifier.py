@@ -47,7 +47,7 @@ def test_what_cannot_be_loaded_is_said_once_and_the_rules_decide(
 def test_the_doctor_says_how_soon_it_answers_and_nothing_where_it_is_off(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(app, "check_harm_classifier", lambda: 1.23)
+    monkeypatch.setattr(harm_classifier, "check_harm_classifier", lambda: 1.23)
     config = Config(data=str(tmp_path))
     on = doctor.examine("spot", RobotConfig(model="fake", harm_classifier=True), config)
     assert Finding("harm classifier", Status.OK, "it answers 1.2 s after its start") in on

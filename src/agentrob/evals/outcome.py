@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
 from agentrob.config.load import Config
 from agentrob.errors import MindError
 from agentrob.evals.understanding import never_answered, one_by_one
+from agentrob.language.registry import language_of
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.extraction.trial import reviewed_verdict
 from agentrob.minds.protocol import Addressee, ManagedMind, Mind, read
@@ -19,6 +21,7 @@ from agentrob.model import Account, Capabilities, Decision, Intent, Limits, Plan
 from agentrob.screening.audience import text_for_robot
 from agentrob.screening.screen import harm_in_words, prepare, screen
 from agentrob.screening.second_opinion import with_opinion
+from agentrob.semantic.harm_classifier import HarmDetector
 from agentrob.wiring import app
 
 #: No limits, so that a dangerous command is judged by its meaning and not stopped by its length.
@@ -64,8 +67,13 @@ def outcomes(
     found = asyncio.run(_all(posts, app.make_mind(mind, config), capabilities_of(robot)))
     if not classifier:
         return found
-    judged = app.suspicions([visible_text(body) for body, _ in posts[: len(found)]])
-    return [_with_opinion(*both) for both in zip(found, judged, strict=True)]
+    with closing(HarmDetector()) as detector:
+        return [_with_opinion(one, _suspected(detector, body)) for one, (body, _) in zip(found, posts, strict=False)]
+
+
+def _suspected(detector: HarmDetector, body: str) -> bool:
+    text = visible_text(body)
+    return detector.suspects(text, language_of(text))
 
 
 def _with_opinion(outcome: Outcome, suspected: bool) -> Outcome:

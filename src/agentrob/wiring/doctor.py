@@ -26,6 +26,7 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.process import lock_name
 from agentrob.robots.safety.guard import BLIND_MPS, STATE_AGE_S
 from agentrob.robots.safety.lock import Halt
+from agentrob.semantic import harm_classifier
 from agentrob.wiring import app, drive
 
 STEP_M = 0.1
@@ -105,7 +106,7 @@ def _examined(name: str, settings: RobotConfig, config: Config) -> list[Finding]
 def _classifier() -> Finding:
     """Whether the harm classifier of the configuration answers."""
     try:
-        seconds = app.check_harm_classifier()
+        seconds = harm_classifier.check_harm_classifier()
     except AgentRobError as e:
         advice = "Until it answers, the rules decide alone. Fix it, or set harm_classifier = false."
         return Finding("harm classifier", Status.WARNING, str(e), advice)
