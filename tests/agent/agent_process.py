@@ -1,4 +1,4 @@
-"""An agent in a process of its own, on a real board, with a robot's driver that the test started."""
+"""An agent in its own process, on a real board, with a robot's driver that the test started."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _running: list[ForkedProcess] = []
 
 
 def run_agent(settings: RobotConfig, socket: Path, folder: Path, url: str, token: str) -> None:
-    """An agent, in its process."""
+    """Run an agent; the main function of its process."""
     log_to_stderr()
 
     async def main() -> None:
@@ -34,7 +34,7 @@ def run_agent(settings: RobotConfig, socket: Path, folder: Path, url: str, token
 
 
 def start_agent(driver: Driver, folder: Path, board: RunningBoard) -> ForkedProcess:
-    """Started and listening; ended with its test, if that does not end it."""
+    """Start an agent and wait until it listens. It ends with the test at the latest."""
     arguments = driver.settings, driver.socket, folder, board.url, board.tokens[ROBOT]
     process = ForkedProcess(run_agent, *arguments, keep_stderr=False)
     _running.append(process)
@@ -50,35 +50,35 @@ def end_agent(process: ForkedProcess) -> None:
 
 
 def end_agents() -> None:
-    """All that are left."""
+    """End all agents that still run."""
     for process in list(_running):
         end_agent(process)
 
 
 class Poster:
-    """Somebody on the board, over its API."""
+    """An account on the board, used over its API."""
 
     def __init__(self, board: RunningBoard, name: str) -> None:
         self._http = board.client(name)
 
     async def post(self, body: str) -> str:
-        """Begin a topic; its id."""
+        """Start a topic and return its id."""
         content = {"board_id": "robots", "title": "A topic", "body": body}
         made = await asyncio.to_thread(self._http.post, "/topics", json=content)
         return str(made.raise_for_status().json()["topic"]["id"])
 
     async def states(self, topic: str) -> list[str]:
-        """What the robot's status posts in a topic say."""
+        """Return the states of the robot's status posts in a topic."""
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return [item["card"]["state"] for item in items if item["card"]]
 
     async def told(self, topic: str) -> str:
-        """What the robot's newest status post in a topic says."""
+        """Return the text of the robot's newest status post in a topic."""
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return str([item["raw"] for item in items if item["card"]][-1])
 
     async def final(self, topic: str, limit_s: float = 60.0) -> list[str]:
-        """The states once one of them is final."""
+        """Wait for a final state and return all states."""
         async with asyncio.timeout(limit_s):
             while not set(states := await self.states(topic)) & FINAL:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.05)
@@ -92,7 +92,7 @@ class Poster:
 
 
 async def until(driver: Driver, condition: Callable[[Any], bool], limit_s: float = 60.0) -> None:
-    """Look at the robot until its state is so."""
+    """Poll the robot's state until it meets a condition."""
     async with asyncio.timeout(limit_s), driver.client() as client:
         while not condition(await client.state()):  # noqa: ASYNC110 (another process)
             await asyncio.sleep(0.02)

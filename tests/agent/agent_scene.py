@@ -33,7 +33,7 @@ FINAL = {"done", "failed", "refused", "asks_back", "stopped", "interrupted", "ca
 
 
 def reachable(state: CommandState) -> set[CommandState]:
-    """Every state that can come after this one, directly or not."""
+    """Return every state that can follow this one, directly or indirectly."""
     found: set[CommandState] = set()
     ahead = [state]
     while ahead:
@@ -45,8 +45,10 @@ def reachable(state: CommandState) -> set[CommandState]:
 
 @contextmanager
 def checked_cards(world: MemoryWorld) -> Iterator[None]:
-    """Check that what is shown meanwhile on each status post follows the table of states. An edit may pass over states;
-    an end that was guessed gives way to what was measured."""
+    """Check that the states of each status post follow the table of transitions.
+
+    An edit may skip states, and a guessed end may be replaced by a measured one.
+    """
     shown = {post.id: post.card for post in world.posts.values() if post.card is not None}
     begun = len(world.events)
     yield
@@ -62,11 +64,13 @@ def checked_cards(world: MemoryWorld) -> Iterator[None]:
 
 
 def robot_settings(**more: Any) -> RobotConfig:
-    """A fake robot in a large room, ten times as fast as life."""
+    """Return the settings of a fake robot in a large room, at ten times real time."""
     options = {"time_scale": 10, "room": [-1000, 1000, -1000, 1000], **more.pop("options", {})}
     common = {
         "model": "fake",
-        "domain": int(os.environ["AGENTROB_TEST_DOMAIN"]),  # others on this host may drive one of the same name
+        "domain": int(
+            os.environ["AGENTROB_TEST_DOMAIN"]
+        ),  # other test processes on this host may control a robot of the same name
         "simulated": True,
         "home_on_start": True,
         "fence": WIDE,
@@ -78,8 +82,8 @@ def robot_settings(**more: Any) -> RobotConfig:
 
 @cache
 def fresh_journal() -> bytes:
-    """What the first start of an agent writes to its journal, made once for all agents of this process: the engine's
-    migrations take longer than most commands of the tests."""
+    """Return the journal file of a new agent, made once per process because the engine's migrations take longer than
+    most commands in the tests."""
 
     async def make(folder: Path) -> None:
         await (await Journal.open(folder, ROBOT)).close()
@@ -90,14 +94,14 @@ def fresh_journal() -> bytes:
 
 
 def begin_journal(folder: Path) -> None:
-    """Give an agent that never ran its journal; one that lost its journal gets none."""
+    """Copy a new journal for an agent that never ran; an agent that lost its journal gets none."""
     if not folder.exists():
         folder.mkdir(parents=True, mode=0o700)
         (folder / "journal.sqlite").write_bytes(fresh_journal())
 
 
 class Driver:
-    """A driver process of its own."""
+    """A driver in its own process."""
 
     def __init__(
         self, folder: Path, settings: RobotConfig, name: str = ROBOT, run: Callable[..., None] = run_driver
@@ -119,7 +123,7 @@ class Driver:
 
 @asynccontextmanager
 async def serving(agent: RobotAgent) -> AsyncIterator[None]:
-    """The agent serves until the block ends."""
+    """Run the agent until the block ends."""
     running = asyncio.create_task(agent.run())
     ready = asyncio.create_task(agent.ready.wait())
     await asyncio.wait({running, ready}, return_when=asyncio.FIRST_COMPLETED)
@@ -155,29 +159,29 @@ class Scene:
         return (await forum.reply(topic, text, key=f"k{next(self._keys)}", reply_to=reply_to)).post
 
     def replies(self, post: Post) -> list[Post]:
-        """What the robot wrote in answer to a post."""
+        """Return the robot's replies to a post."""
         return [p for p in self.world.posts.values() if p.reply_to == post.id and p.author.name == ROBOT]
 
     async def until(self, condition: Callable[[], Any], limit_s: float = 60.0) -> Any:
-        """Wait for something to be so on the forum."""
+        """Wait until a condition on the forum holds, and return its value."""
         async with asyncio.timeout(limit_s):
             while not (found := condition()):
                 await self.world.wait(0.05)
         return found
 
     async def final(self, post: Post, limit_s: float = 60.0) -> Post:
-        """The robot's final answer to a post."""
+        """Wait for the robot's final reply to a post."""
         return await self.until(
             lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None), limit_s
         )
 
     async def state(self, post: Post, state: str) -> Post:
-        """The robot's answer when it shows a state."""
+        """Wait until the robot's reply to a post shows a state."""
         return await self.until(lambda: next((p for p in self.replies(post) if p.card and p.card.state == state), None))
 
     @asynccontextmanager
     async def agent(self, **changed: Any) -> AsyncIterator[RobotAgent]:
-        """An agent that serves until the block ends. `changed` replaces constructor arguments."""
+        """Run an agent until the block ends. `changed` replaces constructor arguments."""
         agent = self.make(**changed)
         with checked_cards(self.world):
             async with serving(agent):
@@ -194,7 +198,7 @@ class Scene:
 
 
 def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:
-    fresh_journal()  # made while no agent of this process has its journal open
+    fresh_journal()  # before any agent of this process opens its journal
     scene = Scene(world or MemoryForum.world(), driver, folder, robot_settings(**settings))
     scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
     scene.person("alice")

@@ -20,7 +20,7 @@ BLANK = bytes.fromhex(
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    """One driver for all tests of a file."""
+    """Start one driver for all tests of a module."""
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings())
     yield made
     made.end()
@@ -33,13 +33,14 @@ def scene(driver: Driver, tmp_path: Path) -> Scene:
 
 @pytest.fixture(autouse=True)
 def no_agent_is_left() -> Iterator[None]:
-    """Not even by a test that failed."""
+    """End agents that a failed test left running."""
     yield
     end_agents()
 
 
 @pytest.fixture(autouse=True)
 def paths_are_not_drawn(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drawing a path is half of what a command costs, so it is a fixed picture but in files that say `DRAWS`."""
+    """Replace path plots with a fixed picture, except in modules with `DRAWS`: drawing takes half of a command's
+    time."""
     if not getattr(request.module, "DRAWS", False):
         monkeypatch.setattr(pictures, "path_plot", lambda _: BLANK)

@@ -1,4 +1,4 @@
-"""A post comes in, the robot moves, a reply goes out."""
+"""A command end to end: a post comes in, the robot moves, a reply goes out."""
 
 from __future__ import annotations
 

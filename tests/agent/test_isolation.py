@@ -1,4 +1,4 @@
-"""What one command, one slow mind or one failing task of an agent costs the others: nothing."""
+"""One command, one slow mind or one failing task of an agent does not affect the others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TURN = f"@{ROBOT} turn left 30 degrees"
 
 
 class SlowMind:
-    """Reads as rules do, but never ends with a post that says "ponder"; `given_up` counts those that were cancelled."""
+    """Reads like the rules, but never finishes a post that says "ponder"; `given_up` counts the cancelled readings."""
 
     name = "slow"
 

@@ -1,4 +1,4 @@
-"""Every operation is asked for by post, in both languages, and the reply names it; so does every other page."""
+"""Every operation can be requested by a post in both languages, and the reply and all pages name it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _AMOUNTS = {
     Op.TURN: {"direction": Direction.LEFT, "degrees": 20.0},
 }
 STEPS = [Primitive(op, **_AMOUNTS.get(op, {})) for op in Op]  # type: ignore[arg-type]
-#: An operation that a robot of somebody else may have; nothing here knows its name.
+#: An operation that a third party's robot may have; nothing in the agent knows its name.
 FOREIGN = Primitive("wag_tail")  # type: ignore[arg-type]
 
 
@@ -36,7 +36,7 @@ async def test_every_operation_of_every_robot_is_answered_in_both_languages(
 ) -> None:
     everything = DriverClient.capabilities
 
-    async def narrowed(driver: DriverClient) -> Capabilities:  # the fake robot can do what this one can
+    async def narrowed(driver: DriverClient) -> Capabilities:  # the fake robot supports this one
         return (
             replace(await everything(driver), model=robot.model, ops=robot.ops) if robot else await everything(driver)
         )

@@ -1,4 +1,4 @@
-"""The parts of an agent by themselves: status line, channel, plot, camera, presence, single run, small print."""
+"""Parts of an agent in isolation: status line, channel, plot, camera, presence, single run, footer."""
 
 from __future__ import annotations
 
@@ -159,13 +159,13 @@ def test_a_path_is_drawn_and_no_path_is_not() -> None:
 
 
 def test_a_path_is_seen_from_where_it_began() -> None:
-    """Where the robot stood in the room makes no difference to the picture."""
+    """The robot's position in the room does not change the picture."""
     moved = replace(walk(), path=tuple((t, x + 50, y - 20, yaw) for t, x, y, yaw in walk().path))
     assert path_plot([walk()]) == path_plot([moved])
 
 
 class Lens:
-    """A camera of the room over real HTTP."""
+    """A room camera over real HTTP."""
 
     async def __aenter__(self) -> Lens:
         self.asked = 0
@@ -305,7 +305,7 @@ async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothin
 
 
 async def test_all_words_of_harm_are_compiled_before_an_agent_serves(driver: Driver, tmp_path: Path) -> None:
-    """Compiling takes half a second, and a stop that comes meanwhile would wait."""
+    """Compiling takes half a second, which would delay a stop."""
     agent = make_scene(driver, tmp_path).make()
     try:
         for rule in harm.RULES:

@@ -1,4 +1,4 @@
-"""An agent that is ready has loaded what it needs: importing a library, also in a thread, makes a stop wait."""
+"""An agent that is ready has imported what it needs: an import, even in a thread, would delay a stop."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tests.agent.agent_scene import Driver, robot_settings
 
-#: A whole command with its pictures, in a process of its own; prints what was imported since the agent was ready.
+#: A whole command with its pictures in a separate process; prints what was imported after the agent was ready.
 SCRIPT = """
 import asyncio, sys
 from pathlib import Path

@@ -1,28 +1,28 @@
-"""Every story in this folder, told on the memory forum by a fake robot behind a real driver process.
+"""Run every story in this folder on the memory forum, with a fake robot behind a real driver process.
 
-A story is Markdown: front matter, then what happens, heading by heading. Text above the first heading and between a
-story's steps is for readers. The front matter names the accounts; it may have `max_edits` and `live` of the forum,
-settings of the robot's agent (`[robot]`, as in agentrob.toml), and `real = true`: then the robot does not say that it
-is simulated. Headings that are understood:
+A story is a Markdown file: front matter, then one step per heading. Text above the first heading and between the steps
+is for readers. The front matter names the accounts; it may set `max_edits` and `live` of the forum, settings of the
+robot's agent (`[robot]`, as in agentrob.toml), and `real = true` for a robot that does not report itself as simulated.
+The steps:
 
-    ## NAME posts KEY                       the text below is posted as a new topic
-    ## NAME posts KEY, 10 minutes ago       as if it had been posted then
-    ## NAME replies to KEY: KEY             the text below is posted in that thread
-    ## NAME edits KEY                       the post's text becomes the one below
+    ## NAME posts KEY                       post the text below as a new topic
+    ## NAME posts KEY, 10 minutes ago       the same, with an earlier time
+    ## NAME replies to KEY: KEY             post the text below in that thread
+    ## NAME edits KEY                       replace the post's text by the one below
     ## NAME presses stop                    on the robot's page
     ## NAME removes KEY
     ## NAME is suspended                    from now on
-    ## NAME presses emergency stop          on the robot's page; so release
-    ## the owner releases the robot         from its halt, at its machine
-    ## the robot is released                wait until it is; or stays locked, when all buttons have been heard
-    ## KEY shows STATE                      wait until the status of that command is so; it contains what is listed
-    ## ROBOT answers KEY: STATE             the final answer; it contains each line of the list below (or does not:
-                                            "without: …")
-    ## ROBOT replies to KEY                 a reply that is no command's status, as to a stop
+    ## NAME presses emergency stop          on the robot's page; also: release
+    ## the owner releases the robot         from a halt, at its machine
+    ## the robot is released                wait for it; also: stays locked, once all presses are processed
+    ## KEY shows STATE                      wait for this state of the command; its post contains the list below
+    ## ROBOT answers KEY: STATE             the final reply; it contains each line of the list below, except lines
+                                            with "without: …", which it must not contain
+    ## ROBOT replies to KEY                 a reply that is not a command's status, for example to a stop
     ## ROBOT replied to KEY N times
     ## ROBOT says nothing to KEY
     ## the robot walks                      wait until it moves
-    ## the robot walked 1.0 m               since the story began, as its driver measured, within 10 %
+    ## the robot walked 1.0 m               since the story began, measured by its driver, within 10 %
     ## the robot stands where it stood
 """
 
@@ -71,7 +71,7 @@ def read(path: Path) -> Story:
 
 
 class RealClient(DriverClient):
-    """A client of a fake robot's driver that takes it for a real one."""
+    """A client of a fake robot's driver that reports a real robot."""
 
     async def capabilities(self) -> Capabilities:
         return replace(await super().capabilities(), simulated=False)
@@ -86,7 +86,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 @dataclass
 class Told:
-    """A story that is being told."""
+    """A story in progress."""
 
     scene: Scene
     agent: RobotAgent
@@ -119,7 +119,7 @@ class Told:
                 await asyncio.sleep(0.01)
 
     async def stays_locked(self, _: str) -> None:
-        """Events are heard in order: once a later post is answered, the buttons before it have been."""
+        """Events are processed in order: once a later post is answered, the button presses before it are processed."""
         self.scene.person("barrier", Role.MEMBER)
         await self.scene.final(await self.scene.post("barrier", f"@{ROBOT} help"))
         await self.agent.stops.settled()
@@ -146,7 +146,7 @@ class Told:
         await self._settled(key)
 
     async def _settled(self, key: str) -> None:
-        """Its reply comes a moment before the journal has it, and "again" is read from the journal."""
+        """Wait for the journal: the reply comes a moment before its row, and "again" reads the row."""
         async with asyncio.timeout(60):
             while self.posts[key].id in {c.command.post_id for c in await self.agent.journal.open_claims()}:
                 await self.scene.world.wait(0.01)
@@ -158,7 +158,7 @@ class Told:
         await self.scene.until(lambda: len(self.scene.replies(self.posts[key])) == int(times))
 
     async def nothing(self, _: str, key: str, __: str) -> None:
-        """Posts are handled in order: once a later one is answered, this one will not be."""
+        """Posts are processed in order: once a later one is answered, this one will not be."""
         self.scene.person("barrier", Role.MEMBER)
         await self.scene.final(await self.scene.post("barrier", f"@{ROBOT} help"))
         assert self.scene.replies(self.posts[key]) == []
@@ -176,7 +176,7 @@ class Told:
         assert await self.place() == pytest.approx(self.start, abs=0.001)
 
     async def place(self) -> tuple[float, float]:
-        """Where the robot is, by its driver."""
+        """Return the robot's position, from its driver."""
         pose = (await self.agent.driver.state()).pose
         assert pose is not None
         return pose.x_m, pose.y_m
@@ -232,7 +232,7 @@ async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
         kind = AccountKind(what) if what in frozenset(AccountKind) else AccountKind.HUMAN
         role = Role(what) if what in frozenset(Role) else Role.MEMBER
         scene.person(name, role, kind)
-        scene.world.set_role(name, role)  # some are there before
+        scene.world.set_role(name, role)  # some exist already
     changed = {"driver": RealClient(driver.name, driver.socket)} if story.real else {}
     async with scene.agent(**changed) as agent:
         told = Told(scene, agent)
@@ -241,7 +241,7 @@ async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
             for heading, text in story.steps:
                 await tell(told, heading, text)
         finally:
-            await told.released()  # the driver tells other stories too
+            await told.released()  # the driver is shared by all stories
 
 
 def test_there_are_stories() -> None:

@@ -1,4 +1,4 @@
-"""A driver of a fake robot before whose camera stands a sign that gives orders."""
+"""A driver of a fake robot that sees a sign with instructions in front of its camera."""
 
 from __future__ import annotations
 
@@ -20,6 +20,6 @@ def picture(_: FakeRobot) -> bytes:
 
 
 def run_signed_driver(name: str, settings: RobotConfig, socket: Path, data: Path) -> None:
-    """In a process of its own, since it changes the class."""
+    """Runs in its own process, because it changes the class."""
     FakeRobot._picture = picture  # type: ignore[method-assign]
     run_driver(name, settings, socket, data)

@@ -1,4 +1,4 @@
-"""What a thread reads of faults: of a fall, an empty battery, a blank picture, and a forum that is away for long."""
+"""How the reply reports faults: a fall, an empty battery, a blank picture, and a long outage of the forum."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Ill = Callable[..., Scene]
 
 @pytest.fixture
 def ill(tmp_path: Path) -> Iterator[Ill]:
-    """A scene whose robot has these faults."""
+    """Return a scene whose robot has these faults."""
     drivers: list[Driver] = []
 
     def make(time_scale: float = 10, **faults: Any) -> Scene:
@@ -46,7 +46,7 @@ async def told(scene: Scene, text: str) -> Post:
 
 
 async def until(scene: Scene, true: Callable[[float], bool]) -> None:
-    """Until the robot's speed is so."""
+    """Wait until the robot's speed meets a condition."""
     async with asyncio.timeout(60), scene.driver.client() as robot:
         while not true(((await robot.state()).velocity_mps or (0.0, 0.0))[0]):  # noqa: ASYNC110 (another process)
             await asyncio.sleep(0.02)
@@ -111,7 +111,8 @@ async def test_a_frozen_robot_is_told(ill: Ill) -> None:
 async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_jumped(
     ill: Ill, fault: dict[str, Any], why: str, said: tuple[str, str]
 ) -> None:
-    """In the reply in both languages, in the record, on the board's page of it, and to a model that steers."""
+    """The fault is named in the reply in both languages, in the record, on the command's page, and to a steering
+    model."""
     scene = ill(**fault, after_m=0.5)
     async with scene.agent():
         reply = await told(scene, "@quadruped walk forward 2 metres")
@@ -131,7 +132,7 @@ async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_
 async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_and_all_is_told(
     ill: Ill, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The clocks of the forum and of this machine go on by ten minutes; the outage itself is short."""
+    """The clocks of the forum and of this machine advance by ten minutes; the outage itself is short."""
     scene = ill(time_scale=1)
     world = scene.world
 
@@ -143,7 +144,7 @@ async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_
         world.reachable = False
         topic = world.topics[running.topic_id]
         early = world.add_post(topic, "alice", "@quadruped turn left 90 degrees", "early", ())
-        await until(scene, lambda mps: mps == 0.0)  # it was stopped, since nobody else could have
+        await until(scene, lambda mps: mps == 0.0)  # the agent stopped it, because nobody else could have
         world.clock_offset_s += 600
         late = world.add_post(topic, "alice", "@quadruped turn right 45 degrees", "late", ())
         world.reachable = True
@@ -160,7 +161,7 @@ async def test_law_5_a_post_right_after_the_first_start_is_fresh_however_slowly_
     asked_s = 0.0
 
     class Slow(MemoryForum):
-        """Four seconds go by before it reads its clock, none after that."""
+        """Four seconds pass before it reads its clock, none afterwards."""
 
         async def now(self) -> tuple[str, datetime]:
             nonlocal asked_s

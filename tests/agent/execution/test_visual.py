@@ -1,4 +1,4 @@
-"""The loop of a model that steers by its eyes: law 7, its budgets, its ends, and what becomes of its claims."""
+"""The loop of a model that steers by camera pictures: law 7, budgets, ends, and the check of its claims."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ async def run(guard: Guard, *turns: Any, **more: Any) -> tuple[Execution, LocalD
 
 
 def told(model: Script, turn: int) -> list[dict[str, Any]]:
-    """What the model was told of its calls before that turn."""
+    """Return what the model was told about its calls before that turn."""
     return [json.loads(m.content) for m in model.asked[turn] if isinstance(m, ToolResult)]
 
 

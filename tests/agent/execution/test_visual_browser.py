@@ -1,4 +1,4 @@
-"""What people see of a robot that a model steered: the report with every call of it and the pictures, in Chromium."""
+"""The report of a command that a model steered, in Chromium: every call with its pictures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ CALLS = [
 
 
 async def looked(board: RunningBoard, driver: Driver, folder: Path) -> str:
-    """The topic of a command that a model carried out."""
+    """Return the topic of a command that a model carried out."""
     settings = robot_settings(look={"allowed": True})
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
     with driving_brain() as brain, Poster(board, "op") as op:
@@ -47,7 +47,7 @@ async def looked(board: RunningBoard, driver: Driver, folder: Path) -> str:
 
 @pytest.fixture(scope="module")
 def thread(driver: Driver, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[RunningBoard, str]]:
-    """A board that is up, and the topic there."""
+    """Start a board with that topic."""
     folder = tmp_path_factory.mktemp("look")
     with running_board(folder / "board") as board:
         yield board, asyncio.run(looked(board, driver, folder))

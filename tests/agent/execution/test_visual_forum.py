@@ -1,4 +1,4 @@
-"""A post that needs eyes, end to end: forum, agent, driver process, and a model over HTTP."""
+"""A command that needs a camera, end to end: forum, agent, driver process, and a model over HTTP."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def brain() -> Iterator[Driving]:
 
 @pytest.fixture
 def looking(driver: Driver, tmp_path: Path) -> Scene:
-    """A scene whose owner allows a model to steer."""
+    """Return a scene whose owner allows a model to steer."""
     return make_scene(driver, tmp_path, look=LOOK)
 
 
@@ -67,7 +67,7 @@ async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_
     assert "The model `clever` says that it saw `a blue box`." in reply.raw
     assert "This has not been verified." in reply.raw
     assert "3 questions" in reply.raw or "4 questions" in reply.raw
-    assert len(reply.images) == 3  # two of the camera, one of the path
+    assert len(reply.images) == 3  # two from the camera, one of the path
     kept = record(looking, post)["looked"]
     assert [t["tool"] for t in kept["turns"]] == ["act_turn", "act_move", "finish"]
     assert kept["end"]["saw"] == ["a blue box"]
@@ -142,7 +142,7 @@ async def test_law_18_a_denied_claim_is_told_in_the_language_of_the_post(looking
 
 # ---------------------------------------------------------------------- the transcript
 def rows(reply: Post) -> list[list[str]]:
-    """The cells of the report's table, without its head."""
+    """Return the cells of the report's table without its header."""
     lines = [line for line in reply.raw.splitlines() if line.startswith("|")]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
@@ -295,7 +295,7 @@ async def test_law_6_a_loop_that_was_cut_off_is_told_as_interrupted_and_never_go
 # ---------------------------------------------------------------------- pictures are data
 @pytest.fixture
 def sign(tmp_path: Path) -> Iterator[Driver]:
-    """A robot before whose camera stands a sign that gives orders."""
+    """A robot with a sign with instructions in front of its camera."""
     made = Driver(tmp_path, robot_settings(), name="signed", run=run_signed_driver)
     yield made
     made.end()

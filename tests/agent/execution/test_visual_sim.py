@@ -1,4 +1,5 @@
-"""A closed loop: the simulated Go2 goes to the red ball by pictures of its own camera, which a model gets over HTTP."""
+"""A closed loop: the simulated Go2 walks to the red ball, steered by a model over HTTP that gets its camera
+pictures."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ DRAWS = True
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 ROBOT = "quadruped"
-#: Half of what the camera sees to either side; how wide the ball is; how near is near enough, from the camera.
+#: Half of the camera's field of view, the width of the ball, and the distance from the camera that counts as reached.
 HALF_DEG, BALL_M, NEAR_M = 37.6, 0.30, 0.9
 
 
@@ -48,13 +49,13 @@ def scene(world: Served, tmp_path: Path) -> Iterator[Scene]:
 
 
 def towards_red(shown: list[Any]) -> tuple[str, Any]:
-    """What a model with a very simple eye does next, by the newest picture alone."""
+    """Return the next call of a very simple vision model that uses only the newest picture."""
     if (red := red_in(shown[-1])) is None:
         return "act_turn", {"direction": "left", "degrees": 40, "look": True}
     aside, share = red
     degrees = math.degrees(math.atan(abs(aside) * math.tan(math.radians(HALF_DEG))))
     away_m = BALL_M / (2 * share * math.tan(math.radians(HALF_DEG)))
-    if degrees > (8 if away_m > NEAR_M + 0.2 else 20):  # before the ball it need not be exact
+    if degrees > (8 if away_m > NEAR_M + 0.2 else 20):  # far from the ball the heading need not be exact
         return "act_turn", {"direction": "left" if aside < 0 else "right", "degrees": round(degrees, 1), "look": True}
     if away_m > NEAR_M:
         way_m = min(1.0, away_m - NEAR_M + 0.1)

@@ -1,5 +1,7 @@
-"""A model on loopback that steers a robot by the pictures that it gets over HTTP, as a test wants; other questions of
-the same model (reading, screening) are answered by `brain`."""
+"""A scripted model on loopback that steers a robot by pictures over HTTP.
+
+Other questions to the model (reading, screening) are answered by `brain`.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,7 @@ class Driving(Brain):
         handler.hang()
 
     def after(self, step: tuple[str, Any]) -> Callable[[Any], None]:
-        """Thinks until `go` is set, and then calls that."""
+        """Wait until `go` is set, then return that call."""
 
         def answer(handler: Any) -> None:
             self.hanging.set()
@@ -69,7 +71,7 @@ def driving_brain() -> Iterator[Driving]:
 
 
 def pictures(body: dict[str, Any]) -> list[Image.Image]:
-    """The pictures in a question, oldest first."""
+    """Return the pictures in a question, oldest first."""
     found = []
     for message in body["messages"]:
         parts = message["content"] if isinstance(message["content"], list) else []
@@ -81,7 +83,7 @@ def pictures(body: dict[str, Any]) -> list[Image.Image]:
 
 
 def told(body: dict[str, Any]) -> str:
-    """All words of a question, without the pictures."""
+    """Return all words of a question, without the pictures."""
     words = []
     for message in body["messages"]:
         content = message["content"]
@@ -90,12 +92,13 @@ def told(body: dict[str, Any]) -> str:
 
 
 def red_in(picture: Image.Image) -> tuple[float, float] | None:
-    """Where the red ball is, from -1 (left) to 1 (right), and its share of the picture's width; None when not seen."""
+    """Return the position of the red ball, from -1 (left) to 1 (right), and its share of the picture's width; None if
+    not visible."""
     import numpy as np
 
     pixels = np.asarray(picture.convert("RGB"), dtype=np.int16)
     red = (pixels[..., 0] > 110) & (pixels[..., 1] < 0.45 * pixels[..., 0]) & (pixels[..., 2] < 0.45 * pixels[..., 0])
-    red[: red.shape[0] // 3] = False  # the ball lies on the floor; books on shelves do not
+    red[: red.shape[0] // 3] = False  # the ball lies on the floor; red books on shelves do not
     columns = red.sum(axis=0)
     wide = columns >= 3
     if wide.sum() < 4:

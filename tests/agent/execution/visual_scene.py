@@ -1,4 +1,4 @@
-"""Scripted models, and a driver without a process, for tests of the loop."""
+"""Scripted models and a driver without a process, for tests of the visual loop."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ Call = tuple[str, Any]
 
 @dataclass
 class Script:
-    """A model that says what a test wants: per turn a list of calls (name, arguments), words, or what to await."""
+    """A scripted model: for each turn a list of calls (name, arguments), words, or something to await."""
 
     turns: list[Any]
     name: str = "scripted"
@@ -77,7 +77,7 @@ class Script:
 
 
 class LocalDriver:
-    """A guard in this process behind the calls of a driver's client; `steps` is all that reached the robot."""
+    """The driver client's interface to a guard in this process; `steps` are the steps that reached the robot."""
 
     def __init__(self, guard: Guard) -> None:
         self.guard = guard
@@ -122,7 +122,7 @@ def visual_task(
 
 
 def hooks(**changed: Any) -> ExecutionHooks:
-    """Everything is allowed, nobody stops."""
+    """Hooks that allow everything and never stop."""
 
     async def since() -> float:
         return 0.0

@@ -1,4 +1,4 @@
-"""How often one account may command one robot: short waits in line, long ones told; stops are never counted."""
+"""How often an account may command a robot: short waits are queued, long ones are reported, and stops never count."""
 
 from __future__ import annotations
 

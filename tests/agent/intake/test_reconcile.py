@@ -1,4 +1,5 @@
-"""An agent that was off for longer than the forum keeps its events: nothing is lost silently, nothing is done twice."""
+"""An agent that was off for longer than the forum keeps events: no post is lost silently, and none is carried out
+twice."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ async def agent_of(board: RunningBoard, driver: Driver, folder: Path) -> AsyncIt
 
 
 def forget(board: RunningBoard, all_but: int) -> None:
-    """The board lets go of its events but for the newest, as after a month."""
+    """Delete all events of the board but the newest, as after a month."""
     keep = BoardRetentionConfig(events=all_but)
     job = partial(retention.prune_events, keep=keep, now=datetime.now(UTC) + timedelta(days=31))
     while board.run(board.services.store.do(job)):
@@ -64,4 +65,4 @@ async def test_law_6_events_that_are_not_kept_any_more_cost_no_command_its_answe
             assert await op.final(cut_off) == ["interrupted"]
             assert await op.final(await op.post(f"@{ROBOT} wave")) == ["done"]
             assert await op.states(first) == ["done"]
-            assert await agent.journal.get("era") is None  # what it knew of them still counts
+            assert await agent.journal.get("era") is None  # its earlier events still count

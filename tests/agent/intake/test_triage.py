@@ -1,4 +1,4 @@
-"""Is a post for me: laws 1, 3, 5 and 13, without anything around."""
+"""Whether a post is for this robot (laws 1, 3, 5 and 13), tested without a forum."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EARS = Addressing(
 
 
 def post(text: str, author: Account = ALICE, topic: str = "t", age_s: float = 1.0, board: str = "robots") -> Post:
-    """As our board delivers it, where all who are mentioned here have an account, but @dog."""
+    """A post as the board delivers it, where all mentioned names but @dog have accounts."""
     linked = tuple(name for name in mentions(visible_text(text)) if name != "dog")
     return Post("7", topic, board, author, text, NOW - timedelta(seconds=age_s), mentions=linked)
 
@@ -64,7 +64,7 @@ def test_what_a_post_is_for_me(text: str, route: Route) -> None:
         ("stop", Route.STOP),
         ("停！", Route.STOP),
         ("@humanoid stop", Route.NOTHING),
-        ("@carol stop!", Route.STOP),  # who is not known to be a robot may be a person
+        ("@carol stop!", Route.STOP),  # an account that is not known to be a robot may be a person
         ("@nobody-at-all stop", Route.STOP),
         ("ok", Route.NOTHING),
     ],
@@ -188,14 +188,14 @@ def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may()
 
 
 def test_law_3_a_name_that_the_page_does_not_link_commands_nothing_and_may_stop() -> None:
-    """Zero-width signs in a name: another forum shows it, and makes no mention of it."""
+    """Zero-width characters in a name: another forum shows it, but does not treat it as a mention."""
     unlinked = replace(post("@quad\u200bruped walk forward 1 m"), mentions=())
     assert triage(unlinked, EARS).route is Route.NOTHING
     assert triage(replace(unlinked, mentions=("quadruped",)), EARS).route is Route.READ
     assert triage(replace(post("@quad\u200bruped stop"), mentions=()), EARS).route is Route.STOP
     assert triage(post("@quadruped- stop"), EARS).route is Route.STOP
     assert triage(post("@quadruped- walk forward 1 m"), EARS).route is Route.NOTHING
-    # The page links it where it is not read: in a heading, perhaps.
+    # The page links it where the agent does not read it, for example in a heading.
     assert triage(replace(post("# @quadruped\n\nstop"), mentions=("quadruped",)), EARS).route is Route.STOP
     assert triage(replace(post("# @quadruped\n\nwalk forward"), mentions=("quadruped",)), EARS).route is Route.NOTHING
 

@@ -1,4 +1,4 @@
-"""A fake robot that keeps a ledger of what it really did, behind a real driver, and gates on a command's way to it."""
+"""A fake robot that logs what it really did, behind a real driver, and gates on the path of a command."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TIME_SCALE = 10.0
 
 
 class Gate:
-    """Holds whoever comes until it lets them; `held` are those who wait at it, by what they came with."""
+    """Holds each caller until it is released; `held` are the waiting callers by their keys."""
 
     def __init__(self) -> None:
         self.open = False
@@ -53,7 +53,7 @@ class Gate:
 
 
 class BodyGate:
-    """The same inside the robot, in the driver's threads: a step is held until it is let or has to end."""
+    """The same gate inside the robot, in the driver's threads: a step is held until it is released or must end."""
 
     def __init__(self) -> None:
         self.open = False
@@ -79,26 +79,26 @@ class BodyGate:
 
 
 class Gates:
-    """On the way of a command: read by the mind, in line and about to hold the robot, permitted, about to move."""
+    """The gates on the path of a command: reading, before the lease, after the permission, before the motion."""
 
     def __init__(self) -> None:
         self.mind, self.lease, self.step, self.body = Gate(), Gate(), Gate(), BodyGate()
 
     def let_all(self) -> None:
-        """Everybody goes on to the next gate."""
+        """Release everybody to the next gate."""
         for gate in (self.body, self.step, self.lease, self.mind):
             gate.let()
 
     def open(self) -> None:
-        """Nobody is held any more."""
+        """Release everybody for good."""
         for gate in (self.body, self.step, self.lease, self.mind):
             gate.open = True
             gate.let()
 
 
 class LedgerRobot(FakeRobot):
-    """Calls `on_step` when the guard let a step through, and `on_motion` when the body is first commanded to move for
-    it; counts stops."""
+    """Calls `on_step` when the guard accepts a step, and `on_motion` when the body is first commanded to move for it;
+    counts stops."""
 
     def __init__(self) -> None:
         self.gate = BodyGate()
@@ -130,14 +130,14 @@ class LedgerRobot(FakeRobot):
 
 
 class Stand:
-    """A ledger robot behind guard, lease and socket in this process, as its driver serves it."""
+    """A ledger robot behind guard, lease and socket in this process, served like a real driver."""
 
     def __init__(self, folder: Path, robot: LedgerRobot, driver: Driver) -> None:
         self.folder, self.robot, self.driver = folder, robot, driver
         self.socket = folder / "robot.sock"
 
     def limit(self, step_deg: float) -> None:
-        """The owner changes what one step may turn."""
+        """Change the owner's limit for one turn."""
         self.robot.limit(step_deg)
         self.driver.guard.capabilities = self.robot.capabilities
 
@@ -152,7 +152,7 @@ def robot_stand(folder: Path) -> Iterator[Stand]:
 
 
 class GatedClient(DriverClient):
-    """The agent's way to the driver, with a gate before the lease and one between the last check and the step."""
+    """The agent's driver client with two gates: before the lease, and between the last check and the step."""
 
     def __init__(self, socket: Path, gates: Gates, on_step: Callable[[Primitive], None]) -> None:
         super().__init__(ROBOT, socket)
@@ -171,7 +171,7 @@ class GatedClient(DriverClient):
 
 
 class GatedMind(RulesMind):
-    """Reads a post when it is let."""
+    """A mind that reads a post when it is released."""
 
     def __init__(self, gates: Gates) -> None:
         self._gate = gates.mind

@@ -1,4 +1,4 @@
-"""Fresh, bound and at most once (laws 4 to 6): what must not move does not, and everybody gets one answer."""
+"""Laws 4 to 6: a command is fresh, bound to its post and executed at most once, and everybody gets one reply."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.agent.agent_process import until as until_robot
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.board.running_board import RunningBoard, running_board
 
-#: A robot that stands still may still settle by so much.
+#: How far a standing robot may still settle.
 STILL_M = 0.02
 
 
@@ -39,7 +39,7 @@ async def position(driver: Driver) -> tuple[float, float]:
 
 
 async def until(client: DriverClient, condition: Callable[[Any], bool]) -> None:
-    """Look at the robot until its state is so."""
+    """Poll the robot's state until it meets a condition."""
     while not condition(await client.state()):  # noqa: ASYNC110 (another process)
         await asyncio.sleep(0.02)
 
@@ -52,7 +52,7 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
 
 
 def agent_on(board: RunningBoard, driver: Driver, folder: Path) -> RobotAgent:
-    """The next agent on the same data folder, in this process."""
+    """Return the next agent on the same data folder, in this process."""
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
     return RobotAgent(ROBOT, driver.settings, forum, driver.client(), RulesMind(), folder)
 
@@ -187,7 +187,7 @@ async def test_law_5_what_was_posted_before_the_first_start_is_answered_once(sce
 
 
 class SlowMind(RulesMind):
-    """Understands nothing until it is let."""
+    """A mind that waits until it is released and then understands nothing."""
 
     def __init__(self) -> None:
         self.asked = asyncio.Event()
@@ -214,12 +214,12 @@ async def test_law_4_what_changed_since_it_was_posted_moves_nothing(driver: Driv
                 await scene.world.sign_in("alice").edit(post.id, "@quadruped walk forward 2 metres")
             case "remove":
                 scene.world.remove(post.id)
-            case "give":  # a moderator makes it somebody else's, as NodeBB's "Change Owner" does: no event tells of it
+            case "give":  # a moderator changes the post's owner, as with NodeBB's "Change Owner"; no event reports it
                 scene.world.give(post.id, "bob")
-            case "hand over":  # also to somebody who may command, who did not write it
+            case "hand over":  # also to an account that may command but did not write it
                 scene.person("carol")
                 scene.world.give(post.id, "carol")
-            case "move":  # a moderator moves the topic to a board that is none of the robot's
+            case "move":  # a moderator moves the topic to a board that the robot does not read
                 scene.world.move(post.topic_id, "talk")
             case "suspend":
                 scene.world.suspend("alice")
@@ -273,7 +273,7 @@ async def test_law_7_the_limits_of_today_count_when_it_moves(scene: Scene) -> No
 
 
 def _Offstage(scene: Scene):  # type: ignore[no-untyped-def]  # noqa: N802
-    """The robot's forum without its page, whose card asks for the limits too."""
+    """The robot's forum without its page, because the card also asks for the limits."""
     forum = scene.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
 
     class Offstage:
@@ -331,7 +331,7 @@ async def test_law_16_a_forum_that_cannot_be_heard_each_second_bounds_every_step
 async def test_law_16_where_polls_are_slow_a_step_that_does_not_end_is_ended_after_five_seconds(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
-    """The robot is slower than it says, so the screen let the step pass."""
+    """The robot is slower than its capabilities say, so the screen allowed the step."""
     scene = make_scene(slow_driver, tmp_path, poll_s=0.1)
     scene.world.live, scene.world.fastest_poll_s = False, 1.1
     async with scene.agent() as agent:

@@ -1,4 +1,5 @@
-"""Fresh and bound on the real board: what is edited, removed, or whose author lost a right, before and in a motion."""
+"""Laws 4 and 5 on the real board: a post is edited or removed, or its author loses a right, before and during the
+motion."""
 
 from __future__ import annotations
 
@@ -25,13 +26,13 @@ from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.board.running_board import running_board
 
 CHANGES = ("edit", "remove", "hide", "suspend", "demote", "narrow", "close", "move")
-#: What is refused with its reason, rather than cancelled.
+#: Changes that lead to a refusal with a reason instead of a cancellation.
 REFUSED = ("demote", "narrow", "close", "move")
 WALK = f"@{ROBOT} walk forward 0.5 metres, then turn left 40 degrees"
 
 
 class Gated(DriverClient):
-    """Holds back the end of each step until it is let."""
+    """A driver client that holds back the end of each step until it is released."""
 
     def __init__(self, driver: Driver) -> None:
         super().__init__(driver.name, driver.socket)
@@ -60,7 +61,7 @@ async def serving_on(board: RunningBoard, client: DriverClient, folder: Path) ->
 
 
 def change(board: RunningBoard, what: str, topic: str) -> None:
-    """By the author, by an admin, or at the accounts."""
+    """Take the post away: by its author, by an admin, or by suspending the account."""
     account = local_admin.find_account(board.settings, "pilot")
     own, chief = board.client("pilot"), board.client("admin")
     post = own.get(f"/topics/{topic}/posts").json()["items"][0]["id"]
@@ -80,7 +81,7 @@ def change(board: RunningBoard, what: str, topic: str) -> None:
 
 
 def narrow(board: RunningBoard, what: str, topic: str) -> None:
-    """Take the right from the robot's or the board's side."""
+    """Take the right away, on the robot's or the board's side."""
     with local_admin.writing(board.settings) as connection:
         match what:
             case "narrow":
@@ -97,7 +98,7 @@ def narrow(board: RunningBoard, what: str, topic: str) -> None:
 
 @pytest.fixture
 def pilot(board: RunningBoard) -> Iterator[Poster]:
-    """An operator with all rights."""
+    """Return an operator with all rights."""
     if "pilot" not in board.tokens:
         board.add("pilot", role=Role.OPERATOR)
     account = local_admin.find_account(board.settings, "pilot")

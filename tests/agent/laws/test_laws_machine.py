@@ -1,5 +1,8 @@
-"""Laws 4 to 6, 13 and 14 under any order of events: a machine posts, edits, stops, suspends and restarts at random
-while commands are held on their way, and a ledger outside the agent says what moved."""
+"""Laws 4 to 6, 13 and 14 under any order of events.
+
+A state machine posts, edits, stops, suspends and restarts at random while commands are held at gates, and a ledger
+outside the agent records what moved.
+"""
 
 from __future__ import annotations
 
@@ -37,12 +40,12 @@ from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
 from tests.sizes import size
 
-#: How often it is looked whether the agent came to rest, and how often at most. Looks are counted and not seconds: a
-#: process that a busy machine lets run rarely is late, and not wrong.
+#: How often and at most how many times to poll whether the agent has come to rest. Polls are counted, not seconds, so
+#: that a busy machine, which runs the process rarely, does not fail the test.
 LOOK_S, MOST_LOOKS = 0.005, 3000
-#: Law 5, and how much the clock passes at once: beyond it.
+#: The age limit of law 5, and a clock step that exceeds it.
 FRESH_S, LATER_S = 120.0, 130.0
-#: More would be beyond the ten minutes in which an agent without a journal looks for its claims.
+#: More would exceed the ten minutes in which an agent without a journal looks for its claims.
 MOST_LATER = 3
 WIDE_DEG, NARROW_DEG = 360.0, 90.0
 ACCOUNTS = {
@@ -55,20 +58,20 @@ ACCOUNTS = {
 }
 OBEYED = frozenset({AccountKind.HUMAN, AccountKind.COMMANDING_AGENT})
 Step = tuple[str, float]
-#: Who asks: mostly those who may, so that there is something to move.
+#: Who posts commands: mostly accounts that may, so that robots move.
 askers = st.sampled_from(["alice", "alice", "carol", "carol", "pilot", *ACCOUNTS])
 numbers = st.integers(0, 5)
 changes = st.sampled_from(
     ["edit", "edit into a stop", "remove", "suspend", "right", "limit", "kept", "deleted", "mention", "bare", "button"]
 )
 rarely = st.sampled_from([False, False, False, True])
-#: Who may approve, where everything needs an approval.
+#: Who may approve, where every command needs an approval.
 MODERATOR = "mod"
 
 
 @dataclass
 class Asked:
-    """What the ledger knows of one post: the steps of its first text, and why none of them may begin any more."""
+    """The ledger's entry for one post: the steps of its first text, and why none of them may begin any more."""
 
     post_id: str
     author: str
@@ -81,8 +84,11 @@ class Asked:
 
 
 class Laws(RuleBasedStateMachine):
-    """One forum, one robot, one agent at a time. Every step of every text is a turn of its own size, so that the
-    robot's body itself says which text moved it. With `approval` each command needs one."""
+    """One forum, one robot, one agent at a time.
+
+    Every step of every text is a turn by a different angle, so that the robot's motion identifies the text. With
+    `approval` each command needs one.
+    """
 
     def __init__(self, stand: Stand, folder: Path, approval: bool = False) -> None:
         super().__init__()
@@ -209,7 +215,7 @@ class Laws(RuleBasedStateMachine):
         n=numbers,
     )
     def say(self, by: str, word: str, n: int) -> None:
-        """Somebody approves or denies a command, whether it waits for that or not."""
+        """Approve or deny a command, whether it waits for that or not."""
         asked = self._pick(n)
         topic = self.world.topics[self.world.posts[asked.post_id].topic_id]
         waits = self.agent is not None and asked in self._waiting()
@@ -221,7 +227,7 @@ class Laws(RuleBasedStateMachine):
         self._settle()
 
     def _waiting(self) -> list[Asked]:
-        """What shows that it waits for an approval."""
+        """Return the post that shows that it waits for an approval."""
         shown = {p.reply_to for p in self.world.posts.values() if p.card is not None and p.card.state == "waiting"}
         return [asked for asked in self.asked if asked.post_id in shown]
 
@@ -319,7 +325,7 @@ class Laws(RuleBasedStateMachine):
             self.runner.close()
 
     def _run_out(self) -> None:
-        """Everybody is let until nothing is left to do."""
+        """Release everybody until nothing is left to do."""
         if self.agent is None:
             self._start("kept", 0)
         self.gates.open()
@@ -332,11 +338,11 @@ class Laws(RuleBasedStateMachine):
         self._run(self._until(lambda: self.agent is not None and not self.agent.queue and self._quiet()))
 
     def _only_a_later_post_moves_it(self) -> None:
-        """After all that, a command that nobody objects to moves: the machine sees motions at all."""
+        """At the end a command without objections moves, so the machine does detect motions."""
         if self.halted:
             self.release()
         self.change_the_limit(WIDE_DEG)
-        self.stand.robot.time_scale = math.inf  # so that a busy machine cannot spoil the turn
+        self.stand.robot.time_scale = math.inf  # so that a busy machine cannot invalidate the turn
         late = self._ask("carol", "1", (("left", 91.0),))
         if self.approval:
             self.say(MODERATOR, "approve", 0)
@@ -347,19 +353,19 @@ class Laws(RuleBasedStateMachine):
 
     # ---------------------------------------------------------------- the ledger
     def _sent(self, primitive: Primitive) -> None:
-        """The agent lets a step begin: all that law 4 asks again must be so at this moment, on the forum itself."""
+        """The agent starts a step: all conditions of law 4 must hold on the forum at this moment."""
         self.stopped_when_sent = self.stand.robot.stopped
         step = _step(primitive)
         if why := self._objections(step):
             self.wrong.append(f"{step} was sent: {why}")
 
     def _passed_the_guard(self, primitive: Primitive) -> None:
-        """The driver hands a step to the robot: the last look at limits is over."""
+        """The driver passes a step to the robot: the limits have been checked for the last time."""
         if (step := _step(primitive))[1] > self.limit_deg:
             self.wrong.append(f"{step} passed the guard beyond the limit")
 
     def _moved(self, primitive: Primitive) -> None:
-        """The body begins to move (in a thread of the driver)."""
+        """The body starts to move (in a thread of the driver)."""
         step = _step(primitive)
         self.moved[step] += 1
         why = self._hard(step)
@@ -370,7 +376,7 @@ class Laws(RuleBasedStateMachine):
             self.wrong.append(f"{step} moved: {why}")
 
     def _hard(self, step: Step) -> list[str]:
-        """What holds until the body moves."""
+        """Check what must hold until the body moves."""
         if step not in self.of_step:
             return [self.forbidden_text.get(step, "nobody asked for it")]
         asked = self.of_step[step]
@@ -390,7 +396,7 @@ class Laws(RuleBasedStateMachine):
         return why + (["no right"] if author.role is Role.MEMBER else [])
 
     def _stopped(self, post_id: str = "") -> None:
-        """Law 14: everything that was posted earlier is over, once the agent hears of it."""
+        """Law 14: a stop ends every earlier command once the agent gets it."""
         if self.agent is None:
             self.missed.append((post_id, self.world.now()))
             return
@@ -398,7 +404,8 @@ class Laws(RuleBasedStateMachine):
             asked.never.add("stopped")
 
     def _stopped_while_away(self) -> None:
-        """A stop that nobody reads any more when the agent is back (edited, removed, its author suspended) is none."""
+        """Apply the stops that the agent missed, except those that are invalid when it is back (edited, removed, author
+        suspended)."""
         for post_id, at in self.missed:
             post = self.world.fresh(post_id) if post_id else None
             if post is None or (post.raw.endswith("stop") and _listened_to(post.author) and not post.removed):
@@ -407,8 +414,10 @@ class Laws(RuleBasedStateMachine):
         self.missed.clear()
 
     def _amend(self, asked: Asked, why: str, deed: Callable[[], Any]) -> None:
-        """Do something to a post. What its motion is about to be when the last check is past may still finish the step;
-        a removed one may not begin to move."""
+        """Change a post.
+
+        A motion that has passed the last check may finish its step; a removed post may not start one.
+        """
         on_its_way = bool(self.gates.step.held or self.gates.body.held)
         deed()
         self._settle()
@@ -433,28 +442,28 @@ class Laws(RuleBasedStateMachine):
         return asked
 
     def _write(self, author: str, topic: str, text: str) -> Post:
-        """A post of anybody, also of those whom the forum would not let write any more: they wrote just before."""
+        """Return a post by any account, also one that may no longer write: it wrote just before."""
         return self.world.add_post(self.world.topics[topic], author, text, next(self.keys), ())
 
     def _edit(self, asked: Asked, text: str) -> None:
         self._run(self.world.sign_in(asked.author).edit(asked.post_id, text))
 
     def _pick(self, n: int) -> Asked:
-        """The newest are picked most: they are on their way."""
+        """Prefer the newest posts, because their commands are in progress."""
         return self.asked[-1 - n % len(self.asked)]
 
     def _may_write(self, asked: Asked) -> bool:
         return not self.world.posts[asked.post_id].removed and not self.world.accounts[asked.author].suspended
 
     def _hear(self, asked: Asked) -> None:
-        """The agent hears this post now for the first time."""
+        """Record that the agent gets this post for the first time."""
         asked.heard = True
         if (self.world.now() - asked.posted_at).total_seconds() > FRESH_S:
             asked.never.add("stale")
         asked.due = asked.due or self._audible(asked)
 
     def _audible(self, asked: Asked) -> bool:
-        """Whether it is a command that is heard, also if it may not be obeyed."""
+        """Return whether it is a command that the agent gets, also if it may not be obeyed."""
         post, author = self.world.posts[asked.post_id], self.world.accounts[asked.author]
         return _listened_to(author) and not post.removed and not post.raw.endswith("stop")
 
@@ -464,7 +473,7 @@ class Laws(RuleBasedStateMachine):
         ]
 
     def _ends(self, asked: Asked) -> list[str]:
-        """Every telling of an end of this command, in order, as the forum's events have them."""
+        """Return every end of this command that was written, in the order of the forum's events."""
         ours = {p.id for p in self._replies(asked)}
         told = (e.post for e in self.world.events if e.post is not None and e.post.id in ours)
         return [p.card.state for p in told if p.card is not None and p.card.state in FINAL]
@@ -500,7 +509,7 @@ class Laws(RuleBasedStateMachine):
             age_s = (self.world.now() - asked.posted_at).total_seconds()
             asked.never |= {"before the first start"} if journal == "deleted" else set()
             asked.never |= {"stale"} if age_s > FRESH_S else set()
-            # Who cannot be heard now is no command to an agent that has never heard of it.
+            # An account without read access is ignored by an agent that has never heard of it.
             asked.due = asked.due and (journal == "kept" or bool(self._ends(asked)) or self._audible(asked))
         self._stopped_while_away()
         self._begin()
@@ -522,12 +531,12 @@ class Laws(RuleBasedStateMachine):
         return self.runner.run(work)
 
     def _settle(self) -> None:
-        """Until the agent heard all, did all it can while the gates hold, and wrote down how far it heard."""
+        """Wait until the agent got all events, did all that the gates allow, and stored its watermark."""
 
         async def settle() -> None:
             await self._until(lambda: self.agent is None or self._quiet())
             if self.agent is not None:
-                await self.agent.journal.get("cursor")  # rows are written in their order
+                await self.agent.journal.get("cursor")  # rows are written in order
 
         self._run(settle())
 
@@ -551,9 +560,9 @@ class Laws(RuleBasedStateMachine):
         return all(task.done() or task in waiting for task in agent._tasks)
 
     def _waits(self, job: QueuedCommand) -> bool:
-        """Whether it can go no further without us."""
+        """Return whether the agent cannot continue without the test."""
         if job.command.text in self.gates.mind.held:
-            return job.ended is None  # nobody waits for what is thought about a command that was ended
+            return job.ended is None  # the agent does not wait for the mind of a command that was ended
         assert self.agent is not None
         if job.task in self.agent.queue.asking():
             return job.ended is None
@@ -581,8 +590,8 @@ def _listened_to(account: Account) -> bool:
 
 @pytest.fixture
 def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stand]:
-    """What waits for seconds waits for none, or longer than any busy machine takes: those laws have tests of their own,
-    and the same events shall do the same whenever they come."""
+    """Waits last zero seconds or longer than any busy machine needs: timing laws have other tests, and the same events
+    must give the same result at any speed."""
     monkeypatch.setattr(event_stream, "SILENCE_S", 60.0)
     monkeypatch.setattr(turn, "LAST_WORDS_S", 0.5)
     with robot_stand(tmp_path) as made:

@@ -1,4 +1,5 @@
-"""A robot's agent on one server process of a forum, and people on another: a stop gets through, and silence stops."""
+"""A robot's agent on one server process of a forum and people on another: a stop arrives, and silence stops the
+robot."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
 
 @asynccontextmanager
 async def walking(forum: Forum, driver: Driver, folder: Path) -> AsyncIterator[str]:
-    """The agent is on process b; the command was posted on process a. Its topic."""
+    """Return the topic of a command that was posted on process a while the agent reads process b."""
     own = BoardForum(ForumConfig(url=forum.b.url), forum.tokens[ROBOT])
     agent = RobotAgent(ROBOT, driver.settings, own, driver.client(), RulesMind(), folder)
     running = asyncio.create_task(agent.run())

@@ -1,4 +1,4 @@
-"""The recording of a command: its data, its animation, and that neither can delay or lose anything."""
+"""The recording of a command: its data and its animation, and that neither can delay or lose anything."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ WAVE = Primitive(Op.HELLO)
 
 @pytest.fixture(scope="module")
 def walked() -> tuple[ActionResult, ...]:
-    """A fake robot's way at a virtual clock, laid out on a real one as if it had been life."""
+    """Return a fake robot's path in virtual time, with its times mapped to the real clock."""
     robot = FakeRobot(RobotConfig(model="fake", options={"time_scale": math.inf}))
     at_s, results = 1000.0, []
     for step in (MOVE, TURN, ASIDE):
@@ -98,7 +98,7 @@ def test_the_data_pairs_what_was_commanded_with_what_was_measured_at_each_moment
 
 
 def test_velocities_are_in_the_frame_of_the_body(walked: tuple[ActionResult, ...]) -> None:
-    """After the turn "left" is backwards in the odometry's frame, and still left."""
+    """After the turn, "left" is backwards in the odometry's frame, and is still reported as left."""
     aside = [s for s in samples(walked) if s.step == 3]
     assert max(s.measured.left_mps for s in aside) > 0.25
     assert max(abs(s.measured.forward_mps) for s in aside) < 0.1
@@ -108,7 +108,7 @@ def test_velocities_are_in_the_frame_of_the_body(walked: tuple[ActionResult, ...
 def test_law_18_a_step_that_a_bound_held_down_is_told_as_slower(walked: tuple[ActionResult, ...]) -> None:
     (clip,) = clips(walked)
     assert (clip.step, clip.asked_mps) == (3, 0.9)
-    assert clip.commanded_mps == pytest.approx(0.3, abs=0.02)  # a fake's gait goes no faster to the side
+    assert clip.commanded_mps == pytest.approx(0.3, abs=0.02)  # the fake's gait is slower sideways
     (event,) = (line for line in lines(walked) if line.get("event") == "clipped")
     assert event["commanded_mps"] == clip.commanded_mps
 
@@ -138,7 +138,7 @@ def test_without_a_camera_the_way_is_animated_on_a_map(walked: tuple[ActionResul
 
 
 def test_a_camera_s_pictures_are_shown_near_to_what_moves() -> None:
-    """A small dot that walks through a large room is shown large."""
+    """A small dot that moves through a large room is enlarged."""
     film = [Image.open(io.BytesIO(jpeg("black", (300 + 8 * k, 150)))).convert("RGB") for k in range(6)]
     shown = animation._near(film, (480, 270))
     bright, plain = (sum(picture.convert("L").histogram()[128:]) for picture in (shown[0], film[0].resize((480, 270))))
@@ -259,7 +259,7 @@ async def done(scene: Scene, text: str) -> AsyncIterator[tuple[Forum, str]]:
 
 
 async def animated(scene: Scene, post_id: str) -> bytes:
-    """The animation, which may follow the reply."""
+    """Return the animation, which may come after the reply."""
 
     def found() -> bytes | None:
         replies = [p for p in scene.world.posts.values() if p.reply_to == post_id]
@@ -301,7 +301,7 @@ async def test_a_drawing_that_takes_long_does_not_delay_the_reply_and_follows_it
 
 
 class ToldByAnother(MemoryForum):
-    """A forum on which another agent of the same account has told the end while this one drew."""
+    """A forum on which another agent of the same account wrote the end while this one drew."""
 
     looks = 0
 
@@ -326,7 +326,7 @@ async def test_a_drawing_that_no_reply_will_show_is_given_up(
 
 
 class Stills(MemoryForum):
-    """A forum that knows no moving pictures."""
+    """A forum that rejects animations."""
 
     async def edit(self, post_id: str, body: str, **more: Any) -> Post:
         if any(image.startswith(b"RIFF") for image in more.get("images", ())):
@@ -393,7 +393,7 @@ async def test_law_15_a_stop_is_as_fast_while_the_camera_is_looked_through_and_a
 ) -> None:
     scene = make_scene(slow, tmp_path, recording={"view": "robot"})
     async with scene.agent() as agent:
-        await scene.final(await scene.post("alice", "@quadruped walk back 0.8 m"))  # its drawing may still run
+        await scene.final(await scene.post("alice", "@quadruped walk back 0.8 m"))  # it may still be drawn
         running = await scene.post("alice", "@quadruped walk forward 5 m")
         await scene.state(running, "running")
         await scene.until(lambda: agent.recorder._running and len(agent.recorder._running.frames) > 1)

@@ -1,4 +1,4 @@
-"""A command that needs an approval: it waits, durably; who may give one, and what undoes it (laws 1 to 7 and 14)."""
+"""A command that needs an approval: it waits, durably; who may approve it, and what cancels it (laws 1 to 7 and 14)."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ YES, NO = f"@{ROBOT} approve", f"@{ROBOT} deny"
 
 
 def mostly_slow(fast: Collection[str], cases: Iterable[str]) -> list[Any]:
-    """All cases, of which only the `fast` ones are tried with every change."""
+    """Mark all cases but the `fast` ones as slow."""
     return [pytest.param(case, marks=() if case in fast else pytest.mark.slow) for case in cases]
 
 
 def make(driver: Driver, folder: Path, **approval: Any) -> Scene:
-    """Gestures need an approval; carol and dan are moderators."""
+    """Return a scene where gestures need an approval; carol and dan are moderators."""
     scene = make_scene(driver, folder, approval={"classes": ["gesture"], **approval})
     scene.person("carol", Role.MODERATOR)
     scene.person("dan", Role.MODERATOR)
@@ -42,7 +42,7 @@ def asked(driver: Driver, tmp_path: Path) -> Scene:
 
 @asynccontextmanager
 async def waiting(scene: Scene, text: str = WAVE) -> AsyncIterator[Post]:
-    """Alice's command, which waits for an approval."""
+    """Post Alice's command and wait until it waits for an approval."""
     async with scene.agent():
         post = await scene.post("alice", text)
         await scene.state(post, "waiting")
@@ -54,12 +54,12 @@ async def say(scene: Scene, name: str, text: str, post: Post) -> Post:
 
 
 async def answered(scene: Scene, post: Post) -> str:
-    """What the robot replied to a post that is no command."""
+    """Return the robot's reply to a post that is not a command."""
     return (await scene.until(lambda: scene.replies(post)))[0].raw
 
 
 def held_in_line(agent: RobotAgent) -> asyncio.Event:
-    """Nobody's turn comes until the event is set."""
+    """Let no command start until the event is set."""
     let, turn = asyncio.Event(), agent.queue.turn
 
     async def held(job: QueuedCommand, expiry_s: float) -> bool:
@@ -71,7 +71,7 @@ def held_in_line(agent: RobotAgent) -> asyncio.Event:
 
 
 async def heard(scene: Scene, agent: RobotAgent) -> None:
-    """Until the agent has taken in all that happened."""
+    """Wait until the agent has processed all events."""
     await scene.until(lambda: agent.event_stream.cursor == str(len(scene.world.events)) and agent.inbox.empty)
 
 
@@ -80,7 +80,7 @@ def record(scene: Scene, post: Post) -> Any:
 
 
 def ends(scene: Scene, post: Post) -> list[str]:
-    """Every telling of an end of this command."""
+    """Return every end of this command that was written."""
     ours = {p.id for p in scene.replies(post)}
     told = (e.post.card.state for e in scene.world.events if e.post and e.post.id in ours and e.post.card)
     return [state for state in told if state in FINAL]
@@ -161,7 +161,7 @@ async def test_laws_1_and_2_who_may_not_approve_moves_nothing(
             await say(asked, "bob", YES, post)
         elif kind in (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT):
             assert "approve" in await answered(asked, given)
-        else:  # never even answered: what is heard after it is
+        else:  # without a reply; the reply to a later post shows that it was processed
             await answered(asked, await say(asked, "bob", YES, post))
         assert [r.card.state for r in asked.replies(post)] == ["waiting"]
         await say(asked, "carol", NO, post)
@@ -323,7 +323,7 @@ async def test_law_5_what_nobody_approves_in_time_lapses_with_one_answer(
         if not away:
             await scene.final(post)
     if away:
-        scene.world.clock_offset_s += 601.0  # and never longer than the queue
+        scene.world.clock_offset_s += 601.0  # never longer than a command may be queued
     async with scene.agent():
         final = await scene.final(post)
         late = await say(scene, "carol", YES, post)
@@ -361,7 +361,7 @@ async def test_law_6_two_who_approve_the_same_command_move_it_once(asked: Scene)
 
 
 async def test_law_7_an_approval_is_of_one_command(asked: Scene) -> None:
-    """Of two that wait in a thread, and of one that waits where another was approved a moment ago."""
+    """Two commands wait in a thread, or one waits where another was approved a moment ago."""
     async with waiting(asked) as one:
         other = await say(asked, "alice", f"{WAVE} twice", one)
         await asked.state(other, "waiting")

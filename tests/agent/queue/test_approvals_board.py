@@ -1,4 +1,4 @@
-"""Approvals on the real board: its settings, the button of its pages, its API, and the same word in the thread."""
+"""Approvals on the real board: its settings, the button on its pages, its API, and a post in the thread."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WAVE = f"@{ROBOT} wave"
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
-    """`op` asks, `mod` approves gestures."""
+    """Return a board where `op` posts commands and `mod` approves gestures."""
     with running_board(tmp_path_factory.mktemp("board")) as made:
         made.add("mod", role=Role.MODERATOR)
         with local_admin.writing(made.settings) as connection:
@@ -38,7 +38,7 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 
 @asynccontextmanager
 async def asked(board: RunningBoard, driver: Driver, folder: Path) -> AsyncIterator[tuple[Poster, str, str]]:
-    """An agent with a command that waits: (the poster, its topic, its post)."""
+    """Run an agent with a waiting command: (the poster, its topic, its post)."""
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
     client = DriverClient(driver.name, driver.socket)
     agent = RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)
@@ -78,7 +78,7 @@ async def test_law_7_the_button_of_a_page_approves_or_denies_what_waits(
     async with asked(board, driver, tmp_path) as (op, topic, post):
         path, where = f"/c/{post}/approve", page.format(post=post)
         await _line(board, post)
-        for name in ("op", "member"):  # who asked for it, and who may not
+        for name in ("op", "member"):  # the author of the command, and an account without the right
             text = (await asyncio.to_thread(surfer(board, name).get, where)).text
             assert "waits for approval" in text.lower()
             assert path not in text
@@ -114,7 +114,7 @@ async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
         assert await said("mod") == 201
         assert await op.final(topic) == ["done"]
         assert await said("mod") == 409
-        async with asyncio.timeout(60):  # the record comes after the reply
+        async with asyncio.timeout(60):  # the record follows the reply
             while "Approved by" not in (await asyncio.to_thread(surfer(board, "op").get, f"/c/{post}")).text:  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
 
@@ -157,7 +157,7 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
 
 
 async def _line(board: RunningBoard, post: str) -> None:
-    """Until the robot's page knows of its line."""
+    """Wait until the robot's page shows its queue."""
     async with asyncio.timeout(60):
         while post not in board.services.presence.robot(ROBOT).card.get("line", ()):  # noqa: ASYNC110 (the board's thread)
             await asyncio.sleep(0.02)

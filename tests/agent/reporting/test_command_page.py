@@ -1,4 +1,5 @@
-"""What an agent sends of a finished command: the board's page of the command shows it, without people's words."""
+"""The record that an agent sends of a finished command: the board's page of the command shows it, without people's
+words."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 
 
 async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
-    """The records of a command, once there are any: they come after the report."""
+    """Wait for the records of a command, which come after the report."""
     reader = board.client("op")
     async with asyncio.timeout(60):
         while not (items := (await asyncio.to_thread(reader.get, f"/commands/{post}")).json()["items"]):  # noqa: ASYNC110
@@ -81,7 +82,7 @@ def test_a_record_too_long_to_send_leaves_out_what_the_model_was_told() -> None:
 
 
 class Archived:
-    """A forum that has pages of commands, or says so."""
+    """A forum that has pages of commands, or claims to."""
 
     def __init__(self, address: str | Exception | None) -> None:
         self.address = address

@@ -1,4 +1,4 @@
-"""What the thread is told of the minds, in words."""
+"""The notes on minds in a reply."""
 
 from __future__ import annotations
 

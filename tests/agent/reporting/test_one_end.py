@@ -1,4 +1,5 @@
-"""One truthful end: of two agents of one account, of an account that may not write for a while, across restarts."""
+"""Each command gets one truthful end: with two agents of one account, with an account that may not write for a while,
+and across restarts."""
 
 from __future__ import annotations
 
@@ -49,12 +50,12 @@ async def place(driver: Driver) -> tuple[float, float]:
 
 
 def other(scene: Scene) -> MemoryForum:
-    """What another agent of the same account writes with."""
+    """Return the forum client of another agent of the same account."""
     return scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
 
 
 async def claimed(scene: Scene, post: Post, state: str) -> Post:
-    """Another agent claimed this post and has come so far with it."""
+    """Let another agent claim this post and bring it to this state."""
     card = StatusCard(ROBOT, state, trace_id="theirs")
     written = await other(scene).reply(post.topic_id, "Theirs.", key=f"claim:{post.id}", reply_to=post.id, card=card)
     return written.post
@@ -65,7 +66,7 @@ async def claimed(scene: Scene, post: Post, state: str) -> Post:
 async def test_law_6_who_does_not_hold_the_claim_writes_nothing_over_the_end_of_who_does(
     scene: Scene, state: str
 ) -> None:
-    """Its own line is busy, so the other's command would be shown as queued."""
+    """Its own queue is busy, so the other's command would be shown as queued."""
     edits = list[str]()
 
     class Watched(MemoryForum):
@@ -133,7 +134,7 @@ async def test_law_18_what_was_measured_takes_the_place_of_another_agents_guess(
 
 
 async def test_law_6_a_claim_that_shows_its_end_is_not_shown_as_queued_again(scene: Scene) -> None:
-    """As after a crash between telling and closing the journal, while others are in line."""
+    """As after a crash between the reply and the journal's final row, while other commands wait."""
     robot, post = other(scene), await scene.post("alice", WALK)
     card = StatusCard(ROBOT, "done", step=1, steps=1, trace_id="ours")
     account = await scene.person("alice").me()
@@ -166,7 +167,7 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
         for agent in agents:
             end_agent(agent)
     assert all(len(one) == 1 and one[0] in ("done", "failed") for one in states), states
-    for (state,), end in zip(states, ends, strict=True):  # each has a line of its own, and the robot is held by one
+    for (state,), end in zip(states, ends, strict=True):  # each has its own queue, and one of them holds the robot
         told = (
             r"walk forward 0\.5 m \| 0\.[45]\d m \| done"
             if state == "done"
@@ -180,7 +181,7 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
 async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_them(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
-    """Both come back: one knows of the motion, the other only that the claim is not its own."""
+    """Both agents restart: one knows of the motion, the other only that the claim is not its own."""
     with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
         folders = [tmp_path / "one", tmp_path / "two"]
         for walked_m in (0.3, 0.9):
@@ -205,7 +206,7 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
 
 
 async def ends(folders: list[Path], where: str) -> list[str]:
-    """What the journals of some agents have for a condition."""
+    """Return the rows of some agents' journals that meet a condition."""
 
     def read() -> list[str]:
         found: list[str] = []

@@ -1,4 +1,4 @@
-"""What the thread is told: asked beside measured, in both languages, and nobody's words get out of their place."""
+"""The text of replies: requested beside measured values, in both languages, and untrusted words stay quoted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Law 18 where parts of the agent fail once the robot has moved: the reply tells what was measured, whatever failed."""
+"""Law 18 where parts of the agent fail after the robot has moved: the reply has the measurements, whatever failed."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 TWO_STEPS = f"@{ROBOT} walk forward 1 metre, then turn left 90 degrees"
-#: The first step's row: asked beside measured, whatever the sentences around it say.
+#: The row of the first step with its measurement, whatever the other sentences say.
 WALKED = re.compile(r"walk forward 1 m \| (0\.9\d|1\.0\d) m \| done")
 TURNED = re.compile(r"turn left 90° \| (8[89]|9[01])\.\d° \| done")
 DENIALS = ("before anything moved", "nothing moved", "还没有任何动作", "没有动作")
 
 
 class Counting(DriverClient):
-    """Knows how many steps have ended."""
+    """Counts the steps that have ended."""
 
     ended = 0
 
@@ -53,7 +53,7 @@ class Counting(DriverClient):
 
 @dataclass(frozen=True)
 class Fault:
-    """What fails, with what, and from how many ended steps on. `rest`: what the second step comes to."""
+    """Which call fails, with what error, and after how many steps. `rest` is the expected result of the second step."""
 
     owner: Any
     name: str
@@ -67,7 +67,7 @@ class Fault:
         return f"{getattr(self.owner, '__name__', self.owner).split('.')[-1]}.{self.name} after {self.after}"
 
     def strike(self, patch: pytest.MonkeyPatch, ended: Callable[[], int]) -> Callable[[], int]:
-        """From now on it fails when its time has come; returns how often it did."""
+        """Make it fail from the given step on; return a counter of its failures."""
         original = inspect.getattr_static(self.owner, self.name)
         struck = 0
 
@@ -133,7 +133,7 @@ AFTER_BOTH = [
     Fault(report, "short", after=2),
     Fault(DriverClient, "lost", RobotUnreachable("gone"), 2),
 ]
-#: Between the steps: every call before the second one, which then has not begun.
+#: Between the steps: every call before the second step, which then has not begun.
 BETWEEN = [
     Fault(pipeline, "permission", rest="not begun"),
     Fault(execute, "mandate_violation", rest="not begun"),
@@ -141,7 +141,7 @@ BETWEEN = [
     Fault(report, "running", rest="not begun"),
     Fault(StatusPost, "show", rest="not begun"),
 ]
-#: In the second step: whoever watches it, and the driver itself. It was sent, so it is never "not begun".
+#: During the second step: the code that supervises it, and the driver. The step was sent, so it is never "not begun".
 WITHIN = [
     Fault(EventStream, "silent", rest="stopped", once=True),
     Fault(DriverClient, "step", rest="unknown"),
@@ -168,7 +168,7 @@ def outcome_of(reply: Post, step: int) -> str:
     return row.split("|")[4].strip()
 
 
-#: Tried with every change, one of each kind: disk, journal, permission, the watch over a step, the driver.
+#: Run by default, one of each kind: disk, journal, permission, supervision of a step, driver.
 FAST = {
     "Records.keep_pictures after 2",
     "Journal._end after 2",
@@ -188,14 +188,14 @@ async def test_law_18_whatever_fails_once_it_moved_the_reply_tells_what_was_meas
         async with scene.agent(driver=driver):
             post = await scene.post("alice", TWO_STEPS)
             reply = await scene.final(post)
-            if fault.name not in ("late_recording", "late", "publish"):  # these come after the end is told
+            if fault.name not in ("late_recording", "late", "publish"):  # these come after the end is written
                 assert times() or fault.name == "lost", "the fault was never reached"
     holds_the_truth(reply)
     assert outcome_of(reply, 2) == fault.rest, reply.raw
     assert len(scene.replies(post)) == 1
     assert reply.card is not None
     assert reply.card.state == {"done": "done", "unknown": "interrupted"}.get(fault.rest, "failed")
-    async with scene.agent():  # and the next one, which knows only the journal, adds nothing and moves nothing again
+    async with scene.agent():  # and the next agent, which knows only the journal, adds nothing and moves nothing again
         await scene.final(await scene.post("alice", f"@{ROBOT} turn right 30 degrees"))
         assert [r.raw for r in scene.replies(post)] == [reply.raw]
 
@@ -214,7 +214,7 @@ async def test_law_18_a_report_that_cannot_be_put_into_words_is_told_as_data(
 
 
 class Away(Counting):
-    """After its first step the forum does not answer for a moment, as a board or a database that is started anew."""
+    """After its first step the forum does not answer for a moment, as during a restart of the board or its database."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene.driver.name, scene.driver.socket)
@@ -227,14 +227,14 @@ class Away(Counting):
 
 
 class AwayForum(MemoryForum):
-    """Cannot be asked for a post while it is away; its stream has not noticed yet."""
+    """A forum that answers no request for a post while it is away; its event stream has not noticed yet."""
 
     away = False
 
     async def post(self, post_id: str) -> Post:
         found = await super().post(post_id)
         if self.away:
-            self.away = found.card is not None  # until the command itself was asked for
+            self.away = found.card is not None  # until the command's own post was requested
             raise ForumUnreachable("the board answered 503")
         return found
 
@@ -290,7 +290,7 @@ async def test_law_18_a_command_that_is_withdrawn_between_two_steps_says_at_whic
 async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_driver_is_away_then(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The agent dies with the end in its journal and not told; the next one fails before it comes to tell it."""
+    """The agent dies with the end in its journal but not on the forum; the next one fails before it writes the end."""
 
     async def dies(*_: Any) -> None:
         raise asyncio.CancelledError
@@ -329,7 +329,7 @@ async def test_an_agent_that_is_ended_says_so_once(tmp_path: Path) -> None:
 
 
 async def test_where_no_model_is_configured_none_is_missed(scene: Scene) -> None:
-    """It was stopped while it was read, so the rules read it without the mind."""
+    """The command was stopped during the reading, so the rules read it instead of the mind."""
     asked = asyncio.Event()
 
     class Stuck(RulesMind):

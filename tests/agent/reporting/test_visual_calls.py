@@ -1,4 +1,4 @@
-"""The table of a model's calls in a report, and the same as lines for programs."""
+"""The table of a model's calls in a report, and the same calls as JSON lines."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> 
 
 
 class Store:
-    """Keeps what it is given, under its name."""
+    """A store that keeps what it gets under its name."""
 
     def __init__(self) -> None:
         self.kept: dict[str, bytes] = {}

@@ -1,4 +1,4 @@
-"""Stops while the forum's clock is set forward and back: none is weakened, and none blocks what is posted later."""
+"""Stops while the forum's clock is set forward and back: none is weakened, and none blocks later posts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ async def test_law_14_a_stop_of_a_clock_that_leapt_ahead_blocks_nothing_later(
         await scene.until(lambda: scene.replies(stop))
         scene.world.clock_offset_s = 0.0
         if not restarted:
-            await scene.final(await scene.post("alice", "@quadruped wave"))  # by this one the agent notices
+            await scene.final(await scene.post("alice", "@quadruped wave"))  # with this event the agent notices it
             await agent._compare_clocks()
             assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"
     if restarted:
@@ -65,7 +65,7 @@ async def test_law_14_what_a_stop_ended_while_the_clock_was_set_is_told_so(drive
         await scene.final(await scene.post("alice", "@quadruped wave"))
     scene.world.clock_offset_s = 0.0
     await scene.post("bob", "@quadruped stop")
-    scene.world.clock_offset_s = -60.0  # both are heard at once, and the clock says that the command was first
+    scene.world.clock_offset_s = -60.0  # both arrive at once, and by the clock the command came first
     wave = await scene.post("alice", "@quadruped wave")
     greeting = await scene.post("alice", "@quadruped 挥手")
     async with scene.agent():

@@ -1,4 +1,4 @@
-"""Which accounts are known to be robots, and that knowing them costs nobody a stop (laws 13 and 15)."""
+"""Which accounts are known to be robots, and that the look-up never delays a stop (laws 13 and 15)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.model import Account, AccountKind
 
 
 class Counted(MemoryForum):
-    """Says nothing of an account before `answers` is set; `raises` is what it raises once."""
+    """A forum that does not answer about accounts until `answers` is set; `raises` is raised once."""
 
     asked: list[str]
     answers: asyncio.Event

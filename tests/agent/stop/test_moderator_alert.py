@@ -1,4 +1,4 @@
-"""Moderators hear of a robot that is stopped again and again, and commands do not pass through many agents."""
+"""Moderators are told of a robot that is stopped repeatedly, and commands do not pass through many agents."""
 
 from __future__ import annotations
 
@@ -62,7 +62,8 @@ def test_law_15_no_third_stop_goes_untold_and_no_five_minutes_hear_of_two(gaps: 
 
 # ------------------------------------------------------------------ law 1: chains of agents
 async def chain(scene: Scene, authors: str) -> Post:
-    """A command by the last of `authors` (agents a, b, …, the robot r, the human h), each answering the one before."""
+    """Return a command by the last of `authors` (agents a, b, …, the robot r, the human h), each of whom replies to the
+    one before."""
     for name in set(authors) - {"r", "h"}:
         scene.person(name, Role.OPERATOR, AccountKind.COMMANDING_AGENT)
     scene.person("h")

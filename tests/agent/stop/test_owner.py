@@ -1,4 +1,5 @@
-"""Laws 2, 9 and 17: who releases a locked robot and sets its home from its page, and when a press of theirs counts."""
+"""Laws 2, 9 and 17: who may release a locked robot and set its home from its page, and when a press of a button
+counts."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_sett
 
 @pytest.fixture
 def owned(driver: Driver, tmp_path: Path) -> Iterator[Scene]:
-    """A robot of olga, who is a mere member; whatever a test leaves is released."""
+    """Return a scene whose robot is owned by olga, a mere member, and release the robot after the test."""
     scene = make_scene(driver, tmp_path, owner="olga")
     scene.person("olga", Role.MEMBER)
     yield scene
@@ -33,13 +34,13 @@ def owned(driver: Driver, tmp_path: Path) -> Iterator[Scene]:
 
 
 async def locked(scene: Scene, by: str = "bob") -> dict[str, Any]:
-    """Lock the robot by the button; its lock, as its card says it."""
+    """Lock the robot by the button; return the lock on its card."""
     await scene.world.sign_in(by).press_estop(ROBOT)
     return await scene.until(lambda: (scene.world.robots.get(ROBOT) or {}).get("lock"))
 
 
 async def told(scene: Scene, by: str) -> dict[str, Any]:
-    """What came of the press of somebody, as the robot's card says it."""
+    """Return the result of an account's press, as the robot's card shows it."""
 
     def last() -> dict[str, Any] | None:
         card = (scene.world.robots.get(ROBOT) or {}).get("told")
@@ -91,7 +92,7 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
         assert await ended(owned, "alice", "@quadruped wave") == "done"
 
 
-#: Law 2: whose press of Release and Set home here counts.
+#: Law 2: whose press of Release and "Set home here" counts.
 WHO = [
     ("olga", Role.MEMBER, AccountKind.HUMAN, True),  # its owner
     ("root", Role.ADMIN, AccountKind.HUMAN, True),
@@ -114,7 +115,7 @@ async def test_law_2_only_the_owner_and_admins_release_and_home(
     async with owned.agent():
         await locked(owned)
         await forum.press_release(ROBOT)
-        if kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):  # heard as nothing at all
+        if kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):  # ignored
             await owned.final(await owned.post("alice", "@quadruped help"))
             assert owned.world.robots[ROBOT]["told"] is None
         else:
@@ -138,7 +139,7 @@ async def test_law_2_who_is_no_owner_any_more_when_it_is_heard_releases_nothing(
 
 
 async def _press_as_before(scene: Scene, agent: RobotAgent, name: str) -> None:
-    """A press of somebody whom the event still calls unsuspended."""
+    """Return a press by an account that the event still calls unsuspended."""
     from dataclasses import replace
 
     account = replace(scene.world.accounts[name], suspended=False)
@@ -176,7 +177,7 @@ async def test_law_17_a_press_while_the_agent_was_away_counts_only_while_it_is_f
 async def test_law_17_a_lock_that_came_after_the_press_stays(owned: Scene) -> None:
     async with owned.agent():
         await locked(owned)
-        owned.world.clock_offset_s = -5.0  # pressed before, heard after
+        owned.world.clock_offset_s = -5.0  # pressed before, received after
         await owned.world.sign_in("olga").press_release(ROBOT)
         owned.world.clock_offset_s = 0.0
         card = await told(owned, "olga")
@@ -225,7 +226,7 @@ async def test_law_17_a_lost_driver_is_told_and_the_lock_is_still_there_when_it_
 
 
 class GateMind(RulesMind):
-    """Understands nothing until the gate is opened."""
+    """A mind that waits until the gate is opened and then understands nothing."""
 
     def __init__(self) -> None:
         self.asked, self.gate = asyncio.Event(), asyncio.Event()
@@ -299,7 +300,7 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
 
 
 class Plain:
-    """A forum as NodeBB and Discourse are: without a page of the robot."""
+    """A forum without pages of robots, as NodeBB and Discourse are."""
 
     def __init__(self, forum: MemoryForum) -> None:
         self._forum = forum

@@ -1,4 +1,4 @@
-"""Stop means stop: laws 13 to 17, on the memory forum with a driver process."""
+"""Stops (laws 13 to 17), on the memory forum with a driver process."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from agentrob.model import AccountKind, Role, StopResult
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
-#: A lease is good for so long, and a body at 0.5 m/s comes to rest in so long; the rest is for busy machines.
+#: The lease's duration plus the time in which a body at 0.5 m/s comes to rest; the rest is for busy machines.
 LAPSE_S, REST_S = 1.0, 1.5
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    """In real time, so that there is something to stop."""
+    """Return a scene in real time, so that there is a motion to stop."""
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), name="stoppable")
     yield made
     made.end()
@@ -73,13 +73,13 @@ async def test_law_13_only_a_robot_that_is_known_turns_a_stop_away_also_one_whos
         await later.reply(post.topic_id, "Here I am.", key="1")
         for other in ("humanoid", "dog3"):
             await scene.post("bob", f"@{other} stop it!", topic=post.topic_id)
-        await scene.final(await scene.post("bob", "@quadruped help"))  # both were heard
+        await scene.final(await scene.post("bob", "@quadruped help"))  # both were received
         async with scene.driver.client() as client:
             assert await client.holder() is not None
-        scene.person("dog4", kind=AccountKind.ROBOT_AGENT)  # it never wrote: in doubt the robot stops
+        scene.person("dog4", kind=AccountKind.ROBOT_AGENT)  # it never posted before: in doubt the robot stops
         await scene.post("bob", "@dog4 stop it!", topic=post.topic_id)
         assert (await scene.final(post)).card.state == "stopped"  # type: ignore[union-attr]
-        await scene.until(lambda: "dog4" in agent.known_robots.names)  # it was looked up for the next time
+        await scene.until(lambda: "dog4" in agent.known_robots.names)  # it has been looked up since
 
 
 @pytest.mark.parametrize("who", ["suspended", "robot", "monitor"])
@@ -91,7 +91,7 @@ async def test_law_15_who_may_not_stop_does_not(scene: Scene, who: str) -> None:
         said = await scene.post("mallory", "@quadruped stop", topic=post.topic_id)
         if who == "suspended":
             scene.world.suspend("mallory")
-            # What was posted a moment before the suspension is read with the account as it is now.
+            # A post from just before the suspension is judged by the account's current state.
         else:
             await forum.press_stop(ROBOT)
         await scene.state(post, "running")
@@ -184,7 +184,7 @@ async def test_law_17_a_halt_holds_until_it_is_released(scene: Scene) -> None:
 async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: Scene) -> None:
     async with scene.agent() as agent:
         post = scene.world.posts[await running(scene)]
-        await agent.journal._in_rows(agent.journal._db.close)  # as a disk that is gone
+        await agent.journal._in_rows(agent.journal._db.close)  # as if the disk had failed
         await scene.post("bob", "@quadruped stop", topic=post.topic_id)
         async with asyncio.timeout(60), scene.driver.client() as client:
             while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
@@ -197,7 +197,7 @@ async def test_law_17_a_driver_that_cannot_be_reached_is_said_plainly(driver: Dr
     scene = make_scene(driver, tmp_path)
 
     class Cut(type(driver.client())):  # type: ignore[misc]
-        """Every call goes nowhere; the second channel is that of a robot without a driver."""
+        """Every call fails; the second channel belongs to a robot without a driver."""
 
         async def _call(self, *_: object, **__: object) -> object:
             raise RobotUnreachable("no driver")
@@ -218,7 +218,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
     scene, over, never = make_scene(driver, tmp_path), threading.Event(), asyncio.Event()
 
     class Deaf(DriverClient):
-        """Everything works but a stop."""
+        """A driver client on which everything works but a stop."""
 
         async def _ask(self, method: str, path: str, body: Any = None, timeout_s: float = 5.0) -> Any:
             if path not in ("/stop", "/halt"):

@@ -1,5 +1,7 @@
-"""Law 14 whatever the forum's clock does: it is set ahead and back, by seconds and by years, while posts and stops
-come, are heard late, and the agent or its machine is started anew. Time is a number here, and nothing moves.
+"""Law 14 under any clock of the forum.
+
+It is set ahead and back, by seconds and by years, while posts and stops arrive, arrive late, and the agent or its
+machine is restarted. Time is a number here, and nothing moves.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ Deed = tuple[str, float]
 
 @dataclass
 class Clock:
-    """Seconds since `BEGUN`, and since the machine was started for the `machine`-th time."""
+    """Seconds since `BEGUN`, and since the `machine`-th start of the machine."""
 
     true_s: float = 1000.0
     started_s: float = 0.0
@@ -61,8 +63,11 @@ class Robot:
 
 
 class Play:
-    """A forum and the agent of a robot there. A command that got as far as its motion waits there until it is let;
-    places are those in the order of the forum's events."""
+    """A forum and the agent of a robot.
+
+    A command whose motion is about to begin waits until it is released; places are positions in the order of the
+    forum's events.
+    """
 
     def __init__(self, folder: Path, clock: Clock) -> None:
         self.folder, self.clock = folder, clock
@@ -73,7 +78,7 @@ class Play:
         self.commands: dict[str, int] = {}
         self.stops: list[int] = []
         self.set_back: list[int] = []  # the places after which the clock was set back
-        self.heard_after: dict[str, int] = {}  # the newest place when a command was heard
+        self.heard_after: dict[str, int] = {}  # the newest place when a command was received
         self.heard = 0
         self.ran: list[str] = []
         self.refused: dict[str, str] = {}
@@ -181,7 +186,7 @@ class Play:
             if why in (EndReason.STOP, EndReason.CLOCK) and self.commands[post_id] > last:
                 between = [p for p in self.set_back if last <= p <= self.heard_after[post_id]]
                 assert between, f"{post_id} was posted after the last stop, and ended by it: {why}"
-        for deed in ("command", "hear", "take", "let", "pass") * 2:  # by the first of the two the agent may notice
+        for deed in ("command", "hear", "take", "let", "pass") * 2:  # with the first of the two the agent may notice
             await self.do(deed, 6.0)
         post_id = list(self.commands)[-1]
         assert post_id in self.ran, f"a stop blocks what is posted after it: {self.refused.get(post_id)}"
@@ -208,7 +213,7 @@ async def rows_only(folder: Path, robot: str) -> Journal:
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    """The clock that nobody sets, of agents whose journal keeps rows, and does nothing else."""
+    """Return the monotonic clock of agents whose journal only stores rows."""
     made = Clock()
     monkeypatch.setattr(time, "clock_gettime", lambda which: made.elapsed_s())
     for module in (stop_handler, rows):

@@ -1,4 +1,4 @@
-"""Ten accounts shout stop as fast as they can (law 15): it ends what runs, and costs nobody else anything."""
+"""Ten accounts post stops as fast as they can (law 15): they end what runs, and delay nobody else."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, robot_settings,
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 
 SHOUTERS, TIMES = 10, 24
-#: Moderators are told of the third stop, once.
+#: Moderators are told once, after the third stop.
 NOTICE = "times within 5 minutes"
 COMMAND, LATER = f"@{ROBOT} walk forward 5 metres", f"@{ROBOT} turn left 30 degrees"
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    """In real time, so that there is something to stop."""
+    """Return a scene in real time, so that there is a motion to stop."""
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), name="shouted-at")
     yield made
     made.end()
 
 
 class Logged(DriverClient):
-    """Keeps in order what the agent asked the driver for."""
+    """Records in order what the agent requested from the driver."""
 
     def __init__(self, driver: Driver) -> None:
         super().__init__(driver.name, driver.socket)
@@ -62,7 +62,7 @@ async def walks(driver: Driver) -> None:
 
 # ---------------------------------------------------------------------- the memory forum
 async def shout(scene: Scene, name: str, running: Post, shared: Post) -> int:
-    """Every way to say stop, in four threads; how often that was a stop post or a press."""
+    """Post every form of a stop in four threads; return how many stop posts and presses there were."""
     forum = scene.person(name, Role.MEMBER)
     own = await scene.post(name, "My own thread")
     for n in range(TIMES):
@@ -94,22 +94,22 @@ async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(
         await scene.post("bob", "stop", topic=running.topic_id)
         shouted = await asyncio.gather(*(shout(scene, f"shouter{n}", running, shared) for n in range(SHOUTERS)))
         assert sum(shouted) >= 200
-        # Nothing is waited for: the eleventh account comes while most of it is not even read.
+        # Without waiting: the eleventh account posts while most of the stops are not read yet.
         later = await scene.post("eve", LATER)
         done = await scene.until(lambda: [p for p in scene.replies(later) if p.card and p.card.state in FINAL])
         assert [reply.card.state for reply in done] == ["done"]
         ended = await scene.final(running)
     assert ended.card.state == "stopped"
-    assert "**Stopped** by `bob`" in ended.raw  # by the first, at once
+    assert "**Stopped** by `bob`" in ended.raw  # by the first stop, at once
     ours = [e.post for e in scene.world.events[before:] if e.post is not None and e.post.author.name == ROBOT]
     robots = [p for p in scene.world.posts.values() if p.author.name == ROBOT]
     written = Counter(p.topic_id for p in robots if NOTICE not in p.raw)
     assert sum(NOTICE in p.raw for p in robots) == 1
     threads = set(written) - {running.topic_id, later.topic_id}
-    assert written[running.topic_id] <= 2  # the command's own, and one for all stops
+    assert written[running.topic_id] <= 2  # the command's own reply, and one for all stops
     assert all(written[topic] == 1 for topic in threads)
     assert len(threads) == SHOUTERS + 1
-    # However much is shouted, a reply is brought up to date once a second at most.
+    # However many stops there are, a reply is updated at most once a second.
     most = 2 + (time.monotonic() - began_s) / FOLD_S
     assert all(count <= most for count in Counter(post.id for post in ours if post.card is None).values())
     assert client.log[0] == "move"
@@ -119,7 +119,7 @@ async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(
 
 # ---------------------------------------------------------------------- the real board
 def shout_at_board(board: RunningBoard, name: str, running: str) -> list[httpx2.Response]:
-    """The same over HTTP; every answer."""
+    """The same over HTTP; returns every response."""
     client, got = board.client(name), list[httpx2.Response]()
 
     def send(method: str, path: str, **body: Any) -> dict[str, Any]:
@@ -220,7 +220,7 @@ async def test_law_15_a_board_that_refuses_posts_since_too_many_wait_still_takes
         ]
         sent.append(asyncio.create_task(asyncio.to_thread(client.patch, f"/posts/{own}", json=stop)))
         pressed = await asyncio.to_thread(board.client("admin").post, f"/robots/{ROBOT}/stop")
-        assert pressed.status_code in (200, 201, 202)  # and at once: it waits for no writing
+        assert pressed.status_code in (200, 201, 202)  # and at once, without waiting for any write
         async with asyncio.timeout(LIMIT_S):
             while queued() < full + len(sent) and not any(task.done() for task in sent):  # noqa: ASYNC110
                 await asyncio.sleep(0.01)

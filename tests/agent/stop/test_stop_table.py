@@ -1,4 +1,4 @@
-"""Laws 13 and 14 as a table: each way to stop, in each state of a command, and what the command's reply then says."""
+"""Laws 13 and 14 as a table: each way to stop, in each state of a command, and the command's final reply."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import GatedClient, GatedMind, Gates, LedgerRobot, Stand
 
 LIMIT_S = 60.0
-#: What people do on the forum, and what somebody at the robot's machine does without it.
+#: Stops on the forum, and stops at the robot's machine without the forum.
 ON_THE_FORUM = ("mention", "bare", "edit", "button", "halt")
 AT_THE_MACHINE = ("driver", "second channel", "second channel halts")
-#: State of the command: how its reply ends after a stop on the forum, and after one at the machine, of which the agent
-#: learns by the lease that it does not get or no longer has.
+#: State of the command: its end after a stop on the forum, and after one at the machine, which the agent notices by
+#: the lease that it is refused or has lost.
 TABLE = {
     "being read": ("cancelled", "stopped"),
     "queued": ("cancelled", "stopped"),
@@ -47,11 +47,11 @@ CASES = [(way, state) for way in ON_THE_FORUM + AT_THE_MACHINE for state in TABL
 
 @pytest.fixture(scope="module")
 def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
-    """A robot that takes two seconds for 5 m, with both of its driver's channels."""
+    """A robot that takes two seconds for 5 m, with both channels of its driver."""
     folder, settings, robot = tmp_path_factory.mktemp("stand"), robot_settings(), LedgerRobot()
     robot.time_scale = 5.0
     driver = Driver(ROBOT, Guard(robot, settings, Halt(folder / "robot.halt")))
-    driver.leases = Leases(LIMIT_S)  # a busy machine may hold up a renewal, and that is another law
+    driver.leases = Leases(LIMIT_S)  # a busy machine may delay a renewal, which is another law's subject
     with (
         listening(folder / "robot.sock") as listener,
         DriverServer(driver, listener),
@@ -64,7 +64,7 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
 
 @dataclass
 class Play:
-    """A forum, the agent, and what really moved."""
+    """A forum, the agent, and the robot's real motion."""
 
     stand: Stand
     folder: Path
@@ -119,14 +119,14 @@ class Play:
 
     # ------------------------------------------------------------------ how far a command comes
     async def let(self, *gates: str) -> None:
-        """Through each of these gates, once somebody waits at it."""
+        """Release each of these gates as soon as somebody waits at it."""
         for name in gates:
             gate = getattr(self.gates, name)
             await self.until(lambda gate=gate: gate.held)
             gate.let()
 
     async def bring(self, state: str) -> Post:
-        """A command in this state."""
+        """Bring a command into this state."""
         turn, two = f"@{ROBOT} turn left 80 degrees", f"@{ROBOT} turn left 20 degrees, then turn right 70 degrees"
         match state:
             case "being read":
@@ -161,7 +161,7 @@ class Play:
 
     # ------------------------------------------------------------------ how it is stopped
     async def stop(self, way: str, command: Post) -> None:
-        """Returns once the stop is at the robot."""
+        """Return once the stop has reached the robot."""
         stops, settings = self.stand.robot.stopped, robot_settings()
         match way:
             case "mention":
@@ -205,7 +205,7 @@ async def test_laws_13_and_14_a_stop_ends_a_command_in_any_state(
         assert play.moved[moved:] == []
 
 
-#: Posted in the thread of a walk, all of these were ignored once.
+#: Each of these was once ignored when posted in the thread of a walk.
 PLAIN_WORDS = {
     "stop right there": "I took this as a stop",
     "omg stop it's going to fall": "I took this as a stop",

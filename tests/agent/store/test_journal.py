@@ -1,4 +1,5 @@
-"""The journal keeps the states of commands: only transitions of the table, and rows of earlier versions are read."""
+"""The journal stores the states of commands: it accepts only transitions of the table, and reads rows of earlier
+versions."""
 
 from __future__ import annotations
 
@@ -111,7 +112,7 @@ async def test_law_13_a_stop_is_written_down_in_every_state(tmp_path: Path) -> N
         assert claim is not None
         assert claim.ended is EndReason.STOP
     for post in ("seen", "waiting", "queued", "never claimed"):
-        assert not await journal.cancel(post)  # no motion of it can begin any more
+        assert not await journal.cancel(post)  # its motion can no longer begin
     for post in ("seen", "waiting", "queued", "running"):
         await journal.finish(post, CommandState.STOPPED)
     await journal.close()

@@ -1,4 +1,4 @@
-"""An agent that comes back (laws 4, 5, 6 and 14): what was ended stays so, and missed stops count first."""
+"""An agent that restarts (laws 4, 5, 6 and 14): what was ended stays ended, and missed stops count first."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STILL_M = 0.02
 
 
 class StuckMind(RulesMind):
-    """Understands nothing, so that its agent is ended with the command still open."""
+    """A mind that understands nothing, so that its agent ends with the command still open."""
 
     def __init__(self) -> None:
         self.asked = asyncio.Event()
@@ -45,7 +45,7 @@ async def place(driver: Driver) -> tuple[float, float]:
 
 
 async def started(scene: Scene) -> None:
-    """The agent's first start, which sets the watermark."""
+    """Start the agent for the first time, which sets the watermark."""
     async with scene.agent():
         pass
 
@@ -64,7 +64,7 @@ async def test_laws_4_5_and_14_what_was_ended_stays_ended_after_a_restart(scene:
             await scene.world.sign_in("alice").edit(post.id, "@quadruped walk forward 2 metres")
     mind = StuckMind()
     async with scene.agent(mind=mind) as agent:
-        if what in ("stale", "edited"):  # ended before it is read: no mind is asked
+        if what in ("stale", "edited"):  # it is ended before it is read, so no mind is asked
             await scene.final(post)
         else:
             await asyncio.wait_for(mind.asked.wait(), 60)
@@ -271,7 +271,7 @@ async def test_laws_5_6_and_14_ending_the_agent_while_a_command_moves_leaves_the
         second = await scene.post("alice", "@quadruped turn left 90 degrees")
         await scene.state(second, "queued")
         await scene.state(first, "running")
-        if then == "stopped before":  # our loop stands still: the agent is ended when it has not yet heard of it
+        if then == "stopped before":  # the event loop is blocked, so the agent ends before it gets the event
             with httpx2.Client(
                 transport=httpx2.HTTPTransport(uds=str(scene.driver.socket), verify=False), timeout=60
             ) as somebody:
@@ -291,7 +291,7 @@ async def test_laws_5_6_and_14_ending_the_agent_while_a_command_moves_leaves_the
 
 
 async def test_law_6_a_motion_that_the_agent_s_end_overtook_has_not_begun(scene: Scene) -> None:
-    """It had its turn, and was on disk, when the agent was ended."""
+    """The command had its turn and was on disk when the agent ended."""
     stood = await place(scene.driver)
     async with scene.agent() as agent:
         agent._ending = True
@@ -368,7 +368,7 @@ async def test_a_running_command_that_is_removed_does_not_take_the_next_one_with
 
 @pytest.mark.parametrize("told", [True, False])
 async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(scene: Scene, told: bool) -> None:
-    """The copy knows the claim and no motion; the forum knows that the motion ended, or that it runs."""
+    """The copy knows the claim but no motion; the forum knows that the motion ended, or that it runs."""
     await started(scene)
     mind = StuckMind()
     async with scene.agent(mind=mind):
@@ -381,7 +381,7 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
         if told:
             assert (await scene.final(post)).card.state == "done"  # type: ignore[union-attr]
             await scene.until(lambda: not agent.queue)
-    if not told:  # as a crash leaves it: nobody told the end
+    if not told:  # as after a crash: nobody wrote the end
         scene.world.posts[running.id] = running
     for name, content in copy.items():
         (scene.folder / "agents" / ROBOT / name).write_bytes(content)
@@ -461,7 +461,7 @@ async def test_law_6_a_status_that_a_lost_journal_left_open_is_ended_although_it
         scene.world.suspend("alice")
     async with scene.agent():
         await scene.final(await scene.post("carol", f"@{ROBOT} help"))
-        # It is waited whether another agent brings it to its end.
+        # It waits whether another agent ends it.
         await scene.until(lambda: "running" not in [r.card.state for r in scene.replies(post) if r.card])
         ends = [(r.card.state, r.version) for r in scene.replies(post) if r.card]
     assert ends == [("interrupted", 2), ("done", 1)]

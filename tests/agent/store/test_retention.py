@@ -1,4 +1,4 @@
-"""What an agent keeps of commands that ended does not grow for ever, and nothing that is open is let go of."""
+"""An agent's data about ended commands does not grow for ever, and nothing that is open is deleted."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def says(text: str) -> Callable[[], Awaitable[str]]:
 
 
 async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str, float]) -> Journal:
-    """A journal with claims, thoughts and motions of these posts; some `told`, some made so many days ago."""
+    """Return a journal with claims, assessments and motions of these posts; some were `told`, some are this many days
+    old."""
     journal = await Journal.open(folder, ROBOT)
     for post in posts:
         await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace"))
@@ -62,7 +63,7 @@ async def test_law_6_claims_are_let_go_of_when_they_are_told_and_old_and_open_on
     await journal.prune(30, 5000)
     assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["open", "new"]
     assert sorted(rows(tmp_path, "SELECT post FROM motion")) == ["new", "open"]
-    assert await journal.move("open", says("again")) == "moved"  # and not done again
+    assert await journal.move("open", says("again")) == "moved"  # and is not done again
     assert await journal.knows("new")
     await journal.close()
 
@@ -137,7 +138,7 @@ async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monk
             final = await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))
             assert final.card.state == "done"
         async with asyncio.timeout(60):
-            while left() != (1, 0, 3):  # of today all claims are kept
+            while left() != (1, 0, 3):  # all claims of today are kept
                 await rounds.acquire()
 
 

@@ -1,4 +1,4 @@
-"""A model behind the agent, on a forum with a robot: what the thread is told, whatever the model does."""
+"""A model behind the agent, on a forum with a robot: the replies, whatever the model does."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 from tests.minds.brain import FINE, Brain, move, running_brain
 from tests.minds.faulty_server import called, said
 
-#: Words that the rules ask back for, and a model's reading of them.
+#: A post that the rules ask back, and a model's reading of it.
 FREE = f"@{ROBOT} be a darling and meander forward 1 m"
 FREE_READ = move("meander forward 1 m", 1)
 PLAIN = f"@{ROBOT} walk forward 1 m"
@@ -154,7 +154,7 @@ FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
 
 
 async def asked_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
-    """What the thread is told of a post that only a model reads, while the model fails."""
+    """Check the reply to a post that only a model reads, while the model fails."""
     began = time.monotonic()
     reply = await scene.final(await scene.post("alice", FREE))
     assert reply.card.state == "asks_back", (fault, reply.raw)
@@ -163,7 +163,7 @@ async def asked_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
 
 
 async def done_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
-    """What the thread is told of a post that the rules read too."""
+    """Check the reply to a post that the rules read too."""
     post = await scene.post("alice", PLAIN)
     reply = await scene.final(post)
     assert reply.card.state == "done", (fault, reply.raw)
@@ -396,7 +396,7 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(scene: Sc
     assert seen == ["prepared", "closed"]
 
 
-#: What a mind of somebody else says, and what a forum must not act on.
+#: A third party's mind returns this, and a forum must not interpret it.
 _HOSTILE_WORDS = (
     "# Loud\n\n@everyone ＠admin @\u200beveryone <b>bold</b> <img src=x> ![x](http://evil.example/x.png) "
     "[click](https://evil.example) [ref]: http://evil.example www.evil.example &#64;all\n```\ncode\n```\n> quoted\n"

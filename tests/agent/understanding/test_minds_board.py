@@ -1,4 +1,4 @@
-"""From the configuration to the thread: board, agent, robot, and a double of both providers' dialects over HTTP."""
+"""From the configuration to the thread: board, agent, robot, and a double of both providers' APIs over HTTP."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WORDS = "Off I went, forward."
 
 
 def fixture(system: str, post: str, response: dict[str, Any]) -> dict[str, Any]:
-    """What the double answers to one kind of question about a post with these words."""
+    """Return the double's answer to one kind of question about a post with these words."""
     return {"match": {"systemMessage": system, "userMessage": post}, "response": {**response, "usage": USAGE}}
 
 

@@ -1,4 +1,4 @@
-"""The second opinion through the agent: it makes the robot ask, and where it fails the rules decide, said once."""
+"""The second opinion through the agent: it makes the robot ask back; if it fails, the rules decide, logged once."""
 
 from __future__ import annotations
 

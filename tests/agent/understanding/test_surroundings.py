@@ -1,4 +1,4 @@
-"""What is known to be around a robot, and to whom a post speaks, through the agent: forum, driver, fake robot."""
+"""What is known to be around a robot, and whom a post addresses, through the agent: forum, driver, fake robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WALK = f"@{ROBOT} walk forward 2 m"
 
 
 async def told(scene: Scene, text: str) -> tuple[str, str]:
-    """How a post ends and what is said of it."""
+    """Return how a post ends and the text of the reply."""
     async with scene.agent() as agent, asyncio.timeout(60):
         reply = await scene.final(await scene.post("alice", text))
         while await agent.journal.open_claims():  # noqa: ASYNC110  the next agent would take it for a waiting command

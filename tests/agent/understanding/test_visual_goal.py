@@ -1,4 +1,4 @@
-"""A goal whose every word is known says nothing besides it; what others are told in the same post still counts."""
+"""A goal without unknown words gets no note about them; what the same post tells others still counts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TERMS = CommandTerms(names=ME, known=True)
 
 
 def judged(text: str) -> Verdict:
-    """What the rules say to a post that is a goal."""
+    """Return the rules' answer to a post that is a goal."""
     language = language_of(text)
     goal = goal_of(text, Addressee(ME, tuple(n for n in mentions(text) if n not in ME), CAN), language)
     assert goal is not None, text
