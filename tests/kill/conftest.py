@@ -1,4 +1,4 @@
-"""Fixtures of the tests that kill: one house for all points, since only what is killed is started again."""
+"""Fixtures of the kill tests: one house for all kill points, because only killed processes are restarted."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
 
 @pytest.fixture
 def kills() -> int:
-    """How many random kills, unless `AGENTROB_KILLS` names a number."""
+    """Return the number of random kills, which `AGENTROB_KILLS` overrides."""
     return int(os.environ.get("AGENTROB_KILLS", size(30, 200)))
 
 
 @pytest.fixture
 def seed() -> int:
-    """Of the random kills; `AGENTROB_KILL_SEED` repeats another run."""
+    """Return the seed of the random kills; `AGENTROB_KILL_SEED` repeats an earlier run."""
     return int(os.environ.get("AGENTROB_KILL_SEED", "6"))

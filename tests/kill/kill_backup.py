@@ -1,4 +1,4 @@
-"""Yesterday's copy of a SQLite database, taken while its process runs and put back while that is down."""
+"""Take a copy of a SQLite database while its process runs, and restore it while the process is down."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Backup:
 
 
 def delete(database: Path) -> None:
-    """With what has not been written into it yet."""
+    """Copy the database including what is only in its write-ahead log."""
     assert database.exists()
     for left in ("", "-wal", "-shm"):
         Path(f"{database}{left}").unlink(missing_ok=True)

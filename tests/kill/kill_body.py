@@ -1,8 +1,8 @@
-"""The body of `kill_robot.FarRobot`, a process that nobody kills: it moves as commanded, and writes down what it did.
+"""The body of `kill_robot.FarRobot`, a process that is never killed: it moves as commanded and logs its motion.
 
-As a real robot it holds a velocity for one second after the last command. The
-ledger has one JSON object a line: `at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `told`: it is told
-to rest while it moves; `moves`, `rests`) and `walked_m`, the length of all ways so far.
+Like a real robot it holds a velocity for one second after the last command. The ledger has one JSON object per line:
+`at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `told`: it is told to rest while it moves; `moves`,
+`rests`) and `walked_m`, the total distance so far.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from agentrob.robots.control.controller import Velocity
 from agentrob.robots.fake import FakeRobot
 
 FAR = 2000.0
-#: Slower than this is standing still: a tenth of the speed limit. Below it a body that coasts only fades.
+#: A tenth of the speed limit. A robot slower than this counts as standing: a body that coasts only fades out.
 STILL_MPS = 0.05
 
 
@@ -34,7 +34,7 @@ class Body:
         self.walked_m, self.pose, self.moving = 0.0, self.robot.pose, False
 
     def look(self) -> None:
-        """Write down when it begins to move and when it stands still again."""
+        """Log when it starts to move and when it stands still again."""
         with self.lock:
             state, last = self.robot.state(), self.pose
             assert state.pose is not None

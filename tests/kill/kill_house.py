@@ -1,4 +1,4 @@
-"""A board, a driver and an agent as processes that may be killed one by one, and a robot that outlives them."""
+"""A board, a driver and an agent as processes that may be killed one by one, with a robot that outlives them."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from tests.kill.kill_process import Mortal, agentrob, wait_for
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
-#: How a command may end whose driver was killed before it was given a step: nothing moved.
+#: Final states of a command whose driver was killed before it got a step: nothing moved.
 DRIVER_AWAY = frozenset({"failed"})
-#: How one may end whose driver was killed with a step: its agent knows that it does not know what happened.
+#: Final states of a command whose driver was killed during a step: the agent knows that the result is unknown.
 DRIVER_DIED = frozenset({"interrupted"})
-#: An agent, a driver or a board is back within seconds; what waits longest is the agent for a board, with its backoff.
+#: Agents, drivers and boards restart within seconds; an agent waits longest, for a board, because of its backoff.
 END_S = 90.0
 ENTRY = "[agentrob.robots]\nfar = tests.kill.kill_robot:FarRobot\n"
 
 
 @dataclass
 class Asked:
-    """One command on its way: who posts it, and the ledger and the time when it began."""
+    """One command in progress: who posted it, the ledger, and the start time."""
 
     text: str
     began: int
@@ -52,13 +52,13 @@ class Asked:
 
 
 class House:
-    """All on loopback, in one folder. `kinds` of processes that may be killed: board, driver, agent."""
+    """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent."""
 
     kinds: tuple[str, ...] = ("board", "driver", "agent")
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # sockets want short paths
+        self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # socket paths must be short
         self.ledger_path = folder / "ledger.jsonl"
         self.running: dict[str, Mortal] = {}
         self.tokens: dict[str, str] = {}
@@ -83,7 +83,7 @@ class House:
             self.start(kind)
 
     def _plug_in(self) -> None:
-        """Where a stranger's robot would be installed."""
+        """Return the folder where a third party's robot is installed."""
         info = self.folder / "plugins" / "far_robot-1.dist-info"
         info.mkdir(parents=True)
         (info / "METADATA").write_text("Metadata-Version: 2.1\nName: far-robot\nVersion: 1\n")
@@ -116,18 +116,18 @@ class House:
         return self.still_since(since) is None
 
     def still_since(self, since: int) -> float | None:
-        """CLOCK_MONOTONIC when it last came to rest; 0 when it has not moved, None while it moves."""
+        """Return when it last came to rest (CLOCK_MONOTONIC); 0 if it has not moved, None while it moves."""
         ways = [line for line in self.ledger(since) if line["event"] in ("moves", "rests")]
         if not ways:
             return 0.0
         return float(ways[-1]["at_s"]) if ways[-1]["event"] == "rests" else None
 
     def motions(self, since: int) -> int:
-        """How many steps a driver began."""
+        """Return how many steps a driver began."""
         return sum(line["event"] == "step" for line in self.ledger(since))
 
     def told_since(self, since: int, after_s: float) -> float:
-        """CLOCK_MONOTONIC when a driver first told it to rest after a time."""
+        """Return when a driver first told it to rest after this time (CLOCK_MONOTONIC)."""
         told = [line["at_s"] for line in self.ledger(since) if line["event"] == "told" and line["at_s"] > after_s]
         return float(told[0])
 
@@ -142,13 +142,13 @@ class House:
         self.begin(kind, **env).ready()
 
     def begin(self, kind: str, **env: str) -> Mortal:
-        """Start it, and do not wait until it is ready."""
+        """Start a process without waiting until it is ready."""
         process = Mortal(agentrob, *self.words(kind), log=self.folder / f"{kind}.log", env=self.env() | env)
         self.running[kind] = process
         return process
 
     def words(self, kind: str) -> tuple[tuple[str, ...], Path]:
-        """What `agentrob` is given to type and where its robots are installed."""
+        """Return the arguments for `agentrob` and the folder where its robots are installed."""
         words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
         return (*words, "--config", str(self.config_path)), self.folder / "plugins"
 
@@ -160,7 +160,7 @@ class House:
         }
 
     def second(self, kind: str, limit_s: float = 60.0) -> Said:
-        """Start another of what runs already, and wait for its end."""
+        """Start a second process of a running kind, and wait until it ends."""
         process = ForkedProcess(agentrob, *self.words(kind), env=self.env())
         said, errors = process.communicate(limit_s)
         assert process.returncode is not None
@@ -173,7 +173,7 @@ class House:
         return self.running[kind].died(limit_s)
 
     def release(self) -> None:
-        """As the owner does after a look: a driver that comes back while the robot still moves halts it (law 12)."""
+        """Release the robot as an owner would: a driver that restarts while the robot still moves halts it (law 12)."""
         transport = httpx2.HTTPTransport(uds=str(self.runtime / "agentrob" / f"{ROBOT}.sock"))
         with httpx2.Client(transport=transport, base_url="http://driver", timeout=60.0) as driver:
             if driver.get("/state").json()["halted"]:
@@ -187,7 +187,7 @@ class House:
 
     # ------------------------------------------------------------ what people do and see
     def ask(self, text: str) -> Asked:
-        """Post a command, as a person does who posts again under the same key when the forum does not answer."""
+        """Post a command; repeat it under the same key while the forum does not answer, as a person would."""
         asked = Asked(f"@{ROBOT} {text}", len(self.ledger()))
         topic = {"board_id": "robots", "title": text, "body": asked.text}
         asked.thread = threading.Thread(target=self._post, args=(asked, "/topics", topic), daemon=True)
@@ -199,7 +199,7 @@ class House:
         asked.post = answer["post"]
 
     def _insist(self, method: str, path: str, **more: Any) -> Any:
-        """Until the board answers; it may be dead for a while."""
+        """Wait until the board answers; it may be down for a while."""
 
         def tried() -> list[Any]:
             try:
@@ -214,7 +214,7 @@ class House:
         return wait_for(f"{method} {path}", tried, 60.0)[0]
 
     def stop(self, asked: Asked) -> None:
-        """Write "stop" under a command."""
+        """Post "stop" in the thread of a command."""
         path = f"/topics/{self.posted(asked)['topic_id']}/posts"
         key = {"Idempotency-Key": secrets.token_hex(8)}
         self._insist("POST", path, json={"body": f"@{ROBOT} stop"}, headers=key)
@@ -223,13 +223,14 @@ class House:
         return dict(wait_for("the command is posted", lambda: asked.post, 60.0))
 
     def answers(self, asked: Asked) -> list[dict[str, Any]]:
-        """The robot's posts that answer the command, oldest first."""
+        """Return the robot's replies to the command, oldest first."""
         post = self.posted(asked)
         found = self._insist("GET", f"/topics/{post['topic_id']}/posts")["items"]
         return [p for p in found if p["author"]["name"] == ROBOT and p["reply_to"] == post["id"]]
 
     def final(self, asked: Asked) -> dict[str, Any]:
-        """The final reply, once it is there, the agent has closed its journal over it, and the robot stands."""
+        """Return the final reply once it is posted, the agent's journal has closed the command, and the robot
+        stands."""
 
         def told() -> list[dict[str, Any]]:
             return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in FINAL_STATES]
@@ -242,7 +243,7 @@ class House:
         return finals[0]
 
     def journal(self, asked: Asked) -> str:
-        """How the agent's journal says that the command ended; empty while it is open."""
+        """Return the command's final state in the agent's journal, or an empty string while it is open."""
         found = self.in_journal("SELECT final FROM claim WHERE post = ?", self.posted(asked)["id"])
         return str(found[0] or "") if found else ""
 
@@ -257,14 +258,14 @@ class House:
         return path
 
     def in_journal(self, query: str, *values: str) -> Any:
-        """The first row that the agent's journal has for a query."""
+        """Return the first row of a query on the agent's journal."""
         with closing(sqlite3.connect(f"file:{self.journal_path}?mode=ro", uri=True, timeout=10.0)) as db:
             return db.execute(query, values).fetchone()
 
     def ends_told(self, post: dict[str, Any]) -> int:
-        """In how many versions of a status post an end was told: an end has paragraphs, a status has one.
+        """Return how many versions of the status posts contain an end, which unlike a status has paragraphs.
 
-        A version that only adds a late recording tells no other end.
+        A version that only adds a late recording does not count again.
         """
         with closing(sqlite3.connect(f"file:{self.board_path}?mode=ro", uri=True, timeout=10.0)) as db:
             older = db.execute(
@@ -276,7 +277,10 @@ class House:
 
 
 def check(house: House, asked: Asked) -> str:
-    """What must be true after any death: one final reply, one motion at most, nothing told twice. Its state."""
+    """Check what must hold after any death: one final reply, one motion at most, nothing written twice.
+
+    Return the final state.
+    """
     final = house.final(asked)
     state = str(final["card"]["state"])
     assert len(house.answers(asked)) == 1, "a claim, status or final post is there twice"

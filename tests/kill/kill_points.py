@@ -1,9 +1,9 @@
-"""Runs inside a process that is to be killed: `agentrob`, and a thread that takes orders where to die.
+"""Runs inside a process that is to be killed: `agentrob`, with a thread that receives the points at which to die.
 
-Nothing in the product knows of this. An order (a line of JSON on standard input) names a function by where it is looked
-up, whether to die before or after it, at which call, and what the call's arguments must contain. It is answered by a
-line on standard output, and so is the death, right before it. `KILL_VERSION` makes it another version of the
-agent to its journal.
+The product does not know about it. An order (a line of JSON on standard input) names a function by its import path,
+whether to die before or after it, at which call, and what the arguments must contain. A line on standard output
+confirms the order, and another one precedes the death. With `KILL_VERSION` the journal sees another version of the
+agent.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def say(**facts: Any) -> None:
 
 
 def arm(target: str, when: str, nth: int = 1, containing: str = "") -> None:
-    """From now on SIGKILL this process when `module:Class.name` is reached, `before` or `after`, for the nth time."""
+    """Kill this process by SIGKILL when `module:Class.name` is reached for the nth time, `before` or `after` it."""
     module, _, path = target.partition(":")
     *owners, name = path.split(".")
     owner: Any = importlib.import_module(module)

@@ -1,4 +1,4 @@
-"""A process that can be told where to die, and heard dying."""
+"""A process that can be ordered to die at a point and that reports its death."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ START_S = 100.0
 
 
 def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
-    """What `condition` gives as soon as it gives something."""
+    """Poll `condition` until it returns something, and return that."""
     end_s = time.monotonic() + limit_s
     while not (found := condition()):
         assert time.monotonic() < end_s, f"not within {limit_s:.0f} s: {what}"
@@ -28,14 +28,14 @@ def wait_for(what: str, condition: Callable[[], Any], limit_s: float) -> Any:
 
 
 def agentrob(words: tuple[str, ...], plugins: Path) -> None:
-    """`agentrob WORDS` in its process, which finds the robots that are installed in a folder, and can be killed."""
+    """Run `agentrob WORDS` in a process that can be killed and that finds the robots installed in a folder."""
     sys.path.insert(0, str(plugins))
     sys.argv = ["agentrob", *words]
     kill_points.main()
 
 
 class Mortal:
-    """A process that runs `target(*args)`, ready to serve after `ready()`. It ends with the tests."""
+    """A process that runs `target(*args)` and is ready after `ready()`. It ends with the tests."""
 
     def __init__(
         self, target: Callable[..., None], *args: Any, log: Path, env: Mapping[str, str] | None = None
@@ -58,7 +58,7 @@ class Mortal:
                     self._changed.notify_all()
 
     def heard(self, word: str, limit_s: float) -> dict[str, Any]:
-        """The last line with this word in it, once it has said one."""
+        """Return the last output line that contains this word, once there is one."""
 
         def found() -> list[dict[str, Any]]:
             return [line for line in self.lines if word in line]
@@ -71,7 +71,7 @@ class Mortal:
         return "\n".join(self.log.read_text(errors="replace").splitlines()[-15:])
 
     def arm(self, point: Mapping[str, Any]) -> None:
-        """Have it die at a point; returns when it is armed."""
+        """Order it to die at a point; return when the order is confirmed."""
         assert self.process.stdin is not None
         self.process.stdin.write((json.dumps(dict(point)) + "\n").encode())
         self.process.stdin.flush()
@@ -79,13 +79,13 @@ class Mortal:
         assert answer["armed"], answer
 
     def died(self, limit_s: float) -> float:
-        """CLOCK_MONOTONIC of its death at its point. A point that is never reached fails the test."""
+        """Return when it died at its point (CLOCK_MONOTONIC). A point that is never reached fails the test."""
         at_s = float(self.heard("killed", limit_s)["at_s"])
         assert self.process.wait(60) == -signal.SIGKILL
         return at_s
 
     def kill(self) -> float:
-        """Kill it now, wherever it is."""
+        """Kill it now, whatever it is doing."""
         assert self.process.poll() is None, f"had ended by itself; see {self.log}\n{self.last_words()}"
         self.process.kill()
         at_s = time.monotonic()
@@ -93,7 +93,7 @@ class Mortal:
         return at_s
 
     def freeze(self) -> None:
-        """It does nothing, and keeps what it knows, until `thaw`."""
+        """Suspend it with its memory until `thaw`."""
         self.process.send_signal(signal.SIGSTOP)
 
     def thaw(self) -> None:

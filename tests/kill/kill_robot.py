@@ -1,6 +1,6 @@
-"""A robot whose body is another process (`kill_body`), so that it goes on when its driver is killed, as real ones do.
+"""A robot whose body is another process (`kill_body`), so that it continues when its driver is killed, like a real one.
 
-The driver finds it by its entry point, like any stranger's robot.
+The driver finds it by its entry point, like any third party's robot.
 """
 
 from __future__ import annotations

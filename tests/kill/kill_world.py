@@ -1,4 +1,4 @@
-"""The house with a simulated Go2 on DDS in it: then the world too may be killed, and its ledger stays on disk."""
+"""The house with a simulated Go2 on DDS: the world may be killed too, and its ledger stays on disk."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from tests.kill.kill_process import Mortal, agentrob
 
 
 class WorldHouse(House):
-    """`born` is how long the ledger was when the world of now was started."""
+    """`born` is the length of the ledger when the current world was started."""
 
     def __init__(self, folder: Path) -> None:
-        self._own = PrivateDomain()  # as long as this is here
+        self._own = PrivateDomain()  # as long as this object exists
         self.domain = self._own.number
         self.born = 0
         super().__init__(folder)
@@ -39,7 +39,7 @@ class WorldHouse(House):
             super().start(kind, **env)
 
     def moves(self, since: int) -> bool:
-        """Of the world of now; what moved in a killed one moves no more."""
+        """Of the current world only; in a killed world nothing moves any more."""
         ways = [e["event"] for e in self.ledger(max(since, self.born)) if e["event"] in ("move_begin", "move_end")]
         return bool(ways) and ways[-1] == "move_begin"
 

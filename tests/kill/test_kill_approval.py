@@ -1,6 +1,6 @@
-"""Laws 6 and 7 where a command needs an approval: its agent dies by SIGKILL between the asking and the motion.
+"""Laws 6 and 7 where a command needs an approval: its agent dies by SIGKILL between the request and the motion.
 
-Then there is one final reply and one motion at most, what was approved is done, and nobody is asked twice.
+There must be one final reply and at most one motion, an approved command is done, and nobody is asked twice.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ JOURNAL, APPROVALS, FORUM = (
 
 
 class AskingHouse(House):
-    """Whatever moves needs an approval, which the only person of the house may give."""
+    """Require an approval for every motion, which the only person of the house may give."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
@@ -36,7 +36,7 @@ class AskingHouse(House):
             management.change_robot(connection, SHELL, ROBOT, **rights)
 
     def waits(self, asked: Asked) -> None:
-        """Until its answer says that it waits."""
+        """Wait until its reply says that it waits."""
         wait_for(
             "it waits for an approval",
             lambda: [p for p in self.answers(asked) if p["card"] and p["card"]["state"] == "waiting"],
@@ -59,7 +59,7 @@ def asking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AskingHouse]:
 
 @dataclass(frozen=True)
 class Point:
-    """Where the agent dies, before it was approved (`asks`) or after, and how the command ends."""
+    """Where the agent dies, before the approval (`asks`) or after, and how the command ends."""
 
     name: str
     target: str

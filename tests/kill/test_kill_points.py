@@ -1,8 +1,8 @@
-"""Law 6 where it is hardest: agent, driver and board die by SIGKILL at each point of the way from a post to its reply.
+"""Law 6 at every point: agent, driver and board die by SIGKILL at each point between a post and its reply.
 
-A point is a function of the product, before or after it. Whoever reaches it is dead in that instant, and is started
-again. Then the command must have exactly one final reply and at most one motion, by the ledger of a robot's body that
-nobody killed. A point that is never reached fails.
+A point is before or after a function of the product. The process that reaches it dies at once and is restarted. The
+command must then have exactly one final reply and at most one motion, by the ledger of a robot's body that is never
+killed. A point that is never reached fails.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import pytest
 from tests.kill.kill_house import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
 from tests.kill.kill_process import wait_for
 
-#: What was asked, and what a velocity that is held for a second and then coasts out can add.
+#: The requested distance, and what a velocity that is held for a second and then coasts can add to it.
 MOST_M = 0.3 + 0.6
-#: Within this time after its agent's death a robot stands still: the lease's second, and coming to rest.
+#: A robot stands still this long after its agent's death: the lease's second, and the time to come to rest.
 STILL_S = 1.5
-#: Within this time its driver tells it to rest: the lease's second, and the next of its looks at the lease.
+#: Its driver tells it to rest within this time: the lease's second, and the interval of the lease checks.
 TOLD_S = 1.2
 
 DONE = frozenset({"done"})
@@ -28,7 +28,7 @@ INTERRUPTED = frozenset({"interrupted"})
 
 @dataclass(frozen=True)
 class Point:
-    """Where who dies, what was posted, and the states in which the command may end then."""
+    """Which process dies where, what was posted, and the allowed final states."""
 
     name: str
     kind: str
@@ -63,7 +63,7 @@ AGENT, UNDERSTAND, PIPELINE = "agent.agent:", "agent.understanding.understand:",
 STATUS = "agent.reporting.status_post:StatusPost."
 JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverClient."
 FORUM = "forums.agentrob.forum:BoardForum."
-#: Nothing has moved yet, so it is all done after the restart, once.
+#: Nothing has moved yet, so everything is done after the restart, once.
 BEFORE_MOTION = [
     agent("post not heard yet", AGENT + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
     agent("post heard", AGENT + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
@@ -82,7 +82,7 @@ BEFORE_MOTION = [
     agent("first in line", "agent.queue.queue:CommandQueue.turn", "after", DONE, 1),
     agent("attempt not committed yet", JOURNAL + "_begin", "before", DONE, 1),
 ]
-#: Begun and not known to be finished: never again, whatever had moved.
+#: Begun, and not known to be finished: never repeated, however far it moved.
 BEGUN = [
     agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
     agent("allowed again", PIPELINE + "permission", "after", INTERRUPTED, 0),
@@ -97,7 +97,7 @@ BEGUN = [
     agent("pictures kept", "agent.store.records:Records.keep_pictures", "after", INTERRUPTED, 1, text=PHOTO),
     agent("motion's end not committed yet", JOURNAL + "_end", "before", INTERRUPTED, 1),
 ]
-#: The end is on disk: it is told as it was.
+#: The end is on disk and is written as it was.
 ENDED = [
     agent("motion's end committed", JOURNAL + "_end", "after", DONE, 1),
     agent("record written", "agent.store.records:Records.write", "after", DONE, 1),
@@ -121,8 +121,8 @@ DRIVER = [
     driver("step measured", "tests.kill.kill_robot:FarRobot.step", "after", 1),
     driver("result to be sent", "agentrob.robots.driver.driver:Driver.step", "after", 1),
 ]
-#: While the board is away nobody could stop the robot, so a motion may be interrupted, or not begin;
-#: nor can it be asked whether the command still holds, which cancels it before anything moved (see `check`).
+#: While the board is down nobody could stop the robot, so a motion may be interrupted, or not begin. It cannot be
+#: verified either whether the command still holds, which cancels it before any motion (see `check`).
 AWAY = frozenset({"done", "interrupted", "cancelled"})
 BOARD = [
     board("command to be written", "content.writes:create_topic", "before"),
@@ -147,7 +147,7 @@ IN_A_STOP = [
     ("agentrob.robots.driver.driver:Driver.stop", "after"),
 ]
 POINTS = [*BEFORE_MOTION, *BEGUN, *ENDED, *DRIVER, *BOARD]
-#: One of each kind of process is killed before every change.
+#: Run by default: one kill of each kind of process.
 FAST = {"agent, walking", "driver, walking", "board, claim committed, not answered"}
 assert {p.name for p in POINTS} >= FAST
 assert len({p.name for p in POINTS}) == len(POINTS)

@@ -1,7 +1,7 @@
-"""Law 6 by chance: agent, driver and board die by SIGKILL at random moments, one of them or several in one command,
+"""Law 6 under random kills: agent, driver and board die by SIGKILL at random moments, one or several in one command,
 many times over.
 
-`AGENTROB_KILLS` is how many kills, `AGENTROB_KILL_SEED` repeats a run.
+`AGENTROB_KILLS` is the number of kills, `AGENTROB_KILL_SEED` repeats a run.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from agentrob.model.lifecycle import FINAL_STATES
 from tests.kill.kill_house import DRIVER_AWAY, DRIVER_DIED, PHOTO, WALK, House, check
 from tests.kill.kill_process import wait_for
 
-#: From the post on; a command that is left alone takes 1.5 s.
+#: Counted from the post; an undisturbed command takes 1.5 s.
 LATEST_S = 1.7
 STATES = {
     "agent": {"done", "interrupted"},
-    # It may also be away when the command is asked again whether it holds, which cancels it before it moved.
+    # It may also be down when the command is verified, which cancels the command before any motion.
     "driver": {"done", "cancelled"} | DRIVER_AWAY | DRIVER_DIED,
     "board": {"done", "interrupted", "cancelled"},
 }
@@ -35,13 +35,13 @@ class Death:
 
 
 def deaths(chance: random.Random, kinds: Sequence[str], most: int) -> list[Death]:
-    """Whoever dies during one command, one to all of them, in the order of their deaths."""
+    """The processes that die during one command, one to all of them, in the order of their deaths."""
     who = chance.sample(kinds, min(most, chance.randint(1, len(kinds))))
     return sorted((Death(kind, chance.uniform(0.0, LATEST_S)) for kind in who), key=lambda death: death.after_s)
 
 
 def die(house: House, planned: Sequence[Death]) -> None:
-    """Kill each at its time and start it again at once, beside the others."""
+    """Kill each process at its time and restart it at once, concurrently."""
     began_s = time.monotonic()
     for death in planned:
         at_s = began_s + death.after_s

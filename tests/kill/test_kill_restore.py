@@ -1,6 +1,5 @@
-"""Laws 5 and 6 when what was written is lost: a board or a journal put back from yesterday, a journal deleted, a
-second start, and another version of the application. A robot's body that nobody kills counts the motions.
-"""
+"""Laws 5 and 6 after a loss of data: a board or a journal restored from yesterday, a deleted journal, a second start,
+and another version of the application. The motions are counted by a robot's body that is never killed."""
 
 from __future__ import annotations
 
@@ -32,14 +31,14 @@ def fast(*values: Any, id: str) -> Any:
 
 
 def done(house: House, text: str = WALK) -> Asked:
-    """A command from its post to its end."""
+    """Run a command from its post to its end."""
     asked = house.ask(text)
     assert check(house, asked) == "done"
     return asked
 
 
 def killed_at(house: House, point: dict[str, Any]) -> Asked:
-    """A command on whose way the agent was killed."""
+    """Kill the agent while it processes a command."""
     house.arm("agent", point)
     asked = house.ask(WALK)
     house.died("agent")
@@ -49,7 +48,7 @@ def killed_at(house: House, point: dict[str, Any]) -> Asked:
 
 
 def serves_as_ever(house: House) -> None:
-    """What is asked for now is done once and answered once."""
+    """Check that a new command is done once and answered once."""
     done(house)
 
 
@@ -71,7 +70,7 @@ def era(house: House) -> str:
 
 
 def board_of_yesterday(house: House, backup: Backup, more_until: int) -> Asked | None:
-    """Put the board back, and post until it has more events than before: talk, and a command in the middle of it."""
+    """Restore the board, and post until it has more events than before: talk, with a command in the middle."""
     house.running["board"].kill()
     backup.put_back()
     house.start("board")
@@ -136,7 +135,7 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
     ended = house.in_journal("SELECT final FROM claim WHERE post = ?", era(house) + str(house.posted(open_one)["id"]))
     assert ended == ("cancelled",), "what was open on the other forum is closed with it"
-    # A claim of this id that is open now is of the early post, which the same number was given to again.
+    # An open claim of this id belongs to the earlier post, whose number was reused.
     unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
     assert early or not house.in_journal(unended, house.posted(open_one)["id"])
     wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 60.0)
@@ -178,7 +177,7 @@ def test_law_6_a_deleted_journal_moves_nothing_again_and_each_command_gets_one_f
 @pytest.mark.parametrize(
     ("point", "state", "motions"),
     [
-        # Unknown to the journal and to the forum it is a fresh post like any other.
+        # Unknown to the journal and to the forum, it is a fresh post like any other.
         slow(SCREENED, "done", 1, id="it waits"),
         slow(CLAIMED, "interrupted", 0, id="it is claimed on the forum"),
         slow(WALKING, "interrupted", 1, id="it walks"),
@@ -264,5 +263,5 @@ def test_law_6_another_version_ends_what_the_one_before_it_left_open_and_tells_i
 
 
 def assert_worked_as(house: House, version: str) -> None:
-    """Else the process was not of another version to the journal, and this test would show nothing."""
+    """Otherwise the journal would see the same version, and this test would prove nothing."""
     assert house.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = ?", version)

@@ -1,4 +1,4 @@
-"""Law 6 when the robot itself is gone: the simulated Go2's world is killed, and its driver while the Go2 walks."""
+"""Law 6 when the robot itself disappears: the simulated Go2's world is killed, and its driver while the Go2 walks."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
     assert len(house.answers(asked)) == 1
     assert house.ends_told(final) == 1
     assert house.begun(house.born) == 0, "the robot that came back was moved by a command of before"
-    house.running["driver"].kill()  # its owner starts the driver again: the robot has another place and home now
+    house.running["driver"].kill()  # the owner restarts the driver: the robot has a new position and home
     house.start("driver")
     house.release()
 

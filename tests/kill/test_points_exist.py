@@ -1,4 +1,4 @@
-"""Every kill point names a function that exists, so that a renamed one fails here and not in `make test-long` only."""
+"""Every kill point names a function that exists, so that a rename fails here and not only in `make test-long`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tests of robots share."""
+"""Fixtures shared by the tests of robots."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tests.robots.sim_scene import Place
 
 pytest.register_assert_rewrite("agentrob.robots.contract")
 
-#: So far that no walk of a file's tests ends at it.
+#: So wide that no walk in a module's tests reaches its edge.
 WIDE = {"x_min_m": -999.0, "x_max_m": 999.0, "y_min_m": -999.0, "y_max_m": 999.0}
 
 
 @pytest.fixture
 def drivers(tmp_path: Path) -> Iterator[Drivers]:
-    """Starts drivers of fake robots and ends them all."""
+    """Start drivers of fake robots, and end all of them."""
     started = Drivers(tmp_path)
     yield started
     started.close()
@@ -34,7 +34,7 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Standing]:
-    """One driver for all tests that leave it running."""
+    """Start one driver for all tests that leave it running."""
     drivers = Drivers(tmp_path_factory.mktemp("d"))
     name, _ = drivers.start(fence=WIDE, options={"room": [-999, 999, -999, 999]})
     yield drivers, name
@@ -43,7 +43,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Standing]:
 
 @pytest.fixture
 async def standing(shared: Standing) -> AsyncIterator[Standing]:
-    """A driver whose robot stands, is not halted, and held by nobody."""
+    """A driver whose robot stands, not halted and without a lease."""
     drivers, name = shared
     yield shared
     async with drivers.client(name) as robot:
@@ -55,7 +55,7 @@ async def standing(shared: Standing) -> AsyncIterator[Standing]:
 
 @pytest.fixture
 def make(tmp_path: Path) -> Iterator[Make]:
-    """Makes guarded fake robots that take no time; keywords are settings and, as `options`, the fake's."""
+    """Make guarded fake robots in virtual time; keywords are settings, and `options` are the fake's."""
     made: list[Guard] = []
 
     def make(options: dict[str, Any] | None = None, **changed: Any) -> Guard:
@@ -72,7 +72,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
-    """A room with a Go2 in full physics, its driver and the room's truth; one for a module."""
+    """A room with a Go2 in full physics, its driver and the room's ground truth; one per module."""
     made = Place(tmp_path_factory.mktemp("place"))
     yield made
     made.close()
@@ -80,7 +80,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
 
 @pytest.fixture
 async def robot(place: Place) -> AsyncIterator[DriverClient]:
-    """A driver with the ordinary settings; the robot at its start and at home."""
+    """A driver with the usual settings; the robot is at its start and homed."""
     place.drive()
     async with place.client() as client:
         await place.begin(client)

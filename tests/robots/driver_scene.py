@@ -1,4 +1,4 @@
-"""Driver processes of fake robots, clients that walk them, and waiting for what they do."""
+"""Driver processes of fake robots, clients that walk them, and functions that wait for their states."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 
 
 def run(name: str, folder: Path, settings: dict[str, Any]) -> None:
-    """A driver, in its process."""
+    """Run a driver; the main function of its process."""
     try:
         config = RobotConfig(**{"model": "fake", "simulated": True, "home_on_start": True, **settings})
         run_driver(name, config, folder / f"{name}.sock", folder)
@@ -33,7 +33,7 @@ def run(name: str, folder: Path, settings: dict[str, Any]) -> None:
 
 
 def walk(name: str, socket: Path) -> None:
-    """A client that takes the lease and walks, in its process."""
+    """Run a client that takes the lease and walks; the main function of its process."""
 
     async def main() -> None:
         async with DriverClient(name, socket) as robot, robot.lease("walker") as lease:
@@ -44,7 +44,7 @@ def walk(name: str, socket: Path) -> None:
 
 
 class Drivers:
-    """Starts driver processes of fake robots with names of their own and ends them all."""
+    """Starts driver processes of fake robots with unique names and ends them all."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.processes = folder, list[ForkedProcess]()
@@ -55,7 +55,7 @@ class Drivers:
         return process
 
     def spawn_holder(self, name: str) -> ForkedProcess:
-        """A client in a process of its own that takes the lease and walks."""
+        """Start a client in its own process that takes the lease and walks."""
         process = ForkedProcess(walk, name, self.folder / f"{name}.sock")
         self.processes.append(process)
         return process
@@ -78,12 +78,12 @@ class Drivers:
 
 
 async def moving(robot: DriverClient, limit_s: float = 60.0) -> None:
-    """Until the robot really moves."""
+    """Wait until the robot really moves."""
     await until(robot, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s)
 
 
 async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 60.0) -> float:
-    """Seconds until a state is as wanted."""
+    """Return the seconds until the state meets a condition."""
     began_s = time.monotonic()
     while not true(await robot.state()):
         assert time.monotonic() - began_s < limit_s, "it did not become true"
@@ -95,5 +95,5 @@ def at_rest(state: Any) -> bool:
     return abs(state.velocity_mps[0]) < 0.05
 
 
-#: Drivers, and the name of one that runs.
+#: The drivers, and the name of one that runs.
 Standing = tuple[Drivers, str]

@@ -1,4 +1,4 @@
-"""Guarded fake robots for tests: steps, waiting for what must become true, and a foreign hand."""
+"""Guarded fake robots for tests: steps, polling, and a second controller outside the guard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.robots.safety.guard import Guard
 
 F, B, L, R = Direction
 Make = Callable[..., Guard]
-#: Nothing tells a test when a state changes: it looks again after so long.
+#: The polling interval: tests get no notification of state changes.
 LOOK_S = 0.01
 
 
@@ -33,7 +33,7 @@ def turn(degrees: float, direction: Direction = L) -> Primitive:
 
 
 def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
-    """Wait for what must become true."""
+    """Wait until a condition holds."""
     end_s = time.monotonic() + limit_s
     while not true():
         assert time.monotonic() < end_s, "it did not become true"
@@ -49,7 +49,7 @@ def homes(guard: Guard) -> bool:
 
 
 class Pusher:
-    """Somebody else who drives the robot, past every guard, until the context ends."""
+    """Let another controller drive the robot past every guard until the context ends."""
 
     def __init__(self, robot: FakeRobot) -> None:
         self._robot, self._ended = robot, threading.Event()

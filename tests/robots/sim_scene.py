@@ -1,4 +1,5 @@
-"""A served world, a driver process and a hand remote, each a process of its own, and where the robot really is."""
+"""A served world, a driver process and a remote control, each in its own process, with the ground truth of the
+robot."""
 
 from __future__ import annotations
 
@@ -20,14 +21,14 @@ from agentrob.errors import RobotError
 from agentrob.model import RobotState
 from agentrob.robots.driver.client import DriverClient
 
-#: Not those of other test files.
+#: Different from those of other test modules.
 DOMAINS = range(191, 201)
 SAMPLE_S = 0.03
-#: At rest: it strays less than this for so long.
+#: At rest: it moves less than this for this long.
 REST_M, REST_DEG, REST_S = 0.012, 1.5, 0.4
 FENCE = {"x_min_m": -1.0, "x_max_m": 2.5, "y_min_m": -1.0, "y_max_m": 0.2}
 
-#: Imports everything, then waits for a line: so a successor can be there at once.
+#: Imports everything, then waits for a line, so that a successor starts at once.
 DRIVER = """
 import json, sys
 from pathlib import Path
@@ -45,7 +46,8 @@ except RobotError as e:
     sys.exit(str(e))
 """
 
-#: The vendor's own client in a hand: a line in is a call, a line out its code. `drive` goes on until the next line.
+#: The vendor's client as a remote control: an input line is a call, an output line its return code. `drive` continues until
+#: the next line.
 REMOTE = """
 import os, sys, threading
 from agentrob.process import dds
@@ -78,7 +80,7 @@ os._exit(0)
 
 
 class Sample(NamedTuple):
-    """Where the robot really is, and when that was seen (monotonic)."""
+    """Return where the robot really is, and when that was read (monotonic)."""
 
     at_s: float
     time_s: float
@@ -99,7 +101,7 @@ def still(a: Sample, b: Sample) -> bool:
 
 
 class Truth:
-    """Looks at the room's `/truth` all the time, as nothing that drives a robot may."""
+    """Polls the room's `/truth` all the time, which no controller of a robot may do."""
 
     def __init__(self, url: str) -> None:
         self._room = httpx2.Client(base_url=url, timeout=100)
@@ -131,7 +133,7 @@ class Truth:
         return [s for s in list(self.seen) if s.at_s >= at_s]
 
     def speeds_mps(self, since_s: float, window_s: float = 0.5) -> list[float]:
-        """Over windows of simulated time, so that a slow machine does not change them."""
+        """Averages over windows of simulated time, so that a slow machine does not change them."""
         seen, found = self.since(since_s), []
         for first in seen:
             later = [s for s in seen if s.time_s >= first.time_s + window_s]
@@ -140,7 +142,7 @@ class Truth:
         return found
 
     async def until(self, true: Callable[[Sample], Any], limit_s: float = 60.0) -> Sample:
-        """The first sample from now on that is as awaited."""
+        """Return the first sample from now on that meets a condition."""
         began_s = time.monotonic()
         while not ((now := self.now).at_s >= began_s and true(now)):
             assert time.monotonic() - began_s < limit_s, f"it did not become true: {now}"
@@ -163,7 +165,8 @@ class Truth:
             await asyncio.sleep(SAMPLE_S)
 
     async def gone_after(self, at_s: float, seconds: float) -> float:
-        """Metres that it went once so many seconds (of the world's time) had passed since then, in so long again."""
+        """Return the distance that it covered in a window of this many seconds of the world's time, starting this long
+        after a moment."""
         start_s = (self.since(at_s) or [await self.until(lambda now: True)])[0].time_s
         await self.until(lambda now: now.time_s >= start_s + 2 * seconds)
         seen = self.since(at_s)
@@ -171,7 +174,7 @@ class Truth:
 
 
 class Process:
-    """`python -c script`, which says that it is warm and then waits for lines."""
+    """Start `python -c script`, which reports that it is warm and then waits for lines."""
 
     def __init__(self, script: str, *arguments: str, errors: int | None = None) -> None:
         command = [sys.executable, "-c", script, *arguments]
@@ -181,7 +184,7 @@ class Process:
         self._warm = False
 
     def warm(self) -> Process:
-        """Once it has said that it is."""
+        """Wait until it is warm."""
         if not self._warm:
             self._warm = self.line() == "warm"
             assert self._warm, "it ended before it was ready"
@@ -206,7 +209,7 @@ class Process:
 
 
 class Place:
-    """The whole scene; one for a module."""
+    """The whole scene; one per module."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -220,12 +223,12 @@ class Place:
         self.drive()
 
     def new_driver(self, name: str = "quadruped", errors: int | None = subprocess.DEVNULL, **settings: Any) -> Process:
-        """One that waits for a line before it takes the robot."""
+        """Start a driver that waits for a line before it takes the robot."""
         given = {"domain": self.domain, "fence": FENCE, **settings}
         return Process(DRIVER, name, str(self.folder), json.dumps(given), errors=errors)
 
     def drive(self, **settings: Any) -> None:
-        """See that a driver with these settings holds the robot."""
+        """Make sure that a driver with these settings holds the robot."""
         if self.driver is not None and self.settings == settings and self.driver.process.poll() is None:
             return
         if self.driver is not None:
@@ -234,7 +237,7 @@ class Place:
         assert json.loads(self.driver.ask(""))["ready"] == "driver"
 
     def faults(self, **faults: Any) -> float:
-        """Make them; when they were made (monotonic)."""
+        """Make the calls; return when they were made (monotonic)."""
         answer = self.room.post("/faults", json=faults)
         assert answer.status_code == 200, answer.text
         return time.monotonic()
@@ -243,7 +246,7 @@ class Place:
         return DriverClient("quadruped", self.folder / "quadruped.sock")
 
     async def begin(self, robot: DriverClient) -> Sample:
-        """Everything back to its start, released and at home."""
+        """Reset everything: the robot is at its start, released and homed."""
         assert self.room.post("/reset").json() == {"reset": True}
         near_since_s = math.inf
         end_s = time.monotonic() + 60
@@ -256,12 +259,12 @@ class Place:
             assert time.monotonic() < end_s
             near_since_s = min(near_since_s, time.monotonic()) if near(await robot.state()) else math.inf
             await asyncio.sleep(0.03)
-        await robot.release("owner")  # now, and not before: what was seen of the last test may have halted it
+        await robot.release("owner")  # not earlier: the states of the last test may have halted it
         await self.home(robot)
         return await self.truth.until(lambda _: True)
 
     async def home(self, robot: DriverClient, limit_s: float = 60.0) -> None:
-        """Home where it stands, as soon as it stands still enough for that: a body at rest still sways a little."""
+        """Set home at the robot's position as soon as it stands still enough: a body at rest still sways a little."""
         end_s = time.monotonic() + limit_s
         while True:
             try:
@@ -281,7 +284,7 @@ class Place:
 
 
 def _serve() -> tuple[subprocess.Popen[str], int, str]:
-    """A world without cameras on the first domain that nobody holds."""
+    """Start a world without cameras on the first free domain."""
     for domain in DOMAINS:
         process = subprocess.Popen(
             [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain)],

@@ -1,4 +1,4 @@
-"""Steps that a test has a robot do, and what it asks about them."""
+"""Steps for tests to run on a robot, and checks of their results."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from agentrob.robots.driver.client import DriverClient
 from tests.robots.sim_scene import Place, Sample, apart_m
 
 FAR, METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 1.0, 0.3))
-#: From an order to stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
+#: From a stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
 REST_LIMIT_S = 1.5
-#: Standing still it sways less than this.
+#: A standing body sways less than this.
 UNMOVED_M = 0.03
 
 
@@ -31,13 +31,13 @@ async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
 
 
 async def is_well(robot: DriverClient) -> None:
-    """It can be moved again."""
+    """Check that it can be moved again."""
     result = await do(robot, NEAR)
     assert result.ok, (result.reason, result.message)
 
 
 class Walk:
-    """A step under way, with a lease that is renewed; what it came to, and where it really began."""
+    """Run a step with a lease that is renewed; its result, and where it really began."""
 
     def __init__(self, place: Place, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0) -> None:
         self.place, self.robot, self.primitive, self.deadline_s = place, robot, primitive, deadline_s
@@ -56,7 +56,7 @@ class Walk:
         await self._context.__aexit__(None, None, None)
 
     async def under_way(self, distance_m: float = 0.4) -> Sample:
-        """Until it has really gone so far."""
+        """Wait until it has really gone this far."""
         return await self.place.truth.until(lambda now: apart_m(now, self.start) > distance_m)
 
     async def result(self) -> ActionResult:
@@ -65,7 +65,7 @@ class Walk:
 
 
 async def refused(place: Place, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
-    """A step that is refused for this reason, and the robot really does not move."""
+    """Check that a step is refused for this reason and that the robot does not move."""
     start = place.truth.now
     async with robot.lease("walker") as lease:
         result = await robot.step(lease, primitive, 30)

@@ -1,4 +1,4 @@
-"""What crosses the driver's socket comes out as it went in."""
+"""Values that cross the driver's socket are decoded as they were encoded."""
 
 from __future__ import annotations
 

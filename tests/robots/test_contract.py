@@ -1,4 +1,4 @@
-"""The built-in robots keep the contract that strangers' robots must keep."""
+"""The built-in robots fulfil the contract for third-party robots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The closed loop on its own: an ideal body, a sluggish one, one that does not move."""
+"""The closed loop alone: an ideal body, a sluggish one, and one that does not move."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Plant:
         self.lag_s, self.pose, self.velocity, self.commands = lag_s, Pose(0.0, 0.0, yaw_rad), REST, list[Velocity]()
 
     def run(self, motion: MotionController, limit_s: float = 200.0) -> float:
-        """Seconds until the motion ended."""
+        """Return the seconds until the motion ended."""
         dt, t = 0.01, 0.0
         per_command = round(1 / RATE_HZ / dt)
         for k in range(int(limit_s / dt)):
@@ -69,7 +69,7 @@ def test_a_turn_arrives_also_beyond_a_full_one(degrees: float, left: bool, yaw_r
     seconds = plant.run(motion)
     assert motion.ended == "arrived"
     assert abs(wrap(plant.pose.yaw_rad - yaw_rad - turn_rad)) < math.radians(3.5)
-    assert seconds >= abs(turn_rad) / math.radians(45)  # a full turn is really turned
+    assert seconds >= abs(turn_rad) / math.radians(45)  # a full turn is a rotation by 360°
     assert all(abs(command.turn_rps) <= math.radians(45) + 1e-9 for command in plant.commands)
 
 

@@ -1,4 +1,4 @@
-"""A gesture of several calls: what happens to those that are left when a reason to stop comes meanwhile."""
+"""A gesture of several calls: what happens to the remaining calls when a reason to stop occurs."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_law_14_after_a_reason_to_stop_no_call_follows_also_when_it_has_passed(r
         return reason
 
     gesture = Gesture((rise, lambda: called.append(True) or 0), objection)
-    gesture.follow()  # ends while the first call is still under way
+    gesture.follow()  # ends during the first call
     assert (gesture.running, gesture.reason) == (True, reason)
     risen.set()
     gesture._thread.join(60)
@@ -59,7 +59,7 @@ def test_law_14_a_stop_just_before_the_next_call_prevents_it() -> None:
     stopped, called = threading.Event(), list[bool]()
 
     def rise() -> int:
-        stopped.set()  # and nobody looks until the call has returned
+        stopped.set()  # and is noticed only when the call has returned
         return 0
 
     gesture = Gesture((rise, lambda: called.append(True) or 0), lambda: "stop" if stopped.is_set() else None)
@@ -70,7 +70,7 @@ def test_law_14_a_stop_just_before_the_next_call_prevents_it() -> None:
 
 @pytest.mark.parametrize("reason", ["stop", "lease_lapsed", "halted"])
 def test_law_18_a_gesture_that_a_stop_broke_off_at_once_is_told_as_stopped_and_not_as_failed(reason: str) -> None:
-    """The robot's answer, an error, may come before anybody asked again whether to go on."""
+    """The robot's error may come before the next check whether to continue."""
     stopped = threading.Event()
 
     def broken_off() -> int:
@@ -95,7 +95,7 @@ def test_a_gesture_that_was_done_when_the_stop_came_was_done() -> None:
 
 
 def test_a_call_is_late_by_the_robots_clock_and_not_by_the_hosts() -> None:
-    """On a busy machine a simulated robot needs 30 s for a gesture of 8 s; it is not said to have given no answer."""
+    """On a busy machine a simulated robot needs 30 s for a gesture of 8 s, which must not count as no answer."""
     robot_s, answered, called = [0.0], threading.Event(), list[bool]()
 
     def rise() -> int:

@@ -1,6 +1,6 @@
-"""A robot at the end of a cable: world and driver in network namespaces of their own, joined by virtual interfaces.
+"""A robot at the end of a cable: world and driver in separate network namespaces, joined by virtual interfaces.
 
-Run as `unshare -rn python cable_scene.py FOLDER`; prints one line of JSON with what came of pulling the cable.
+Run as `unshare -rn python cable_scene.py FOLDER`; prints one line of JSON with the result of pulling the cable.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tests.robots.sim_scene import DRIVER, Process
 from tests.robots.sim_steps import FAR, NEAR
 from tests.robots.sim_steps import until as until_limited
 
-DOMAIN = 0  # nobody else is in these namespaces
+DOMAIN = 0  # these namespaces have no other processes
 until = partial(until_limited, limit_s=60.0)
 WORLD = """
 read go

@@ -149,7 +149,7 @@ async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_l
                 lease = (await caller._call("POST", "/lease", {"holder": "mortal", "since_s": None}))["lease"]
                 step = asyncio.create_task(caller.step(lease, FAR, 60))
                 await moving(robot)
-                step.cancel()  # its connection is closed, as that of a process that was killed
+                step.cancel()  # its connection is closed, like that of a killed process
                 await until(robot, at_rest)
                 assert await robot.holder() is None
                 await caller.close()
@@ -194,7 +194,7 @@ async def test_law_14_a_stop_ends_the_step_and_the_lease_and_is_measured(standin
             assert stopped.latency_ms < 200
             assert stopped.coasted_m is not None
             assert 0 < stopped.coasted_m < 0.3
-            with pytest.raises(LeaseLost, match="stop"):  # what was to come is over too
+            with pytest.raises(LeaseLost, match="stop"):  # the remaining commands are ended too
                 await robot.step(lease, NEAR, 10)
         async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 10)).ok
@@ -294,7 +294,9 @@ async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
     async with drivers.client(names[1]) as robot, robot.lease("walker") as lease:
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
-        stopped = await asyncio.to_thread(stop_all, "shell", f"driver/fake/{flock}")  # not those of who tests beside us
+        stopped = await asyncio.to_thread(
+            stop_all, "shell", f"driver/fake/{flock}"
+        )  # not the robots of tests that run in parallel
         assert sorted(stopped) == [host_lock.namespaced(f"driver/fake/{name}") for name in names]
         assert all(not isinstance(v, RobotUnreachable) and v.confirmed for v in stopped.values())
         assert (await step).reason == "stop"

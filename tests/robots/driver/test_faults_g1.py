@@ -1,4 +1,4 @@
-"""The same faults with the other body: a simulated G1, its driver in a process of its own."""
+"""The same faults with the other body: a simulated G1, with its driver in a separate process."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.robots.sim_steps import until as until_limited
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 DOMAINS = range(221, 230)
-#: Full physics of 29 joints takes its time on a busy machine.
+#: Full physics of 29 joints is slow on a busy machine.
 until = partial(until_limited, limit_s=60.0)
 CLAP, PHOTO = Primitive(Op.CLAP), Primitive(Op.GET_FRONT_IMAGE)
 
@@ -47,7 +47,7 @@ def start(*words: str, **env: str) -> subprocess.Popen[str]:
 
 @pytest.fixture(scope="module")
 def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
-    """A world with a G1, and a driver whose owner lets it walk blind."""
+    """A world with a G1, and a driver whose owner allows it to walk without range sensors."""
     folder = tmp_path_factory.mktemp("g1")
     for domain in DOMAINS:
         world = start("sim", "--domain", f"g1={domain}", MUJOCO_GL="off")

@@ -1,6 +1,6 @@
-"""Every kind of fault that docs/faults.md lists and no test of a law shows: a Go2 in full physics, real DDS, a driver.
+"""Every fault in docs/faults.md without a test of a law: a Go2 in full physics, real DDS, and a driver.
 
-The room makes the fault; what is asserted is what the step's result says, and where the robot really was.
+The room injects the fault; the test checks the step's result and where the robot really was.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ async def test_a_cable_that_is_pulled_ends_the_step_and_the_robot_stops_by_itsel
     place.faults()  # plugged in again
     await until(robot, lambda state: state.age_s < 0.2)
     await place.truth.rest(time.monotonic())
-    await robot.home("owner")  # what it went on unseen may count as a jump of its odometry
+    await robot.home("owner")  # distance covered unseen may count as a jump of the odometry
     await is_well(robot)
 
 
@@ -247,7 +247,7 @@ async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: Place)
 
 @pytest.mark.slow
 def test_a_cable_that_is_really_pulled_ends_the_step_and_plugged_in_again_the_robot_is_driven(tmp_path: Path) -> None:
-    """In network namespaces of their own, as `unshare -rn` makes them, with a pair of virtual interfaces (iproute2)."""
+    """Run in network namespaces (`unshare -rn`) with a pair of virtual interfaces (iproute2)."""
     scene = [sys.executable, "-m", "tests.robots.driver.cable_scene", str(tmp_path)]
     run = subprocess.run(["unshare", "-rn", *scene], capture_output=True, text=True, timeout=100, check=False)
     assert run.returncode == 0, run.stderr

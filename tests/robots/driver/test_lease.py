@@ -1,4 +1,4 @@
-"""Who ended a lease: the stable word, the sentence, and the name of who stopped, which is anybody's text."""
+"""Who ended a lease: the reason, the sentence, and the name of who stopped it, which is untrusted text."""
 
 from __future__ import annotations
 

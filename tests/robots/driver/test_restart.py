@@ -1,4 +1,5 @@
-"""A driver that was killed within a step, and the one after it: what still moves is ours, for a moment (law 12)."""
+"""A driver that was killed during a step, and its successor: what still moves is its own motion, for a moment (law
+12)."""
 
 from __future__ import annotations
 
@@ -24,13 +25,13 @@ from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
 from tests.robots.guard_scene import Pusher, until
 
 SETTINGS = RobotConfig(model="fake", simulated=True, home_on_start=True)
-#: Its walk dies down for longer than what counts as somebody's hand.
+#: Its walk takes longer to fade than the time after which motion counts as a takeover.
 SLOW = SETTINGS.model_copy(update={"options": {"faults": {"stop_s": 0.8}}})
 Restart = Callable[[FakeRobot], Guard]
 
 
 def left_behind(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> CrashMarker:
-    """What a process that was killed within a step leaves on disk."""
+    """Return what a process that was killed during a step leaves on disk."""
     mark = CrashMarker(path)
     mark.begin(op, mode)
     return mark
@@ -38,7 +39,7 @@ def left_behind(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> CrashMar
 
 @pytest.fixture
 def restart(tmp_path: Path) -> Iterator[Restart]:
-    """A guard of a new driver around a robot as it is."""
+    """Return the guard of a new driver around a robot in its current state."""
     made: list[Guard] = []
 
     def restart(robot: FakeRobot) -> Guard:
@@ -102,7 +103,7 @@ def test_law_12_a_mode_that_the_step_does_not_lead_to_is_a_halt_also_after_a_dea
 ) -> None:
     robot = FakeRobot(SETTINGS)
     left_behind(tmp_path / "fake.step")
-    robot.faults.mode = mode  # before the new driver has seen anything
+    robot.faults.mode = mode  # before the new driver has read any state
     guard = restart(robot)
     guard.settle()
     until(lambda: guard.state().halted)

@@ -1,4 +1,4 @@
-"""Faults that need no physics: what the guard makes of a fall, a low battery, a leaping clock and an empty picture."""
+"""Faults without physics: how the guard reacts to a fall, a low battery, a jumping clock and an empty picture."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_step_during_which_the_battery_runs_low_is_ended_in_order_and_says_so(
 
 # ------------------------------------------------------------------ clocks
 def test_a_wall_clock_that_leaps_changes_nothing(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The host's time of day may be set at any moment; only the clock that nobody sets counts."""
+    """The host's time of day may be changed at any moment; only the monotonic clock counts."""
     day_s = itertools.cycle((0.0, 86_400.0, -86_400.0))
     real = time.time
     monkeypatch.setattr(time, "time", lambda: real() + next(day_s))
@@ -131,7 +131,7 @@ def jpeg(picture: Image.Image) -> bytes:
 
 
 def noise(level: int, most: int) -> Image.Image:
-    """A dark picture with a sensor's noise."""
+    """Return a dark picture with sensor noise."""
     picture = Image.effect_noise((320, 240), most).convert("L")
     return picture.point(lambda v: max(0, min(255, v - 128 + level)))
 

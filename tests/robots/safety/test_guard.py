@@ -1,4 +1,4 @@
-"""What the guard refuses before a step and ends on the way (laws 8, 9, 10 and 14), and the halt (law 17)."""
+"""What the guard refuses before a step and ends during it (laws 8, 9, 10 and 14), and the halt (law 17)."""
 
 from __future__ import annotations
 
@@ -255,7 +255,7 @@ def test_law_14_a_stop_while_a_step_is_prepared_ends_it(make: Make, monkeypatch:
     look, stops = fake_of(guard).state, list[bool]()
 
     def state() -> RobotState:
-        if threading.current_thread() is threading.main_thread() and not stops:  # the step's first look
+        if threading.current_thread() is threading.main_thread() and not stops:  # the first check of the step
             stops.append(True)
             guard.stop()
         return look()

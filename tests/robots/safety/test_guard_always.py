@@ -1,4 +1,4 @@
-"""Laws 8 and 9: what never happens, whatever is asked and whatever the robot says."""
+"""Laws 8 and 9: invariants that hold whatever is requested and whatever the robot reports."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_whatever_is_asked_the_robot_stays_inside_its_fence_and_limits(make: Mak
 
 no_number = st.sampled_from([math.nan, math.inf, -math.inf])
 number = st.one_of(st.floats(-2.0, 2.0), no_number)
-#: Yaw is never infinite here: the fake's own arithmetic has no answer to that.
+#: Yaw is never infinite here, because the fake's own arithmetic cannot handle that.
 no_place = st.builds(Pose, number, number, st.floats(-3, 3) | st.just(math.nan)).filter(lambda p: known(p) is None)
 
 
@@ -136,7 +136,7 @@ def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_
     for n in range(20):
         ranges.update(n * 0.05, RobotState(age_s=0.0, ranges_m=(2.0 + n / 1000, 2.0, 2.0, 2.0)))
     assert ranges.known()[0] is not None
-    for n in range(20, 60):  # the robot is gone; its last words are looked at again and again
+    for n in range(20, 60):  # the robot is gone; its last state is read again and again
         ranges.update(n * 0.05, RobotState(age_s=n * 0.05 - 0.95, ranges_m=(2.019, 2.0, 2.0, 2.0)))
     assert not ranges.enough
     assert not ranges.settled
@@ -148,13 +148,13 @@ def test_law_8_a_robot_that_falls_silent_leaves_no_readings_behind(make: Make) -
     until(lambda: guard.state().homed and guard._ranges.enough)
     result = guard.step(move(2.0), go_on)
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
-    until(lambda: not guard._ranges.enough)  # so the first word after the silence is not judged by what was before
+    until(lambda: not guard._ranges.enough)  # so that the first state after the silence is not judged by earlier ones
     assert guard._ranges.known() == (None,) * 4
 
 
 #: How a reading is lost at once; one that merely stays the same is believed for another second.
 LOSSES = {"missing": None, "zero": 0.0, "not a number": math.nan}
-#: Of what was asked, so much is gone between the loss and rest at most.
+#: The largest fraction of the requested motion between the loss and rest.
 COASTED_SHARE = 0.4
 
 
@@ -236,7 +236,7 @@ def test_law_8_a_blind_step_says_so_however_slowly_it_was_asked_for(make: Make, 
 def test_law_18_no_number_spans_a_jump_or_a_silence_of_the_odometry(
     make: Make, monkeypatch: pytest.MonkeyPatch, primitive: Primitive, breaks: str, why: str, ends: str, guarded: bool
 ) -> None:
-    """It breaks on the way and is well again at once, so at rest everything looks well."""
+    """The reading fails in motion and recovers at once, so at rest everything looks fine."""
     guard = make()
     until(lambda: guard.state().homed)
     robot, looks = fake_of(guard), list[RobotState]()

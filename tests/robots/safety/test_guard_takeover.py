@@ -1,4 +1,4 @@
-"""Laws 9 and 12: a home that is void, and somebody else's hand on the robot."""
+"""Laws 9 and 12: an invalid home, and another controller that moves the robot."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_agai
 def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float, void: bool) -> None:
     odometry, here = OdometryMonitor(), Pose(0.0, 0.0, 0.0)
     told = list[str]()
-    for i in range(20 * (int(silent_s) + 2)):  # looked at 20 times a second, all the while
+    for i in range(20 * (int(silent_s) + 2)):  # polled 20 times a second all the time
         now_s = i / 20
-        age_s = now_s % silent_s  # the first state at 0, the next after the silence, at the very same place
+        age_s = now_s % silent_s  # the first state at 0, the next after the silence, at the same position
         if why := odometry.update(now_s, RobotState(age_s=age_s, pose=here)):
             told.append(why)
     assert bool(told) is void
@@ -43,8 +43,8 @@ def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
     guard = make()
     assert guard.step(move(0.3), go_on).ok
     until(lambda: guard._takeover._mode == "idle")
-    with guard._looking:  # the observer must not be in the middle of a state from before
-        guard._takeover._ours_until_s = 0.0  # our own step is long ago
+    with guard._looking:  # the observer must not be processing an earlier state
+        guard._takeover._ours_until_s = 0.0  # the last step of this driver is long ago
     fake_of(guard).faults.mode = "locked"
     until(lambda: guard.state().halted)
     fake_of(guard).faults.mode = ""
@@ -87,7 +87,7 @@ def test_law_12_a_robot_that_was_damped_before_we_came_is_not_moved(make: Make, 
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "posture")
     assert not guard.state().halted
     assert fake_of(guard).commanded == (0, 0, 0)
-    fake_of(guard).faults.mode = ""  # somebody made it stand up
+    fake_of(guard).faults.mode = ""  # another controller made it stand up
     assert guard.step(primitive, go_on).ok
 
 

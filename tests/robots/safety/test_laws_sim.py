@@ -1,6 +1,7 @@
-"""Laws 8 to 12 by force: a Go2 in full physics, real DDS, a real driver process, and the room's truth as the witness.
+"""Laws 8 to 12 under physical force: a Go2 in full physics, real DDS, a real driver process, and the room's ground
+truth.
 
-The guard sees only what the robot itself says on DDS; what is asserted is where the robot really was.
+The guard sees only what the robot reports on DDS; the tests check where the robot really was.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ async def test_law_8_a_robot_that_finds_itself_leaving_its_fence_on_the_way_is_s
 ) -> None:
     async with Walk(place, robot) as walk:
         await walk.under_way()
-        at_s = place.faults(jump_m=[0.0, 0.24])  # less than what counts as a jump, but beyond the fence
+        at_s = place.faults(jump_m=[0.0, 0.24])  # less than a jump, but beyond the fence
         result = await walk.result()
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "fence"), result.message
     assert await place.truth.rest(at_s) < REST_LIMIT_S
@@ -208,7 +209,7 @@ async def test_law_12_a_robot_that_somebody_else_walks_is_a_halt_and_stays_in_hi
         while not (await robot.state()).halted:
             await place.truth.until(lambda _: True)
         halted = place.truth.now
-        await place.truth.until(lambda now: now.time_s > halted.time_s + 0.8)  # our stop is over
+        await place.truth.until(lambda now: now.time_s > halted.time_s + 0.8)  # the driver's own stop is over
         moving = place.truth.now
         await place.truth.until(lambda now: apart_m(now, moving) > 0.2)
     finally:

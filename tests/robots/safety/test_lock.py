@@ -1,4 +1,4 @@
-"""The file of a robot's lock (law 17): what it tells, and a release that takes away only the lock it was meant for."""
+"""The file of a robot's lock (law 17): its content, and a release that removes only the lock that it was meant for."""
 
 from __future__ import annotations
 
@@ -34,7 +34,10 @@ def test_law_17_who_locked_it_why_and_when_outlives_the_process(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("kept", "said"),
     [
-        ('{"why": "Halted by olga: smoke", "at": "2026-11-22T16:00:05+00:00"}', "Halted by olga: smoke"),  # as of 0.1
+        (
+            '{"why": "Halted by olga: smoke", "at": "2026-11-22T16:00:05+00:00"}',
+            "Halted by olga: smoke",
+        ),  # as written by version 0.1
         ("", "cannot be read"),
         ("{}", "cannot be read"),
         ("[]", "cannot be read"),
@@ -70,7 +73,7 @@ def test_law_17_a_release_of_before_does_not_end_a_lock_that_was_read_from_the_f
 
 
 def test_law_17_a_halt_that_comes_while_one_is_released_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second one comes between taking the file away and forgetting it: an emergency stop is never lost."""
+    """The second stop comes while the file is being removed: an emergency stop is never lost."""
     halt = Halt(tmp_path / "rex.halt")
     halt.set("bob", EMERGENCY_STOP)
     halt.save()

@@ -1,4 +1,4 @@
-"""The clock of a simulated robot: it follows the stamps of its states, and never lets a wait last forever."""
+"""The clock of a simulated robot: it follows the timestamps of its states, and never lets a wait last forever."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ PERIOD_S = 0.02
 
 
 def passed(clock: StampClock, states: int, *, every_s: float, stamps_s: float, from_s: float = 100.0) -> float:
-    """How far the clock goes over `states` states that come `every_s` apart, with stamps `stamps_s` apart."""
+    """Return how far the clock advances over `states` states that arrive `every_s` apart, with timestamps `stamps_s`
+    apart."""
     came_s = time.monotonic() - states * every_s
     clock.take(came_s, from_s)
     start_s = clock._at(came_s)
@@ -38,7 +39,7 @@ def test_a_wait_lasts_until_the_robots_clock_is_there() -> None:
     goal_s = clock.now_s() + 10 * PERIOD_S
     began_s = time.monotonic()
 
-    def world() -> None:  # four times faster than life
+    def world() -> None:  # at four times real time
         for k in range(1, 20):
             time.sleep(PERIOD_S / 4)
             clock.take(time.monotonic(), 50.0 + k * PERIOD_S)
@@ -69,5 +70,5 @@ def test_it_never_goes_back() -> None:
     clock, now_s = StampClock(), time.monotonic()
     clock.take(now_s - 10, 50.0)
     before_s = clock.now_s()
-    clock.take(now_s, 50.02)  # silent for ten seconds in a world that stood still
+    clock.take(now_s, 50.02)  # silent for ten seconds in a paused world
     assert clock.now_s() >= before_s

@@ -1,4 +1,4 @@
-"""DDS does not crash the process: callbacks outlive what was dropped, and nothing calls Python at its end."""
+"""DDS does not crash the process: callbacks outlive what was dropped, and none calls Python at the end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The G1 on the real DDS wire: the contract, and what only a wire can show, against the simulated world's process."""
+"""The G1 on real DDS: the contract, and what only a real network shows, against the simulated world's process."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from agentrob.robots.safety.lock import Halt
 from agentrob.robots.unitree.g1 import G1
 from tests.host_numbers import dds_number
 
-#: The same as of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
+#: The domain of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
 DOMAIN = 171 + dds_number()
 SETTINGS = RobotConfig(model="g1", domain=DOMAIN, simulated=True, home_on_start=True)
-#: How much faster than life its world goes.
+#: The speed of its world relative to real time.
 PACE = 4
-#: Longer than a message is on its way, and than a stop looks back.
+#: Longer than the latency of a message, and than the window that a stop examines.
 THERE_S = 0.6
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 
@@ -40,7 +40,7 @@ pytestmark = pytest.mark.sim
 
 @pytest.fixture(scope="module")
 def room() -> Iterator[str]:
-    """The simulated world as a process of its own; the address of the room."""
+    """Start the simulated world in its own process; return the address of the room."""
     command = [sys.executable, "-m", "agentrob.sim.server", "--domain", f"g1={DOMAIN}", "--pace", str(PACE)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -51,7 +51,7 @@ def room() -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def connected(room: str) -> Iterator[G1]:
-    """One for the module: the SDK joins one DDS domain per process."""
+    """One per module: the SDK joins one DDS domain per process."""
     robot = G1(SETTINGS)
     yield robot
     robot.close()
@@ -59,7 +59,7 @@ def connected(room: str) -> Iterator[G1]:
 
 @pytest.fixture
 def g1(connected: G1, room: str) -> G1:
-    """At its start for a moment: a reset puts the odometry back to zero, and messages from before it may come later."""
+    """Wait until it is at its start: a reset sets the odometry to zero, and older messages may arrive later."""
     httpx2.post(room + "/reset", timeout=100).raise_for_status()
     since_s = math.inf
 
@@ -76,7 +76,7 @@ def g1(connected: G1, room: str) -> G1:
 
 
 def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
-    """Wait for what must become true."""
+    """Wait until a condition holds."""
     end_s = time.monotonic() + limit_s
     while not true():
         assert time.monotonic() < end_s, "it did not become true"
@@ -106,7 +106,7 @@ def test_a_picture_shows_the_room(g1: G1) -> None:
 
 
 def begun(g1: G1, op: Op, looks: int) -> tuple[threading.Thread, list[ActionResult]]:
-    """A gesture in a thread of its own, seen running for so many looks of the watch (20 in a real second)."""
+    """Run a gesture in its own thread until the watch has seen it this often (20 times per real second)."""
     results, running, seen = list[ActionResult](), threading.Event(), list[RobotState]()
 
     def watch(state: RobotState) -> str | None:
@@ -141,7 +141,7 @@ def test_law_14_a_stop_ends_a_gesture_and_the_arms_come_down(g1: G1, op: Op, loo
 
 
 def test_law_12_and_14_it_is_not_unlocked_after_an_objection_and_never_got_up_from_damping(g1: G1, room: str) -> None:
-    assert fsm(g1, 4) == 0  # as an operator's remote does
+    assert fsm(g1, 4) == 0  # like an operator's remote control
     until(lambda: g1.state().mode == "locked")
     stopped = g1.step(NEAR, lambda _: "lease_lapsed")
     assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")

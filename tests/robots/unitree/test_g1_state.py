@@ -1,4 +1,4 @@
-"""How the G1's messages and states are read, and what it says of itself before it is connected, without any network."""
+"""How the G1's messages and states are decoded, and its description before it is connected, without a network."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SIMULATED, REAL = RobotConfig(model="g1", simulated=True), RobotConfig(model="g1
 
 
 def message(roll_rad: float = 0.0, **fields: object) -> object:
-    """An odometry message, tilted to its side by `roll_rad`."""
+    """Return an odometry message, tilted to the side by `roll_rad`."""
     state = unitree_go_msg_dds__SportModeState_()
     state.imu_state.quaternion = [math.cos(roll_rad / 2), math.sin(roll_rad / 2), 0.0, 0.0]
     for name, value in fields.items():
@@ -117,7 +117,7 @@ def test_an_answer_that_makes_no_sense_is_no_state(data: str | None, found: int 
 
 
 class Service:
-    """Answers for the state of the motion service; counts how often it is asked."""
+    """Answers requests for the state of the motion service and counts them."""
 
     def __init__(self) -> None:
         self.asked, self.answer = threading.Event(), (0, '{"data": 500}')

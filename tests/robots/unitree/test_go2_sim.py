@@ -1,4 +1,4 @@
-"""The Go2 on the real DDS wire: the contract, and what only a wire can show, against the simulated world's process."""
+"""The Go2 on real DDS: the contract, and what only a real network shows, against the simulated world's process."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.sim
 
 
 def start(*command: str, camera: str = "") -> subprocess.Popen[str]:
-    """A process that says in one line of JSON that it is ready. `camera` off loads nothing of GL."""
+    """Start a process that prints one line of JSON when it is ready. Without `camera` it loads no GL."""
     env = {**os.environ, **({"MUJOCO_GL": camera} if camera else {})}
     process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, text=True, env=env)
     assert process.stdout is not None
@@ -46,8 +46,8 @@ def start_world(domain: int, *options: str, camera: str = "") -> subprocess.Pope
 
 @pytest.fixture(scope="module")
 def world() -> Iterator[subprocess.Popen[str]]:
-    """The simulated world as a process of its own."""
-    process = start_world(DOMAIN, "--pace", "4")  # nothing here depends on how long it takes
+    """Start the simulated world in its own process."""
+    process = start_world(DOMAIN, "--pace", "4")  # its duration does not matter here
     yield process
     process.send_signal(signal.SIGTERM)
     process.wait(60)
@@ -55,7 +55,7 @@ def world() -> Iterator[subprocess.Popen[str]]:
 
 @pytest.fixture(scope="module")
 def go2(world: subprocess.Popen[str]) -> Iterator[Go2]:
-    """One for the module: the SDK joins one DDS domain per process."""
+    """One per module: the SDK joins one DDS domain per process."""
     robot = Go2(SETTINGS)
     yield robot
     robot.close()
@@ -82,7 +82,7 @@ def test_its_battery_and_ranges_come_over_the_wire(go2: Go2) -> None:
 
 def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> None:
     fresh(go2)
-    go2._gestures[Op.CLAP] = (go2._actions.LeftFlip,)  # which the simulated one does not know
+    go2._gestures[Op.CLAP] = (go2._actions.LeftFlip,)  # which the simulated one does not support
     try:
         result = go2.step(Primitive(Op.CLAP), go_on)
     finally:
@@ -98,7 +98,7 @@ def mode(robot: Go2, wanted: str, limit_s: float = 60.0) -> None:
 
 def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_stop(go2: Go2) -> None:
     near = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
-    assert go2._actions.StandUp() == 0  # as an operator's remote does
+    assert go2._actions.StandUp() == 0  # like an operator's remote control
     mode(go2, "locked")
     stopped = go2.step(near, lambda _: "lease_lapsed")
     assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")
@@ -106,7 +106,7 @@ def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_st
     ended_s = time.monotonic()
     guard_scene.until(
         lambda: (go2._state.newest() or (0.0,))[0] >= ended_s + 0.1
-    )  # what it tells after all that was sent
+    )  # its reply after everything was sent
     assert go2.state().mode == "locked"
     assert go2._actions.Damp() == 0
     mode(go2, "damping")

@@ -1,4 +1,4 @@
-"""How the Go2's messages and codes are read, on the SDK's own types, without any network."""
+"""How the Go2's messages and codes are decoded, on the SDK's own types, without a network."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from agentrob.robots.unitree.sdk import CODES, explain
 
 
 def message(roll_rad: float = 0.0, **fields: object) -> object:
-    """A state message, tilted to its side by `roll_rad`."""
+    """Return a state message, tilted to the side by `roll_rad`."""
     state = unitree_go_msg_dds__SportModeState_()
     state.imu_state.quaternion = [math.cos(roll_rad / 2), math.sin(roll_rad / 2), 0.0, 0.0]
     for name, value in fields.items():

@@ -1,4 +1,4 @@
-"""The door to the Unitree SDK and to DDS, and what a stop says of a robot by its states."""
+"""The interface to the Unitree SDK and DDS, and how a stop judges a robot by its states."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ AT_REST = RobotState(
 
 
 class Told(UnitreeRobot):
-    """Says the states it is given, and then the last of them for ever."""
+    """Returns the given states, and then the last one for ever."""
 
     def __init__(self, *states: RobotState, recent: Sequence[tuple[float, Pose]] = ()) -> None:
         super().__init__()
@@ -59,10 +59,10 @@ class Told(UnitreeRobot):
     ("before", "after", "was_moving"),
     [
         ({}, Pose(0, 0, math.pi), False),
-        ({}, Pose(0.02, 0.01, -math.pi + 0.03), False),  # a sway
+        ({}, Pose(0.02, 0.01, -math.pi + 0.03), False),  # swaying
         ({"velocity_mps": (0.3, 0.0)}, Pose(0, 0, math.pi), True),
         ({"yaw_rate_rps": -0.5}, Pose(0, 0, math.pi), True),
-        ({}, Pose(0.08, 0, math.pi), True),  # between two strides, and it came on
+        ({}, Pose(0.08, 0, math.pi), True),  # between two strides, and it moved
         ({}, Pose(0, 0, -math.pi + 0.15), True),
     ],
 )
@@ -73,20 +73,20 @@ def test_a_stop_says_whether_the_robot_was_moving(before: dict[str, object], aft
 
 
 def lately(path: Callable[[float], Pose]) -> list[tuple[float, Pose]]:
-    """Where it was in the last half second; `path` tells it of the seconds since then."""
+    """Set its positions in the last half second; `path` maps the seconds to positions."""
     return [(100.0 + k / 50, path(k / 50)) for k in range(26)]
 
 
 @pytest.mark.parametrize(
     ("before", "path", "was_moving"),
     [
-        # a body that stands and sways shows the speed of a walk for a moment, and comes back
+        # a standing body that sways shows walking speed for a moment, and returns
         ({"velocity_mps": (0.28, 0.0)}, lambda t: Pose(0.008 * math.sin(30 * t), 0, math.pi), False),
         ({"yaw_rate_rps": 0.5}, lambda t: Pose(0, 0, math.pi - 0.01 * math.sin(30 * t)), False),
         # one that turns or walks shows none for a moment, between two strides
         ({"yaw_rate_rps": 0.04}, lambda t: Pose(0, 0, math.pi - 0.5 * (0.5 - t)), True),
         ({"velocity_mps": (0.02, 0.0)}, lambda t: Pose(-0.15 * (0.5 - t), 0, math.pi), True),
-        # and one whose odometry jumped came nowhere
+        # and one whose odometry jumped did not move
         ({}, lambda t: Pose(0 if t > 0.2 else 1.5, 0, math.pi), False),
     ],
 )
