@@ -25,7 +25,7 @@ from agentrob.model import AccountKind, Role
 from tests.board.db.postgres_server import open_to_all, postgres_server
 from tests.board.running_board import LIMIT_S, database_for
 
-#: What browsers see: a proxy would stand there.
+#: The public address; in production a proxy would be there.
 SEEN_AS = "http://forum.example.org"
 PEOPLE = {"op": Role.OPERATOR, "member": Role.MEMBER, "admin": Role.ADMIN}
 
@@ -38,8 +38,8 @@ def free_ports(count: int) -> list[int]:
 
 @contextmanager
 def fresh_postgres() -> Iterator[str]:
-    """The URL of a PostgreSQL server of one's own."""
-    with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # a socket's path must be short
+    """Return the URL of a separate PostgreSQL server."""
+    with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # socket paths must be short
         folder = Path(made)
         open_to_all(folder)
         with postgres_server(folder) as url:
@@ -47,7 +47,7 @@ def fresh_postgres() -> Iterator[str]:
 
 
 class BoardProcess:
-    """One `agentrob board serve`. It begins to start when this is made; `wait` until it serves."""
+    """One `agentrob board serve`. Its start begins in the constructor; `wait` until it serves."""
 
     def __init__(self, config: Path, port: int, environment: Mapping[str, str]) -> None:
         self.port, self.log = port, config.with_suffix(".log")
@@ -79,7 +79,7 @@ class BoardProcess:
         return made
 
     def kill(self) -> None:
-        """As `kill -9` does: it can do nothing more."""
+        """Kill it with SIGKILL."""
         self.process.kill()
         self.process.wait(LIMIT_S)
 
@@ -97,7 +97,7 @@ class BoardProcess:
 
 
 class Forum:
-    """A forum that processes serve together; `a` and `b` are the first two of them."""
+    """A forum served by several processes; `a` and `b` are the first two of them."""
 
     def __init__(self, folder: Path, server_url: str, stack: ExitStack) -> None:
         self.folder, self._stack, self._server_url = folder, stack, server_url
@@ -107,7 +107,7 @@ class Forum:
         self.processes: list[BoardProcess] = []
 
     def begin(self, hooks: Mapping[str, tuple[str, str]] | None = None) -> BoardProcess:
-        """One more process; it may not serve yet."""
+        """Start one more process; it may not serve yet."""
         number, (port,) = len(self.processes), free_ports(1)
         config = self.folder / f"board-{number}.toml"
         lines = [
@@ -151,7 +151,7 @@ class Forum:
 
     @contextmanager
     def database_gone(self) -> Iterator[None]:
-        """Nobody can use the forum's database, as when it ends or a network does."""
+        """Block all access to the forum's database, as when the database or a network is down."""
         name = self.settings.database.partition("?")[0].rsplit("/", 1)[1]
         engine = create_engine(self._server_url, isolation_level="AUTOCOMMIT")
         with engine.connect() as connection:

@@ -13,14 +13,14 @@ from tests.board.running_board import RunningBoard, running_board
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
-    """One board for all tests of a file."""
+    """Start one board for all tests of a module."""
     with running_board(tmp_path_factory.mktemp("board")) as running:
         yield running
 
 
 @pytest.fixture
 def fresh_board(tmp_path: Path) -> Iterator[Callable[..., RunningBoard]]:
-    """Makes boards with settings of their own, for one test."""
+    """Start boards with their own settings, for one test."""
     with ExitStack() as stack:
         n = iter(range(100))
         yield lambda **options: stack.enter_context(running_board(tmp_path / str(next(n)), **options))

@@ -31,14 +31,14 @@ from agentrob.model import Account, AccountKind, Role
 from agentrob.process.http_server import HttpServer
 
 T = TypeVar("T")
-#: Nothing in these tests may take longer.
+#: The timeout for everything in these tests.
 LIMIT_S = 60.0
 
 
-#: Passwords of tests guard nothing: hashing them is as cheap as it can be.
+#: Passwords of tests protect nothing, so hashing them is as cheap as possible.
 accounts._hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 accounts._NOBODY = accounts._hasher.hash("nobody's")
-#: Who has an account on every board from the beginning.
+#: The accounts that every board has from the beginning.
 FIRST: dict[str, dict[str, Any]] = {
     "op": {"role": Role.OPERATOR},
     "member": {"role": Role.MEMBER},
@@ -46,12 +46,12 @@ FIRST: dict[str, dict[str, Any]] = {
     "quadruped": {"kind": AccountKind.ROBOT_AGENT},
 }
 
-#: The URL of a PostgreSQL server: then every board of these tests has a database of its own there.
+#: The URL of a PostgreSQL server; if set, every board of these tests has its own database there.
 POSTGRES = "AGENTROB_TEST_POSTGRES"
 
 
 def database_for(server_url: str, folder: Path) -> str:
-    """The URL of a folder's own database on that server, made when it is not there."""
+    """Return the URL of a folder's own database on that server; create it if it does not exist."""
     name = "board_" + hashlib.sha256(str(folder).encode()).hexdigest()[:16]
     server = create_engine(server_url, isolation_level="AUTOCOMMIT")
     with server.connect() as connection:
@@ -63,7 +63,8 @@ def database_for(server_url: str, folder: Path) -> str:
 
 @cache
 def fresh_database() -> tuple[bytes, dict[str, str]]:
-    """A database with the first boards and accounts, made once for all boards of this process, and their tokens."""
+    """Return a database with the first boards and accounts, made once for all boards of this process, and their
+    tokens."""
     with TemporaryDirectory() as folder:
         settings = BoardSettings.from_config(BoardConfig(), Path(folder))
         local_admin.bootstrap(settings)
@@ -73,7 +74,7 @@ def fresh_database() -> tuple[bytes, dict[str, str]]:
 
 
 def had(settings: BoardSettings, name: str, **options: Any) -> str:
-    """A new token of an account, which is made when it is not there."""
+    """Return a new token of an account, which is created if it does not exist."""
     try:
         account = local_admin.find_account(settings, name)
     except BoardError:
@@ -83,7 +84,7 @@ def had(settings: BoardSettings, name: str, **options: Any) -> str:
 
 
 def prepared(settings: BoardSettings) -> dict[str, str]:
-    """The tokens of the first accounts on a board that is made when it is not there."""
+    """Return the tokens of the first accounts on a board, which is created if it does not exist."""
     path = settings.database_path
     if path is not None and not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -127,18 +128,18 @@ class RunningBoard:
         return account
 
     def have(self, name: str, **options: Any) -> None:
-        """An account that is there already, on a board that is served again, only gets a new token."""
+        """Create an account; if it exists already, on a board that is served again, it only gets a new token."""
         self.tokens[name] = had(self.settings, name, **options)
 
     def client(self, name: str | None = None) -> httpx2.Client:
-        """A program signed in by token (or a browser that is not signed in); paths are below `/api/v1`."""
+        """Return the client of a program signed in by token (or of an anonymous browser); paths are below `/api/v1`."""
         headers = {"Authorization": f"Bearer {self.tokens[name]}"} if name else {}
         client = httpx2.Client(base_url=self.url + "/api/v1", headers=headers, timeout=LIMIT_S)
         self._clients.append(client)
         return client
 
     def browser(self, name: str | None = None) -> httpx2.Client:
-        """A browser; signed in by a one-time link's session when a name is given. Paths are below `/`."""
+        """Return a browser, signed in by a one-time link if a name is given. Paths are below `/`."""
         client = httpx2.Client(base_url=self.url, timeout=LIMIT_S)
         self._clients.append(client)
         if name is not None:
@@ -151,7 +152,7 @@ class RunningBoard:
         return client
 
     def run(self, coroutine: Coroutine[Any, Any, T]) -> T:
-        """Run something on the server's own event loop."""
+        """Run a function on the server's own event loop."""
         return asyncio.run_coroutine_threadsafe(coroutine, self.loop).result(LIMIT_S)
 
     def close(self) -> None:
@@ -161,7 +162,10 @@ class RunningBoard:
 
 @contextmanager
 def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
-    """A board in a folder; `options` replace fields of its settings. Ends the server and its thread afterwards."""
+    """Serve a board in a folder; `options` replace fields of its settings.
+
+    Ends the server and its thread afterwards.
+    """
     listener = socket.create_server(("127.0.0.1", 0))
     config = BoardConfig(listen=f"127.0.0.1:{listener.getsockname()[1]}")
     settings = replace(BoardSettings.from_config(config, folder), **options)

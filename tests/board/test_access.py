@@ -1,4 +1,4 @@
-"""Who may do what: signing in, tokens, sessions, CSRF, one-time links, suspension, where requests may come from."""
+"""Access: signing in, tokens, sessions, CSRF, one-time links, suspension, and allowed origins."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, na
 
 
 def tried(board: RunningBoard, name: str, address: str, times: int = 1) -> None:
-    """Attempts to sign in that went wrong, whichever process took them."""
+    """Record failed sign-in attempts, whichever process received them."""
     with local_admin.writing(board.settings) as connection:
         for _ in range(times):
             attempts.record(connection, name, address)
@@ -194,7 +194,7 @@ def test_guessing_is_stopped_with_the_time_to_wait(board: RunningBoard, monkeypa
 
 
 def test_whoever_guesses_a_password_does_not_lock_its_owner_out(board: RunningBoard) -> None:
-    """From 50 addresses, as often as each may: the owner signs in from another one, a little later."""
+    """From 50 addresses, each up to its limit: the owner signs in from another address shortly afterwards."""
     board.add("owner", password="correct horse")
     for n in range(50):
         tried(board, "owner", f"10.1.{n}.1", PER_NAME)
@@ -210,7 +210,7 @@ def test_whoever_guesses_a_password_does_not_lock_its_owner_out(board: RunningBo
 
 
 def test_whoever_has_a_whole_network_has_one_address(board: RunningBoard) -> None:
-    """Providers give each customer 2^64 addresses of IPv6."""
+    """Providers give each customer 2^64 IPv6 addresses."""
     for n in range(PER_NAME):
         tried(board, "netted", f"2001:db8:1:2::{n + 1:x}")
     with pytest.raises(BoardError):

@@ -1,4 +1,5 @@
-"""What is kept of hot topics is never older than the forum: no cache outlives an edit, a hiding or a lost right."""
+"""Cached responses of hot topics are never older than the forum: no cache outlives an edit, a hiding or a lost
+right."""
 
 from __future__ import annotations
 
@@ -28,13 +29,13 @@ from tests.board.security.test_every_endpoint import bearer
 
 
 def elsewhere(board: RunningBoard, job: Callable[[Transaction], Any]) -> Any:
-    """As another process does it, which tells this server nothing."""
+    """Change the database like another process, without notifying this server."""
     with local_admin.writing(board.settings) as connection:
         return job(Transaction(connection))
 
 
 def fresh(board: RunningBoard, topic: str, viewer: str) -> dict[str, Any]:
-    """What the database says now, read by nobody who keeps anything."""
+    """Read the database's current content without any cache."""
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:
         reader = Reader(connection)
@@ -226,7 +227,7 @@ def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard
 
 @pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
 def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board: Callable[..., RunningBoard]) -> None:
-    """Cookies, queries and sessions of any size and number: keys are kept too, and count."""
+    """Cookies, queries and sessions of any size and number: cache keys take memory too, and count."""
     board = fresh_board(public_read=True)
     topic, _ = topic_on(board, "talk")
     stranger, path = httpx2.Client(base_url=board.url, timeout=60), f"/api/v1/topics/{topic}/posts"
@@ -255,7 +256,7 @@ def test_a_cursor_that_was_never_given_out_is_none(board: RunningBoard, cursor: 
     assert board.browser("op").get(f"/t/{topic}", params={"after": cursor}).status_code == 422
 
 
-@pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
+@pytest.mark.sqlite  # where several processes may serve the database, responses are not cached
 def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
     browser, path = board.browser("op"), f"/api/v1/topics/{topic}/posts"

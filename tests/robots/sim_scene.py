@@ -46,8 +46,8 @@ except RobotError as e:
     sys.exit(str(e))
 """
 
-#: The vendor's client as a remote control: an input line is a call, an output line its return code. `drive` continues until
-#: the next line.
+#: The vendor's client as a remote control: an input line is a call, an output line its return code. `drive` continues
+#: until the next line.
 REMOTE = """
 import os, sys, threading
 from agentrob.process import dds

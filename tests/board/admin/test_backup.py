@@ -1,4 +1,4 @@
-"""Backing up and putting back, exporting, and migrations in both directions."""
+"""Backup and restore, export, and migrations in both directions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.board.running_board import RunningBoard, running_board
 
 
 def fill(board: RunningBoard) -> None:
-    """A bit of everything."""
+    """Fill the forum with some of everything."""
     op, boss = board.client("op"), chief(board)
     image = op.post("/images", files={"file": ("x.jpg", jpeg(33), "image/jpeg")}).json()["id"]
     body = {"board_id": "talk", "title": "Ein Titel 机器人", "body": "words \U0001f916", "images": [image]}
@@ -40,7 +40,7 @@ def fill(board: RunningBoard) -> None:
 
 
 def told(board: RunningBoard) -> list[Any]:
-    """What the forum says of itself, without addresses."""
+    """Return the forum's content without addresses."""
     op = board.client("op")
     found = [op.get("/boards").json()["items"]]
     events = op.get("/changes", params={"after": "0"}).json()["items"]

@@ -1,4 +1,4 @@
-"""Events and idempotency keys do not pile up for ever; what people wrote stays."""
+"""Old events and idempotency keys are deleted; what people wrote stays."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def count(board: RunningBoard, table: str) -> int:
 
 
 def at(board: RunningBoard, job: Any, days: float, keep: BoardRetentionConfig = KEEP) -> bool:
-    """What a job does so many days from now; whether there may be more."""
+    """Return what a job does this many days from now, and whether there may be more to do."""
     now = datetime.now(UTC) + timedelta(days=days)
     more: bool = board.run(board.services.store.do(partial(job, keep=keep, now=now)))
     return more
@@ -52,7 +52,7 @@ def test_events_that_are_old_and_many_go_and_those_who_heard_the_newest_go_on(fr
     assert count(board, "events") == 10
     at(board, retention.prune_events, days=31)
     assert count(board, "events") == 4
-    for gone in (heard[2], heard[2].split("-")[0]):  # an id as it is, and as boards of before gave it out
+    for gone in (heard[2], heard[2].split("-")[0]):  # an id as it is, and as earlier versions of the board issued it
         for path in ("/changes", "/events"):
             answer = op.get(path, params={"after": gone})
             assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event")
@@ -61,7 +61,7 @@ def test_events_that_are_old_and_many_go_and_those_who_heard_the_newest_go_on(fr
     assert left["now"]["id"] == heard[-1]
     assert len(op.get("/changes", params={"after": "0"}).json()["items"]) == 4
     at(board, retention.prune_events, days=400, keep=BoardRetentionConfig(events=1))
-    assert op.get("/changes").json()["now"]["id"] == heard[-1]  # ids go on from the newest
+    assert op.get("/changes").json()["now"]["id"] == heard[-1]  # ids continue after the newest one
     write(board, 1)
     assert len(op.get("/changes", params={"after": heard[-1]}).json()["items"]) == 1
     assert [op.get(f"/posts/{post['id']}").json()["raw"] for post in posts] == [f"post {n}" for n in range(10)]

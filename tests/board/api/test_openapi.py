@@ -1,4 +1,4 @@
-"""The OpenAPI document is true: requests made from it get answers that it describes, and never a 500."""
+"""The OpenAPI document is accurate: requests generated from it get the responses that it describes, and never a 500."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from agentrob.board.events.hub import Hub
 from agentrob.board.server import create_app
 from tests.board.running_board import LIMIT_S, RunningBoard
 
-#: They answer for as long as somebody listens; test_board_events and test_board_robots look at them.
+#: Endless streams; test_board_events and test_board_robots test them.
 STREAMS = ("/api/v1/events", "/api/v1/robots/{name}/camera.mjpg")
 
 
 @pytest.fixture(scope="module")
 def document(board: RunningBoard) -> schemathesis.BaseSchema:
-    """The document as it is served, and something in the forum that its requests can find."""
+    """Return the served document, with content in the forum for the requests to find."""
     op = board.client("op")
     for n in range(3):
         op.post("/topics", json={"board_id": "talk", "title": "t", "body": f"post {n}"})
@@ -30,7 +30,7 @@ def document(board: RunningBoard) -> schemathesis.BaseSchema:
     return schemathesis.openapi.from_dict(op.get("/openapi.json").json())
 
 
-#: Requests to one operation, and to one of administration, which is forms of words: fewer find what there is to find.
+#: The number of requests to an operation, and to one of administration, whose small forms need fewer.
 FEW, MANY = (4, 2), (40, 12)
 
 
@@ -39,7 +39,7 @@ FEW, MANY = (4, 2), (40, 12)
 def test_requests_made_from_the_document_get_what_it_says(
     document: schemathesis.BaseSchema, board: RunningBoard, mode: GenerationMode, examples: tuple[int, int]
 ) -> None:
-    """Valid requests and invalid ones, of every operation; always the same ones."""
+    """Generate valid and invalid requests to every operation; always the same ones."""
     operations = [found.ok() for found in document.exclude(path=list(STREAMS)).get_all_operations()]
     for operation in operations:
         try:
@@ -50,10 +50,10 @@ def test_requests_made_from_the_document_get_what_it_says(
 
 
 def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode, examples: int) -> None:
-    """Many requests to one operation, each answer checked against the document."""
+    """Send many requests to one operation, and check each response against the document."""
     headers = {"Authorization": f"Bearer {board.tokens['quadruped' if operation.method == 'put' else 'admin']}"}
 
-    # No document can say which bytes are a picture, and which characters of a name can be seen.
+    # No document can say which bytes are a picture, and which characters of a name are visible.
     named = ("/admin/accounts", "/admin/accounts/{name}", "/admin/boards", "/admin/boards/{board_id}")
     unsaid = operation.path.endswith(("/images", "/frame", *named))
     excluded = [positive_data_acceptance] if unsaid else []
@@ -61,7 +61,7 @@ def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: Gen
     @settings(max_examples=examples, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(case=operation.as_strategy(generation_mode=mode))
     def gets_what_it_says(case: schemathesis.Case) -> None:
-        # Broken HTTP is refused before anything that the document could speak of.
+        # Malformed HTTP is refused before the document applies.
         assume(not {name.lower() for name in case.headers or {}} & {"content-length", "transfer-encoding", "host"})
         case.call_and_validate(base_url=board.url, headers=headers, timeout=LIMIT_S, excluded_checks=excluded)
 

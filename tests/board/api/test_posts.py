@@ -1,4 +1,4 @@
-"""Topics, posts, edits, removals and keys over the JSON API, as an agent or a script uses them."""
+"""Topics, posts, edits, removals and idempotency keys over the JSON API, as an agent or a script uses them."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_an_edit_makes_a_version_and_keeps_the_old_text(board: RunningBoard) -> 
     assert (edited["raw"], edited["version"], edited["mentions"]) == ("second @op", 2, ["op"])
     assert edited["edited_at"] > post["created_at"]
     kept = board.services.store.everything.versions
-    # The store belongs to the server's thread, which does nothing between requests.
+    # The store belongs to the server's thread, which is idle between requests.
     assert [(v.version, v.raw) for v in kept(post["id"])] == [(1, "first")]
 
 

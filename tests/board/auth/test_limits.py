@@ -1,4 +1,4 @@
-"""How much is too much, said honestly; what moderators do, and that nothing of it is lost; what erasing loses."""
+"""Limits and their error responses; what moderators do, and that none of it is lost; what erasing deletes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def strict(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def check_too_many(answer: httpx2.Response, code: str) -> None:
-    """An honest answer: which limit, and when there is room again."""
+    """Check that the response names the limit and when to try again."""
     problem = answer.json()
     assert (answer.status_code, problem["code"]) == (429, code)
     assert 3000 < int(answer.headers["retry-after"]) <= 3600
@@ -319,7 +319,7 @@ def test_a_password_link_works_once_and_ends_the_sessions_of_before(board: Runni
     assert board.run(access.sign_in(board.services, "forgetful", "the new password", "10.9.9.9"))
     with pytest.raises(BoardError):
         board.run(access.sign_in(board.services, "forgetful", "the old password", "10.9.9.9"))
-    with pytest.raises(BoardError):  # a link of one purpose is none of the other
+    with pytest.raises(BoardError):  # a link for one purpose does not work for another
         board.run(access.enter(board.services, local_admin.issue_link(board.settings, account)[7:] + "x"))
 
 

@@ -1,4 +1,4 @@
-"""Who may read, post and command where; what hides from whom; and that no cache outlives an edit or a lost right."""
+"""Who may read, post and command where; what blocks hide; and that no cache outlives an edit or a lost right."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ROLES = ("guest", "member", "operator", "moderator", "admin")
 
 
 def chief(board: RunningBoard) -> httpx2.Client:
-    """An admin's program with a token for administration."""
+    """Return an admin's program with a token for administration."""
     account = local_admin.find_account(board.settings, "admin")
     token = local_admin.issue_token(board.settings, account, "chief", ("write", "admin"))
     client = board.client()
@@ -42,7 +42,7 @@ def new_board(board: RunningBoard, name: str, **roles: str) -> str:
 
 
 def topic_on(board: RunningBoard, where: str, body: str = "words") -> tuple[str, str]:
-    """By an admin who is not the one that moderates."""
+    """Start a topic as an admin other than the one that moderates."""
     if "author" not in board.tokens:
         board.have("author", role=Role.ADMIN)
     made = (
@@ -220,7 +220,7 @@ def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: 
     assert robot.get(f"/posts/{post}").json()["images"] == []
     gone = robot.patch(f"/posts/{post}", json={"body": "look", "images": [image]})
     assert (gone.status_code, gone.json()["code"]) == (404, "no_such_image")
-    for n in (8, 9):  # the post can be edited all the same, and shows new pictures
+    for n in (8, 9):  # the post can still be edited, and shows new pictures
         more = robot.post("/images", files={"file": ("x.jpg", jpeg(n), "image/jpeg")}).json()["id"]
         edited = robot.patch(f"/posts/{post}", json={"body": f"look {n}", "images": [more]})
         assert (edited.status_code, edited.json().get("images", [{}])[-1].get("id")) == (200, more), edited.text

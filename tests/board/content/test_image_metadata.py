@@ -1,4 +1,4 @@
-"""An uploaded picture keeps its pixels and nothing else: no place, no owner, no comment, in any of its formats."""
+"""An uploaded picture keeps its pixels only, without location, owner or comment, in all formats."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from PIL import Image, ImageCms, PngImagePlugin
 
 from agentrob.board.content import image_metadata, images
 
-#: What nobody may read in what is kept.
+#: Must not occur in the stored file.
 PLACE = b"52.5163N 13.3777E"
 _EXIF_GPS = 0x8825
 KINDS = ("JPEG", "PNG", "WEBP", "GIF")
 
 
 def coded(kind: str, **options: object) -> bytes:
-    """Two halves of two colours, so that it is seen what is up."""
+    """Return a picture whose two halves differ in colour, so that its orientation is visible."""
     picture = Image.new("RGB", (64, 48), (200, 100, 50))
     picture.paste((20, 40, 220), (0, 0, 32, 48))
     out = io.BytesIO()
@@ -54,7 +54,7 @@ def png_with(name: bytes, content: bytes) -> bytes:
 
 
 def raw_profile() -> bytes:
-    """As ImageMagick and many programs write EXIF into a PNG."""
+    """Write EXIF into a PNG like ImageMagick and many other programs."""
     content = b"Exif\0\0" + exif(6).tobytes().removeprefix(b"Exif\0\0")
     text = f"\nexif\n{len(content):8}\n{content.hex()}\n"
     info = PngImagePlugin.PngInfo()

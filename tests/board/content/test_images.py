@@ -1,4 +1,4 @@
-"""The files of pictures: one that a post shows is never taken away, and one that is missing is said to be missing."""
+"""The files of pictures: one that a post shows is never deleted, and a missing one is reported."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def picture(shade: int, kind: str = "JPEG", frames: int = 1) -> bytes:
 
 
 def posted(board: RunningBoard, who: str, data: bytes) -> str:
-    """A post that shows it; the picture's id."""
+    """Post the picture; return its id."""
     client = board.client(who)
     image = client.post("/images", files={"file": ("x", data, "application/octet-stream")})
     image.raise_for_status()
@@ -37,7 +37,7 @@ def file_of(board: RunningBoard, image: str) -> Path:
 
 
 def take_away(board: RunningBoard, digest: str) -> int:
-    """As `agentrob board expire` does in a process of its own."""
+    """Run as `agentrob board expire` does, in a separate process."""
     with local_admin.writing(board.settings) as connection:
         return moderation.take_away(Transaction(connection), board.settings.images_dir, [digest])
 
@@ -46,7 +46,7 @@ def take_away(board: RunningBoard, digest: str) -> int:
 def test_a_picture_whose_like_is_taken_away_meanwhile_is_kept(
     board: RunningBoard, there_before: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The same picture of somebody else's expires just after this one was written and before the database knows."""
+    """The same picture of another account expires just after this one was written and before the database knows."""
     data, keep, taken = picture(10 + there_before), images.keep, list[int]()
     if there_before:
         keep(board.settings.images_dir, data)

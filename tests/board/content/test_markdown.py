@@ -1,4 +1,4 @@
-"""What a post's Markdown becomes, and that nothing dangerous ever comes out of it."""
+"""How a post's Markdown is rendered, and that the result is never dangerous."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def html(raw: str) -> str:
 
 
 class Audit(HTMLParser):
-    """Reads HTML anew and collects whatever should not be there; knows nothing of how it was cleaned."""
+    """Parses HTML again and collects whatever should not be there; independent of the sanitiser."""
 
     TAGS = frozenset(
         {
@@ -146,7 +146,7 @@ def test_any_unicode_even_half_surrogates_is_taken(raw: str) -> None:
 @settings(max_examples=200)
 @given(markup)
 def test_cleaning_again_changes_nothing(raw: str) -> None:
-    """What came out is read by a browser as it was meant: a second reading finds the same."""
+    """A browser reads the result as it was meant: parsing it again gives the same."""
     once = render(raw, known)
     assert render_wall(once) == once
 

@@ -1,4 +1,4 @@
-"""What the board shows as mention and as text is what a robot reads (law 3)."""
+"""A robot reads as mentions and text exactly what the board shows as such (law 3)."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_law_3_a_robot_reads_those_mentions_that_the_board_links(raw: str) -> No
     read = {name for name in mentions(visible_text(raw)) if name in ACCOUNTS}
     shown = linked(render(raw, ACCOUNTS.__contains__))
     assert read <= shown, raw
-    if "<" not in raw:  # what looks like HTML is shown as it was typed, and read by nobody
+    if "<" not in raw:  # what looks like HTML is shown as typed, and is not read
         assert read == shown, raw
 
 

@@ -1,4 +1,5 @@
-"""What is unread, by API: of all boards, of one, of one topic; what was read is so on pages too, and never less."""
+"""Unread posts over the API: of all boards, of one board, of one topic; pages and API agree, and marks never go
+back."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ from tests.board.running_board import RunningBoard, running_board
 
 @pytest.fixture
 def newcomer(board: RunningBoard, request: pytest.FixtureRequest) -> httpx2.Client:
-    """Somebody for whom nothing is new yet."""
+    """Return an account for which nothing is new yet."""
     name = f"n-{abs(hash(request.node.name)) % 10**8}"
     board.add(name)
     return board.client(name)
@@ -34,7 +35,7 @@ def more(board: RunningBoard, topic: str, by: str = "op") -> str:
 
 
 def new(client: httpx2.Client, **asked: Any) -> dict[str, tuple[int, str]]:
-    """By topic: how many are new, and the first of them."""
+    """Return for each topic how many posts are new, and the first of them."""
     page = client.get("/unread", params=asked).raise_for_status().json()
     return {item["topic"]["id"]: (item["new"], item["first_post_id"]) for item in page["items"]}
 

@@ -1,4 +1,4 @@
-"""A PostgreSQL server of the tests' own: a fresh cluster in a folder, on a Unix socket, as a user who is not root."""
+"""A separate PostgreSQL server for tests: a fresh cluster in a folder, on a Unix socket, as a user other than root."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLAGS = "-c fsync=off -c listen_addresses='' -c max_connections=200"
 
 
 def tool(name: str) -> str:
-    """A program of PostgreSQL, also where Debian keeps it."""
+    """Return the path of a PostgreSQL program, including Debian's location."""
     found = shutil.which(name) or next(map(str, sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}"))), None)
     assert found, f"PostgreSQL's {name} is not installed: run scripts/system-packages postgres"
     return found
@@ -22,7 +22,7 @@ def tool(name: str) -> str:
 
 @contextmanager
 def postgres_server(folder: Path) -> Iterator[str]:
-    """The SQLAlchemy URL of a running server; it ends, and its files go, with the block."""
+    """Yield the SQLAlchemy URL of a running server, which ends with the block; its files are deleted."""
     data, user = folder / "pg", None
     folder.mkdir(exist_ok=True)
     data.mkdir()
@@ -40,7 +40,7 @@ def postgres_server(folder: Path) -> Iterator[str]:
 
 
 def run(user: str | None, command: list[str]) -> None:
-    """As that user, with all of its output when it fails."""
+    """Run a command as that user; on failure, show all of its output."""
     done = subprocess.run(
         command,
         user=user,
@@ -55,7 +55,7 @@ def run(user: str | None, command: list[str]) -> None:
 
 
 def open_to_all(folder: Path) -> None:
-    """Let another user pass through the folders above, which pytest keeps to its own."""
+    """Let another user traverse the parent folders, which pytest keeps private."""
     for parent in [folder, *folder.parents]:
         if parent == Path("/tmp") or parent == parent.parent:
             return

@@ -1,4 +1,4 @@
-"""The database in trouble: locked, full, of another version, served twice; and what the writer does with a batch."""
+"""The database in trouble: locked, full, of another version, served twice; and how the writer handles a batch."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_full_disk_is_503_and_the_server_goes_on(fresh_board: Callable[..., Ru
     def pages(limit: int) -> Callable[[Transaction], None]:
         return lambda t: t.connection.execute(text(f"PRAGMA max_page_count={limit}")) and None
 
-    # SQLite has its own limit that acts as a full disk does; 1 stands for "no page more than there are".
+    # SQLite's own limit acts like a full disk; 1 stands for "no more pages than there are".
     board.run(board.services.store.do(pages(1)))
     big = TOPIC | {"body": "x" * 60_000}
     answers = [op.post("/topics", json=big) for _ in range(3)]
@@ -109,7 +109,7 @@ def test_a_job_that_fails_undoes_only_itself(fresh_board: Callable[..., RunningB
         body = {"body": str(n)} | ({"reply_to": "999"} if n % 2 else {})
         return board.client("op").post(f"/topics/{topic}/posts", json=body).status_code
 
-    # While one job holds the writer, the others gather to one batch.
+    # While one job occupies the writer, the others gather into one batch.
     with ThreadPoolExecutor(11) as pool:
         blocked = pool.submit(board.run, board.services.store.do(block))
         assert held.wait(LIMIT_S)
@@ -148,7 +148,7 @@ def test_whoever_heard_what_a_backup_has_undone_is_told_so_however_much_came_aft
         for n in range(2):
             op.post(f"/topics/{topic}/posts", json={"body": f"undone {n}"})
         undone = now(op)
-    shutil.copy(tmp_path / "copy", str(path))  # the server that ended left no log beside it
+    shutil.copy(tmp_path / "copy", str(path))  # the server that ended left no write-ahead log
     with running_board(tmp_path) as second:
         op = second.client("op")
         for n in range(more):

@@ -1,4 +1,5 @@
-"""Several server processes on one PostgreSQL database serve one forum: what one takes, all know, whoever ends how."""
+"""Several server processes on one PostgreSQL database serve one forum: each knows what another one accepted, whichever
+ends."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ from tests.board.robots.test_robots import picture, pictures
 from tests.board.running_board import LIMIT_S
 
 pytestmark = pytest.mark.slow
-#: A stop must reach the agent within so much.
+#: A stop must reach the agent within this time.
 STOP_S = 0.25
 
 
@@ -72,7 +73,7 @@ def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> Non
 
 
 def test_one_whose_clock_differs_is_not_let_in(forum: Forum, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Law 5: what is fresh is judged by the clock of the process that took the post."""
+    """Law 5: the age of a post is judged by the clock of the process that accepted it."""
     with serving_lock.serve_database(forum.settings):
         pass
     behind = time.time() - 3.0
@@ -101,7 +102,7 @@ def test_events_of_both_come_on_one_stream_in_one_order(forum: Forum) -> None:
 
 
 def test_a_key_used_on_both_at_once_is_one_post(forum: Forum) -> None:
-    """Law 6: also a claim, whose key no two posts have."""
+    """Law 6: also a claim, whose key two posts never share."""
     clients = [forum.as_("quadruped", process) for process in forum.processes]
     topic = post_topic(clients[0])["topic"]["id"]
 
@@ -198,7 +199,7 @@ def test_law_15_a_stop_that_cannot_be_written_is_heard_on_the_other_too(forum: F
 
 
 def test_law_16_a_process_that_cannot_hear_the_others_sends_no_beat(forum: Forum) -> None:
-    """What a robot's agent takes for the end of its stop channel: silence. And it beats again by itself."""
+    """An agent takes silence for the end of its stop channel; then the heartbeat resumes by itself."""
     patient = forum.as_("quadruped", forum.b)
     patient.timeout = httpx2.Timeout(LIMIT_S, read=2.0)
     with stream(patient, heartbeat=0.25) as events:
@@ -334,7 +335,7 @@ def test_when_one_is_killed_the_other_goes_on_and_takes_its_duties(server: str, 
 
 
 def _killed_while_writing(forum: Forum, lead: BoardProcess, other: BoardProcess) -> dict[str, str]:
-    """The posts that `lead` acknowledged before it was killed, and the event before them."""
+    """Return the posts that `lead` acknowledged before it was killed, and the event before them."""
     writer = forum.as_("op", lead)
     found = {"start": now(forum.as_("op", other))}
     topic = post_topic(writer)["topic"]["id"]

@@ -1,4 +1,4 @@
-"""The event stream and the log behind it: order, resuming, beats, many listeners, ending in time."""
+"""The event stream and its log: order, resuming, heartbeats, many listeners, and a timely end."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def now(client: httpx2.Client) -> str:
 
 @contextmanager
 def stream(client: httpx2.Client, headers: dict[str, str] | None = None, **params: Any) -> Iterator[Iterator[dict]]:
-    """Events of an open stream, as dicts with `id` (of the stream), `event` and `data`."""
+    """Yield the events of an open stream, as dicts with `id` (of the stream), `event` and `data`."""
     with client.stream("GET", "/events", params=params, headers=headers or {}) as response:
         assert response.status_code == 200
         assert response.headers["content-type"].startswith("text/event-stream")
@@ -57,7 +57,7 @@ def _parsed(lines: Iterator[str]) -> Iterator[dict]:
 
 
 def until(events: Iterator[dict], count: int) -> list[dict]:
-    """The next events that are no heartbeat."""
+    """Return the next events other than heartbeats."""
     found = []
     while len(found) < count:
         event = next(events)
@@ -214,7 +214,7 @@ async def test_two_hundred_listeners_hear_everything_in_order(board: RunningBoar
 
 
 def wait_for(condition: Callable[[], bool]) -> None:
-    """Look again and again, under a limit, until something that happens in another thread is so."""
+    """Poll, with a time limit, until a condition in another thread holds."""
     pause, end = threading.Event(), time.monotonic() + LIMIT_S
     while not condition():
         assert time.monotonic() < end, "it did not happen in time"
@@ -248,7 +248,7 @@ def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
 
 
 def test_a_listener_whose_socket_is_full_is_let_go(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its sender waits for a socket that nobody reads: it is cancelled, and nothing of it is kept."""
+    """Its sender waits for a socket that nobody reads: it is cancelled, and nothing of it stays in memory."""
     monkeypatch.setattr("agentrob.board.events.hub.MAX_PENDING", 10)
     hub = board.services.hub
     wait_for(lambda: hub.listeners == 0)
@@ -278,7 +278,7 @@ async def test_an_error_while_receiving_ends_the_stream(board: RunningBoard) -> 
     async with asyncio.timeout(LIMIT_S):
         await reader.readuntil(b"retry: 1000\n\n")
         assert hub.listeners == 1
-        writer.write(b"100000\r\n" + b"x" * 0x100000)  # more than any request may have
+        writer.write(b"100000\r\n" + b"x" * 0x100000)  # more than a request may have
         await asyncio.to_thread(wait_for, lambda: hub.listeners == 0)
     writer.close()
 
@@ -338,7 +338,7 @@ def test_robot_events_say_who_pressed(board: RunningBoard) -> None:
 def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And one whose database was put back from a backup cuts everybody off: they are told so when they resume."""
+    """A database that was restored from a backup disconnects everybody, and a resume reports it."""
     post_topic(board.client("op"))
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:

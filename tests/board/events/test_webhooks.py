@@ -1,4 +1,4 @@
-"""The board's own webhooks: signed, only ids, tried again, and as an agent's service takes them."""
+"""The board's own webhooks: signed, with ids only, retried, and accepted by an agent's service."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Got = Queue[tuple[dict[str, str], bytes]]
 
 @contextmanager
 def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
-    """Somebody who is told; answers these statuses, the last for ever."""
+    """A receiver that answers with these statuses, the last one for ever."""
     got: Got = Queue()
     left = list(answers)
 
@@ -39,7 +39,7 @@ def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
             self.end_headers()
 
         def log_message(self, *_: object) -> None:
-            """Not to the test's output."""
+            """Keep the log out of the test's output."""
 
     server = HTTPServer(("127.0.0.1", 0), Handler)
     thread = threading.Thread(target=server.serve_forever, daemon=True)

@@ -1,4 +1,4 @@
-"""Whoever may approve a command decides it in its thread; notifications of a thread that was read are no news."""
+"""Approvals on the board: who may decide in the thread, and notifications of a thread that was read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BUTTON = 'value="approve"'
 
 
 def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
-    """A command of op's that the robot waits with, `more` on its card: topic, post, status."""
+    """Post a command of op's for which the robot waits, with `more` on its card; return topic, post and status."""
     made = (
         board.client("op").post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped flip"}).json()
     )
@@ -27,7 +27,7 @@ def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
 
 
 def pressed(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
-    """The form of the page, as a browser without scripts sends it."""
+    """Send the form of the page, like a browser without scripts."""
     form = re.search(r'<form class="approve-form".*?</form>', page, re.DOTALL)
     assert form
     fields = dict(re.findall(r'name="(\w+)" value="([^"]*)"', form[0].partition("<button")[0]))
@@ -95,7 +95,7 @@ def test_what_a_newer_agent_says_on_its_card_is_left_out_and_its_post_is_kept(bo
 
 
 def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) -> None:
-    """Also when the robot's status post, first its claim, is edited so; and no more once it is over."""
+    """Also if the robot's status post, first its claim, is edited to it; and no longer once the command has ended."""
     board.add("watcher", role=Role.MODERATOR)
     topic, _, status = waiting(board)
 

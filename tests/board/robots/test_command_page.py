@@ -1,4 +1,4 @@
-"""The page of a command and the robot's page: what agents recorded, shown whatever is in it."""
+"""The page of a command and the robot's page: they show agents' records, whatever these contain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Who addresses no robot, or one that cannot hear, is told so in one line: in the preview and after posting."""
+"""A post that addresses no robot, or one that is not listening, gets one line of help: in the preview and after
+posting."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 
 def noted(page: str) -> str:
-    """The line of help on a page, as text; empty without one."""
+    """Return the line of help on a page as text; empty without one."""
     found = re.search(r'<p class="note"[^>]*dir="auto">(.*?)</p>', page)
     return found[1].replace("&#39;", "'") if found else ""
 

@@ -1,4 +1,4 @@
-"""Whatever a robot's agent sends as its card, the page holds and shows no markup of it."""
+"""Whatever a robot's agent sends as its card, the page stores it and renders no markup from it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_an_excerpt_keeps_words_and_no_marks(raw: str) -> None:
 
 @pytest.mark.parametrize("hostile", ["|", "-", "--", "| ", "\n", "|-:", "*", "--- a"])
 def test_an_excerpt_of_a_hostile_post_does_not_hold_up_the_event_loop(hostile: str) -> None:
-    """What a post of 64 KiB costs is bounded by its first words: a page shows ten of them."""
+    """The cost of a post of 64 KiB is bounded by its first words: a page shows ten of them."""
     raw = hostile * (64 * 1024 // len(hostile))
     started = time.thread_time()
     assert excerpt(raw) == excerpt(raw[:EXCERPT_FROM])

@@ -1,4 +1,4 @@
-"""Robots' pages as their agents feed them, buttons that anybody may press, and pictures."""
+"""Robots' pages with data from their agents, buttons that anybody may press, and pictures."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_law_15_everybody_may_stop_as_often_as_they_like(board: RunningBoard, wh
     answers = [client.post("/robots/quadruped/stop").json() for _ in range(60)]
     assert {(a["kind"], a["robot"], a["account"]["name"]) for a in answers} == {("robot.stop", "quadruped", who)}
 
-    def written() -> int:  # on a busy machine some are told before they are written
+    def written() -> int:  # on a busy machine some events are sent before they are written
         items = client.get("/changes", params={"after": before, "limit": 100}).json()["items"]
         return sum((e["kind"], e["account"]["name"]) == ("robot.stop", who) for e in items if e["account"])
 
@@ -102,7 +102,7 @@ def test_law_15_everybody_may_stop_as_often_as_they_like(board: RunningBoard, wh
 def test_law_15_a_stop_that_cannot_be_written_is_told_before_who_pressed_is_answered(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Who pressed waits longer, for the event as it is written: not who has to stop."""
+    """The account that pressed waits longer, for the written event; the robot that must stop does not."""
     assert (actions.TELL_S, actions.WRITE_S) == (0.05, 0.25)
     monkeypatch.setattr(actions, "WRITE_S", 2.0)
     op, held, go_on = board.client("op"), threading.Event(), threading.Event()
@@ -221,7 +221,7 @@ def test_law_2_only_the_owner_and_admins_press_release_and_home(
 
 
 def admin_client(board: RunningBoard) -> httpx2.Client:
-    """The API as an admin with a token that administers."""
+    """Return the API as an admin with a token for administration."""
     client = board.client()
     token = local_admin.issue_token(
         board.settings, local_admin.find_account(board.settings, "admin"), scopes=("read", "write", "admin")
@@ -261,7 +261,7 @@ def test_what_is_no_jpeg_is_not_shown(board: RunningBoard, frame: bytes) -> None
 
 
 def pictures(response: httpx2.Response) -> Iterator[bytes]:
-    """The parts of a multipart stream, by their lengths."""
+    """Split a multipart stream into its parts by their lengths."""
     data = b""
     for chunk in response.iter_raw():
         data += chunk
@@ -290,7 +290,7 @@ def test_viewers_are_counted_and_see_each_new_picture(fresh_board: Callable[...,
 
 
 def told_of_viewers(board: RunningBoard) -> tuple[Listener, Callable[[], list[str]]]:
-    """The server's own ears, and the robots of which they heard that somebody looks."""
+    """Listen on the server itself; return the robots for which it was notified of a viewer."""
     listener = board.run(_listen(board))
 
     def heard() -> list[str]:
@@ -305,7 +305,7 @@ async def _listen(board: RunningBoard) -> Listener:
 
 
 def test_whoever_opens_and_drops_the_camera_writes_nothing(fresh_board: Callable[..., RunningBoard]) -> None:
-    """Nobody is signed in; the robot's agent hears that somebody looks, but not a hundred times."""
+    """A viewer is not signed in; the robot's agent is notified, but not a hundred times."""
     board = fresh_board(public_read=True)
     stranger, op = board.client(), board.client("op")
     _, heard = told_of_viewers(board)
@@ -326,7 +326,7 @@ def test_an_agent_that_missed_a_viewer_is_told_when_it_next_tells_of_its_robot(
     robot = board.client("quadruped")
     with board.client("op").stream("GET", "/robots/quadruped/camera.mjpg") as shown:
         wait_for(lambda: board.services.presence.robot("quadruped").viewers == 1)
-        _, heard = told_of_viewers(board)  # only now does the agent begin to listen
+        _, heard = told_of_viewers(board)  # the agent starts to listen only now
         monkeypatch.setattr(presence, "WATCH_EVERY_S", 0.0)
         robot.put("/robots/quadruped", json={"card": {}}).raise_for_status()
         assert heard() == ["quadruped"]
@@ -356,7 +356,7 @@ def test_a_lost_right_ends_the_live_picture(board: RunningBoard, monkeypatch: py
 
 
 def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
-    """A card shows that robot's name and stop button: posted, edited or in a record, it names who sends it."""
+    """A card shows that robot's name and stop button: posted, edited or in a record, it must name its sender."""
     robot, op = board.client("quadruped"), board.client("op")
     made = op.post("/topics", json={"board_id": "talk", "title": "t", "body": "go"}).json()
     path, post = f"/topics/{made['topic']['id']}/posts", made["post"]["id"]
@@ -377,7 +377,7 @@ def test_a_robot_speaks_for_no_other_robot(board: RunningBoard) -> None:
 
 @pytest.mark.sqlite
 def test_law_1_a_kept_card_that_names_another_robot_is_not_shown(board: RunningBoard) -> None:
-    """A board of before took such cards: they stand in its database."""
+    """Earlier versions of the board accepted such cards, which are still in databases."""
     robot, op = board.client("quadruped"), board.client("op")
     made = op.post("/topics", json={"board_id": "talk", "title": "t", "body": "go"}).json()["topic"]
     card = {"robot": "quadruped", "state": "running"}
@@ -396,7 +396,7 @@ def test_law_1_a_kept_card_that_names_another_robot_is_not_shown(board: RunningB
 def test_a_lost_right_to_the_camera_ends_the_live_picture(
     fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch, lost: str
 ) -> None:
-    """Whatever let somebody look is asked again; whoever still may look goes on."""
+    """The right to view is checked again; a viewer who still has it continues."""
     board = fresh_board()
     account = board.add("onlooker", role=Role.OPERATOR)
     first: dict[str, dict[str, Any]] = {
@@ -535,7 +535,7 @@ def test_a_moving_picture_that_is_broken_or_tells_of_its_owner_is_refused() -> N
 def test_what_a_camera_wrote_about_place_and_owner_is_taken_out() -> None:
     exif = Image.Exif()
     exif[0x013B] = "Jane Doe"
-    exif[0x0112] = 6  # lies on its side
+    exif[0x0112] = 6  # rotated
     image, data = images.check(picture(64, 48, exif=exif))
     assert b"Jane" not in data
     assert (image.width, image.height) == (48, 64)

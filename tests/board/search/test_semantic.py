@@ -1,4 +1,4 @@
-"""Search by meaning: what is found, by whom, and that it follows whatever happens to posts."""
+"""Search by meaning: what it finds, for whom, and that it follows all changes of posts."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def found(forum: RunningBoard, query: str, by: str = "op", **params: str | int) 
 
 
 def until(board: RunningBoard, holds: Callable[[], bool]) -> None:
-    """The follower works beside the board: wait for what it makes."""
+    """Wait for the follower, which works in parallel with the board."""
     end_s = time.monotonic() + LIMIT_S
     while not holds():
         assert time.monotonic() < end_s, "it never came to hold"
@@ -57,7 +57,7 @@ def until(board: RunningBoard, holds: Callable[[], bool]) -> None:
 
 
 def vectors(board: RunningBoard) -> dict[int, int]:
-    """The version of which each post has a vector in the database."""
+    """Return the version of which each post has a vector in the database."""
     engine = open_engine(board.settings, writes=False)
     m = embeddings.post_meanings.c
     with engine.connect() as connection:
@@ -178,7 +178,7 @@ def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_ma
     fresh_board: Callable[..., RunningBoard], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     folder = tmp_path_factory.mktemp("again")
-    with running_board(folder) as board:  # as long as nobody wanted it
+    with running_board(folder) as board:  # as long as nobody used the search
         old = say(board, "an old hound")
         database = board.settings.database
         assert vectors(board) == {}

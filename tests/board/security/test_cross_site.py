@@ -1,4 +1,4 @@
-"""What another site, a lying file or a crafted address can make a browser or this server do: nothing."""
+"""Another site, a forged file or a crafted address cannot make a browser or this server do anything."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 
 def everything(world: World) -> list[tuple[str, str]]:
-    """Every form on every page that an admin sees: the page, and where the form goes."""
+    """Return every form on every page that an admin sees: the page, and the form's target."""
     api = world.api("root")
     made = api.post("/topics", json={"board_id": "robots", "title": "t", "body": "b"}).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
@@ -172,7 +172,7 @@ def test_no_address_of_ours_sends_anybody_elsewhere_or_adds_a_header(world: Worl
      "/static/x/%2e%2e%2f%2e%2e%2fserver.py", "/api/v1/robots/a%2fb/frame.jpg", "/t/9999999999999999999999"],
 )  # fmt: skip
 def test_crafted_paths_lead_nowhere(world: World, path: str) -> None:
-    with socket.create_connection(("127.0.0.1", world.settings.port)) as raw:  # a client would tidy the path up
+    with socket.create_connection(("127.0.0.1", world.settings.port)) as raw:  # a client would normalise the path
         cookie = "; ".join(f"{c.name}={c.value}" for c in world.browser("bob").client.cookies.jar)
         head = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: {cookie}\r\nConnection: close\r\n\r\n"
         raw.sendall(head.encode())
@@ -200,7 +200,7 @@ def test_links_in_posts_make_this_server_ask_nobody(world: World) -> None:
 
 # -------------------------------------------------------------------- files
 def png(width: int, height: int, data: bytes = b"") -> bytes:
-    """The head of a picture of that size, with whatever is inside."""
+    """Return the header of a picture of this size, with arbitrary content."""
 
     def chunk(kind: bytes, content: bytes) -> bytes:
         return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))

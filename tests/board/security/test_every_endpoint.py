@@ -1,4 +1,4 @@
-"""Every endpoint of the OpenAPI document, asked by everybody: who may is written down here, and all others may not."""
+"""Every endpoint of the OpenAPI document, called by everybody: the table says who may, and all others are refused."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ LEAST = {
     "GET /admin/robots/{name}": "owner",
     "PATCH /admin/robots/{name}": "owner",
 }
-#: What is sent, where something must be.
+#: The request bodies, where one is needed.
 BODIES: dict[str, Any] = {
     "POST /topics": {"board_id": "talk", "title": "t", "body": "b"},
     "POST /topics/{topic_id}/posts": {"body": "b"},
@@ -88,7 +88,7 @@ WITH_SCOPE = ("member", "operator", "moderator", "admin", "robot", "owner")
 
 @pytest.fixture(scope="module")
 def everybody(board: RunningBoard) -> dict[str, httpx2.Client]:
-    """A client of each role and kind, and admins' tokens of narrower scopes."""
+    """Return a client of each role and kind, and admins' tokens with narrower scopes."""
     found = {"nobody": board.client()}
     for role in Role:
         account = board.add(f"a-{role}", role=role)
@@ -134,7 +134,7 @@ def least(name: str) -> str:
 
 
 def may(who: str, name: str) -> bool:
-    """What the table says, for somebody who did not write the post that is asked about."""
+    """Return the table's answer for an account that did not write the post in question."""
     wanted, _, also = least(name).partition("+")
     reading = name.startswith("GET") and wanted in ("account", "guest", "member")
     looks = wanted in ("account", "guest")
@@ -215,7 +215,7 @@ def test_nothing_of_others_was_changed(board: RunningBoard, everybody: dict[str,
     assert board.client("op").get(f"/posts/{post}").json()["raw"] == "as it was"
 
 
-#: What no body may set, wherever it is not a field of its own.
+#: Fields that no body may set, unless the endpoint declares them.
 FOREIGN = {
     **{"author": "op", "author_id": "1", "removed": True, "created_at": "2020-01-01T00:00:00Z", "is_admin": 1},
     **{"account_id": "1", "key": "x", "html": "<b>", "mentions": ["op"], "password_hash": "x", "version": 9},

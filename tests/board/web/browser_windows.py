@@ -1,4 +1,4 @@
-"""Windows of a real Chromium on the forum, and what a robot posts there, for the tests of its pages."""
+"""Windows of a real Chromium on the forum, and a robot's posts there, for the tests of its pages."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def running_chromium() -> Iterator[Browser]:
 
 @dataclass
 class Windows:
-    """Opens windows of Chromium and notes everything that it complains of."""
+    """Opens windows of Chromium and collects all console errors."""
 
     world: World
     chromium: Browser
@@ -40,7 +40,7 @@ class Windows:
     complaints: list[str] = field(default_factory=list)
 
     def open(self, name: str | None = None, **how: Any) -> Page:
-        """An empty window of its own, signed in as that account by the cookie of a session."""
+        """Open an empty window with its own profile, signed in as that account by a session cookie."""
         how.setdefault("viewport", {"width": 1280, "height": 800})
         how.setdefault("reduced_motion", "reduce")
         context = self.chromium.new_context(base_url=self.world.base, **how)
@@ -58,7 +58,7 @@ class Windows:
 
 @contextmanager
 def open_windows(world: World, chromium: Browser) -> Iterator[Windows]:
-    """Closes them at the end; then nothing may have been complained of."""
+    """Close the windows at the end; then there may be no errors."""
     windows = Windows(world, chromium)
     yield windows
     for context in windows.contexts:

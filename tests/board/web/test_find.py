@@ -1,4 +1,4 @@
-"""Search, latest, notifications and feeds: what is found, by whom, and that nothing hidden shows."""
+"""Search, latest, notifications and feeds: what they find, for whom, and that hidden content never shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages without scripts: everything a person does on the forum goes by links and forms."""
+"""Pages without scripts: everything that people do on the forum works by links and forms."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 @pytest.fixture
 def topic(world: World) -> str:
-    """The id of a new topic by alice."""
+    """Post a new topic as alice; return its id."""
     body = {"board_id": "robots", "title": "A walk", "body": "@quadruped walk"}
     return str(world.api("alice").post("/topics", json=body).json()["topic"]["id"])
 

@@ -1,4 +1,4 @@
-"""How the forum looks in real Chromium: telephone width, light and dark, contrast, structure, keyboard."""
+"""The forum's design in real Chromium: phone width, light and dark, contrast, structure, keyboard."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ STRUCTURE = """() => {
 }"""
 
 
-#: Each width and each scheme; the other two pairs are slow.
+#: One pair of width and colour scheme; the other pairs are slow.
 LOOKS = [
     *((390, "dark"), (1280, "light")),
     *(pytest.param(*look, marks=pytest.mark.slow) for look in ((390, "light"), (1280, "dark"))),
@@ -106,7 +106,7 @@ LOOKS = [
 
 @pytest.fixture(scope="module")
 def paths(world: World) -> list[str]:
-    """Every page, with a thread that has everything in it."""
+    """Open every page, with a thread that contains everything."""
     topic = new_topic(world, replies=2)
     world.board.add("owner-of-robots")
     world.chief().patch("/admin/robots/quadruped", json={"owner": "owner-of-robots"}).raise_for_status()

@@ -1,4 +1,4 @@
-"""Writing without scripts: preview, pictures, quotes and answers; what is refused, and that nothing is lost."""
+"""Writing without scripts: preview, pictures, quotes and replies; what is refused, and that no text is lost."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def png(width: int = 64, height: int = 48) -> bytes:
 
 
 def send(surfer: Surfer, path: str, page: str, file: bytes | None = None, **fields: str) -> httpx2.Response:
-    """A form with pictures, as a browser sends it."""
+    """Send a form with pictures, like a browser."""
     form = re.search(rf'<form[^>]*action="{re.escape(path)}".*?</form>', surfer.get(page).text, re.DOTALL)
     assert form
     assert 'enctype="multipart/form-data"' in form[0]
