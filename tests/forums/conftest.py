@@ -1,5 +1,5 @@
-"""Forums for a test: what a real NodeBB answered, played back, or a real one, recorded (see the contract's test); and a
-double of Discourse."""
+"""Forums for a test: recorded responses of a real NodeBB (see the contract's test) or a real one, and a double of
+Discourse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a hostile account, or a forum that lost its mind, may put into a post, its mark, its card or an event."""
+"""What a hostile account, or a defective forum, may put into a post, its mark, its card or an event."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CODES = st.one_of(
     st.binary(max_size=300).map(lambda b: base64.urlsafe_b64encode(b).decode()),
     st.text("abcXYZ019_=-", min_size=1, max_size=200),
 )
-#: Whatever JSON may hold, and what Python's reader of JSON lets through besides.
+#: Whatever JSON may contain, and what Python's JSON parser accepts besides.
 ANYTHING: st.SearchStrategy[Any] = st.recursive(
     st.none()
     | st.booleans()
@@ -50,7 +50,7 @@ def discourse_mark(word: str) -> str:
     return f'words\n\n<div data-agentrob="{word}"></div>'
 
 
-#: Bodies that nobody may read for long, or die of.
+#: Bodies that take too long to parse or crash a parser.
 BODIES = (
     *(nodebb_mark(code(told)) for told in HOSTILE_JSON if len(code(told)) < 8_000),
     *(discourse_mark(code(told)) for told in HOSTILE_JSON if len(code(told)) < 8_000),
@@ -62,7 +62,7 @@ BODIES = (
 
 @st.composite
 def spoilt(draw: st.DrawFn, told: dict[str, Any]) -> dict[str, Any]:
-    """An answer of a forum of which some fields, also inner ones, are missing or are something else."""
+    """Return a forum's response in which some fields, also nested ones, are missing or have other values."""
     made = json.loads(json.dumps(told))
     for _ in range(draw(st.integers(1, 3))):
         place, names = made, [*made]

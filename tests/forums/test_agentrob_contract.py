@@ -1,4 +1,4 @@
-"""The board adapter keeps the contract against a real board: real sockets, real SQLite."""
+"""The board adapter fulfils the contract on a real board: real sockets, real SQLite."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.board.running_board import RunningBoard, running_board
 
 
 class BoardWorld:
-    """The contract's face of a running board."""
+    """The contract's interface to a running board."""
 
     def __init__(self, board: RunningBoard) -> None:
         self.board = board

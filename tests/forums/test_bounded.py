@@ -1,4 +1,4 @@
-"""What the adapters remember does not grow with the number of posts, and what they forgot is not written twice."""
+"""The adapters' memory does not grow with the number of posts, and what they forgot is not written twice."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ KEPT = 3
 
 
 def too_many(*parts: object) -> dict[str, int]:
-    """The containers of these objects that hold too much, and how much; boards are as many as there are."""
+    """Return the containers of these objects that hold too much, with their sizes; boards are not counted."""
     held = {(type(part).__name__, name): value for part in parts for name, value in vars(part).items()}
     containers = {name: v for name, v in held.items() if isinstance(v, dict | list | set | BoundedDict)}
     return {".".join(name): len(v) for name, v in containers.items() if len(v) > KEPT and name[1] != "_boards"}
@@ -34,7 +34,7 @@ def too_many(*parts: object) -> dict[str, int]:
 def test_of_a_bounded_dictionary_the_entry_that_was_set_longest_ago_is_dropped() -> None:
     kept = BoundedDict[str, int](2)
     kept["a"], kept["b"] = 1, 2
-    assert kept["a"] == 1  # reading renews nothing
+    assert kept["a"] == 1  # a read does not renew an entry
     kept["c"] = 3
     assert dict(kept) == {"b": 2, "c": 3}
     kept["b"] = 4
@@ -78,7 +78,7 @@ async def test_law_6_what_a_discourse_adapter_forgot_of_its_own_posts_it_finds_a
 
 # ---------------------------------------------------------------------- NodeBB
 class DiscourseClient:
-    """As much of a NodeBB as what is remembered needs; it counts what is sent and asked."""
+    """The parts of a NodeBB that the test needs; it counts requests and writes."""
 
     url, credentials, clock = "http://127.0.0.1", Credentials.of("login:quadruped:secret"), HeaderClock()
 

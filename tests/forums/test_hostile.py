@@ -1,4 +1,4 @@
-"""No post whatever ends a listener (law 15): after hostile bodies, marks, cards and events a stop is still heard."""
+"""No post can end a listener (law 15): after hostile bodies, marks, cards and events a stop is still received."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ NOW = datetime.now(UTC)
 
 
 async def hears_a_stop(forum: Forum, cursor: str) -> None:
-    """An agent's ear on that forum hears the stop that stands after all else."""
+    """Check that an agent's listener on that forum receives the stop that comes after everything else."""
     me = Account("1", ROBOT, AccountKind.ROBOT_AGENT)
     async with asyncio.timeout(60):
         async for event in EventStream(forum, cursor, poll_s=0.1).events():
@@ -93,11 +93,11 @@ def test_no_body_takes_long_to_be_searched_for_a_mark(body: str) -> None:
 
 # ---------------------------------------------------------------------- NodeBB
 async def _known() -> None:
-    """The clock of the double is ours."""
+    """The test controls the double's clock."""
 
 
 class NodeBBDouble:
-    """As much of a NodeBB as a listener asks of it; `spoil` changes what it tells of one post."""
+    """The parts of a NodeBB that a listener uses; `spoil` changes what it reports about one post."""
 
     def __init__(self, bodies: list[str]) -> None:
         at_ms = int(datetime.now(UTC).timestamp() * 1000)
@@ -113,7 +113,7 @@ class NodeBBDouble:
             n: {"pid": n, "tid": 1, "topic": {"cid": 1}, "timestamp": p["timestamp"], "content": p["content"]}
             for n, p in self.stored.items()
         }
-        #: Posts before the listener began are not heard of.
+        #: Posts from before the listener started are not delivered.
         self.until = 0
 
     def forum(self) -> NodeBBForum:
@@ -149,7 +149,7 @@ async def _nodebb_hears(double: NodeBBDouble) -> None:
     before, _ = await forum._tracker.newest(), double.until
     double.until = len(double.stored)
     await hears_a_stop(forum, before)
-    await hears_a_stop(double.forum(), before)  # and so does an agent that was started anew
+    await hears_a_stop(double.forum(), before)  # and so does a restarted agent
     await forum.close()
 
 
@@ -176,7 +176,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 
 def _final(double: Double, text: str) -> str:
-    """The state on the robot's card in answer to the post of that text."""
+    """Return the state on the robot's card in reply to the post with this text."""
     posts = double.site.posts.values()
     asked = next((p for p in posts if p.raw.startswith(text)), None)
     for post in posts:
@@ -187,7 +187,7 @@ def _final(double: Double, text: str) -> str:
 
 
 async def _until(reader: DiscourseForum, found: Callable[[], str]) -> str:
-    """Wait for something to be so on the forum, which says whenever something is written."""
+    """Wait until a condition on the forum holds; the forum notifies of each write."""
     after, _ = await reader.now()
     async with asyncio.timeout(60):
         async for _ in reader.stream(after, 0.25):
@@ -266,7 +266,7 @@ def test_law_15_on_our_board_a_stop_is_heard_after_whatever_event(event: dict[st
 
 # ---------------------------------------------------------------------- behind an MCP server
 class _Server:
-    """A client whose server tells these events, at once and for ever."""
+    """A client whose server sends these events, at once and endlessly."""
 
     def __init__(self, events: list[Any]) -> None:
         self._told = json.dumps({"events": events, "at": NOW.isoformat()})
@@ -309,7 +309,7 @@ async def test_law_15_an_agent_hears_a_stop_after_posts_with_every_hostile_body(
 
 
 class _Moody(MemoryForum):
-    """An adapter of somebody else, which raises what it likes now and then, and tells posts that are none."""
+    """A third party's adapter that sometimes raises arbitrary errors and delivers values that are not posts."""
 
     moods: Iterator[Exception]
 
@@ -337,7 +337,7 @@ async def test_law_15_whatever_an_adapter_raises_the_agent_listens_on(driver: Dr
 
 # ---------------------------------------------------------------------- cards
 def test_law_1_a_card_of_another_robot_is_no_card_on_a_board_of_before_and_behind_mcp() -> None:
-    """Our board refuses such a card; one of before, or another server, may tell it."""
+    """The board refuses such a card, but an earlier version or another server may deliver it."""
     for kind, card, counts in (
         ("robot_agent", {"robot": ROBOT, "state": "done"}, True),
         ("robot_agent", {"robot": "humanoid", "state": "done"}, False),

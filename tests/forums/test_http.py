@@ -1,4 +1,4 @@
-"""What HTTP to every forum has in common: waits that end, and whose certificates are believed."""
+"""HTTP to all forums: timeouts, and which certificates are trusted."""
 
 from __future__ import annotations
 
@@ -69,14 +69,14 @@ def test_without_a_clock_of_the_forum_a_date_is_held_against_ours() -> None:
 # ---------------------------------------------------------------------- certificates
 @pytest.fixture
 def fresh_certificates() -> Iterator[None]:
-    """They are read once in a process: before and after these tests anew."""
+    """The certificates are read once per process; read them again before and after these tests."""
     tls.cache_clear()
     yield
     tls.cache_clear()
 
 
 def _authority(folder: Path) -> Path:
-    """A certificate of 127.0.0.1 that only who knows it believes, with its key, in one file."""
+    """Create a self-signed certificate of 127.0.0.1 with its key, in one file."""
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "a lab's own")])
     now = datetime.now(UTC)
@@ -98,7 +98,7 @@ def _authority(folder: Path) -> Path:
 
 @asynccontextmanager
 async def _limiting(pem: Path) -> AsyncIterator[str]:
-    """A server behind TLS that has one answer: later."""
+    """A server behind TLS that always answers "later"."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readuntil(b"\r\n\r\n")

@@ -1,4 +1,4 @@
-"""The memory forum keeps the contract in each of its shapes."""
+"""The memory forum fulfils the contract in each of its variants."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from agentrob.model import AccountKind, Role
 
 
 class MemoryContractWorld:
-    """The contract's asynchronous face of a `MemoryWorld`."""
+    """The contract's asynchronous interface to a `MemoryWorld`."""
 
     def __init__(self, **settings: Any) -> None:
         self.world = MemoryForum.world(**settings)

@@ -1,4 +1,4 @@
-"""Search by meaning through the adapters: where a forum has it, and where it has not."""
+"""Search by meaning through the adapters, on forums with and without it."""
 
 from __future__ import annotations
 

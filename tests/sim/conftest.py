@@ -1,4 +1,4 @@
-"""Fixtures of the simulated world: one without a network in simulated time, and one served by a process of its own."""
+"""Fixtures of the simulated world: one without a network in simulated time, and one served by a separate process."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Bench:
     answers: list[int] = field(default_factory=list)
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> float:
-        """Let time pass; returns how much did."""
+        """Let simulated time pass; return how much did."""
         ticks = round(seconds / PERIOD_S)
         for tick in range(ticks):
             if until():

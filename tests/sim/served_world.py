@@ -1,4 +1,4 @@
-"""Starts the simulated world as a process of its own, on a DDS domain that no other test holds."""
+"""Starts the simulated world as a separate process, on a DDS domain that no other test uses."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class Served:
         return str(self.ready["http"])
 
     def cpu_seconds(self) -> float:
-        """Processor time that it and its ended children have used."""
+        """Return the processor time that it and its ended children have used."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return sum(int(f) for f in fields[11:15]) / os.sysconf("SC_CLK_TCK")
 
     def end(self, number: int = signal.SIGTERM) -> float:
-        """Seconds from the signal to the end."""
+        """Return the seconds from the signal to the end."""
         began = time.monotonic()
         self.process.send_signal(number)
         self.process.wait(60)

@@ -1,4 +1,4 @@
-"""Faults that a user can ask of the room: what is valid, what they do to the senses, and that a reset heals."""
+"""Faults that a user can inject: which are valid, their effect on the sensors, and that a reset clears them."""
 
 from __future__ import annotations
 

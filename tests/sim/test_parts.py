@@ -1,4 +1,4 @@
-"""Parts of the simulated world by themselves: merged meshes, the clock, the event_log, assets."""
+"""Parts of the simulated world in isolation: merged meshes, the clock, the event_log, assets."""
 
 import json
 import threading
@@ -136,7 +136,7 @@ def test_a_fast_machine_runs_in_real_time():
 
 
 def simulated(clock, seconds, tick=lambda: None, awaits=lambda: False):
-    """Simulated seconds after so many real ones."""
+    """Return the simulated seconds after this many real ones."""
     ticks = [0]
 
     def count():

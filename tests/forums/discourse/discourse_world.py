@@ -44,7 +44,7 @@ _OF_KIND = {
 _OF_ROLE = {Role.OPERATOR: "robot-operators", Role.ADMIN: "robot-admins"}
 CREATED, EDITED, REMOVED = EventKind.POST_CREATED, EventKind.POST_EDITED, EventKind.POST_REMOVED
 PASSWORD = "a long enough password"
-#: Site settings that docs/discourse.md asks an admin to change; the rest is set where Discourse is started.
+#: Site settings that docs/discourse.md asks an admin to change; the others are set where Discourse is started.
 SITE_SETTINGS = {k: v for k, v in LIFTED.items() if not k.startswith("max_") or k == "max_edits_per_day"}
 
 
@@ -95,10 +95,10 @@ class DiscourseWorld:
         return self.at(self.url, f"{name}:{self.key}")
 
     def grant(self, name: str) -> None:
-        """Make somebody an admin of the Discourse itself, which its API does not do."""
+        """Make an account an admin of the Discourse itself, which its API cannot do."""
 
     async def regroup(self, name: str, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER) -> None:
-        """The groups of an account of an earlier test on a Discourse that is not new."""
+        """Return the groups of an account of an earlier test on a Discourse that is not new."""
         for group in self.groups:
             method = "PUT" if group in (_OF_KIND.get(kind), _OF_ROLE.get(role)) else "DELETE"
             await self._member(method, group, name)
@@ -162,7 +162,7 @@ class Double:
         self.requests: list[tuple[str, str]] = []
         self.headers: list[dict[str, str]] = []
         self.violations: list[str] = []
-        #: Requests of this method and path are done, and their answer is lost; how often.
+        #: Requests of this method and path are carried out, but their response is lost; how often.
         self.lose: dict[tuple[str, str], int] = {}
         self._app = create_app(site)
         self.visitors = self._app.state.visitors
@@ -285,7 +285,7 @@ async def served(settings: dict[str, float] | None = None) -> AsyncIterator[Doub
 async def double_world(
     settings: dict[str, float] | None = None, **options: Any
 ) -> AsyncIterator[tuple[DiscourseWorld, Double]]:
-    """A prepared world on a double with the limits lifted, except those given."""
+    """Return a prepared world on a double without limits, except the given ones."""
     async with served({**LIFTED, **(settings or {})}) as double:
         world = DoubledWorld(double.url, double.site.add_key(), **options)
         world.site = double.site
@@ -298,7 +298,7 @@ async def double_world(
 
 
 async def begin(forum: DiscourseForum, key: str = "begin") -> str:
-    """A topic; returns its id."""
+    """Start a topic; return its id."""
     return (await forum.create_topic("robots", "A topic", "hello there", key=key)).post.topic_id
 
 
@@ -307,7 +307,7 @@ async def texts(forum: DiscourseForum, topic_id: str) -> list[str]:
 
 
 def write(site: Site, post_id: int | None = None, **wanted: object) -> Post:
-    """A post by somebody, as if it came past all limits."""
+    """Write a post by an account, bypassing all limits."""
     return site.write(site.users[1], wanted, post_id)
 
 

@@ -1,4 +1,4 @@
-"""A robot's agent does its whole job on a Discourse: heard, screened, moved, reported, stopped."""
+"""A robot's agent on a Discourse, end to end: it reads, screens, moves, reports and stops."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 @asynccontextmanager
 async def served(world: DiscourseWorld, driver: Driver, folder: Path) -> AsyncIterator[DiscourseForum]:
-    """A robot's agent on that Discourse until the block ends; the forum is the robot's."""
+    """Run a robot's agent on that Discourse until the block ends; the forum is the robot's."""
     forum = await world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
     agent = RobotAgent(
         name=ROBOT, settings=robot_settings(), forum=forum, driver=driver.client(), mind=RulesMind(), data=folder
@@ -38,7 +38,7 @@ async def served(world: DiscourseWorld, driver: Driver, folder: Path) -> AsyncIt
 
 
 async def answer(reader: DiscourseForum, post: Post, states: set[str], limit_s: float = 60.0) -> Post:
-    """The robot's answer to a post when it shows one of those states."""
+    """Wait until the robot's reply to a post shows one of these states."""
     after, _ = await reader.now()
     async with asyncio.timeout(limit_s):
         async for _ in reader.stream(after, 0.25):
@@ -67,7 +67,7 @@ async def test_a_command_is_done_reported_and_another_one_stopped(driver: Driver
         _told_once(double)
 
 
-@pytest.mark.slow  # it waits as long as an untouched Discourse makes it wait
+@pytest.mark.slow  # it waits as long as an unmodified Discourse requires
 async def test_law_6_with_the_limits_of_an_untouched_discourse_each_command_is_answered_once(
     driver: Driver, tmp_path: Path
 ) -> None:
@@ -103,7 +103,7 @@ def _finals(double: Double) -> list[object]:
 
 
 async def _written(double: Double) -> None:
-    """Wait until something is said on the message bus."""
+    """Wait until a message is published on the message bus."""
     waiting = asyncio.Event()
     double.site.bus._waiting.add(waiting)
     try:
@@ -113,7 +113,7 @@ async def _written(double: Double) -> None:
 
 
 def _told_once(double: Double) -> None:
-    """No key was used by two posts of the robot."""
+    """Check that no two posts of the robot have the same key."""
     robot = double.site.named(ROBOT)
     assert robot is not None
     keys = [unmark(p.raw).key for p in double.site.posts.values() if p.user == robot.id]

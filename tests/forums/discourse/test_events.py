@@ -1,4 +1,4 @@
-"""What happens on a Discourse is heard once and in order: by its lists of posts, and across restarts."""
+"""Events of a Discourse arrive once and in order: from its lists of posts, and across restarts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ async def test_more_posts_than_a_page_are_all_heard(robot: DiscourseForum, doubl
 
 
 async def test_a_post_that_appears_below_the_newest_is_heard(robot: DiscourseForum, double: Double, topic: int) -> None:
-    """Ids are given out in order, but posts that are written at the same time need not appear in order."""
+    """Ids are assigned in order, but posts that are written at the same time may appear out of order."""
     after, _ = await robot.now()
     reserved = double.site.reserve()
     later = write(double.site, topic_id=topic, raw="written first")
@@ -128,7 +128,7 @@ async def test_the_newest_post_may_be_gone_when_another_process_goes_on(
 async def test_law_6_a_forum_that_was_put_back_does_not_know_the_event(
     posts: int, world: DiscourseWorld, double: Double, topic: int
 ) -> None:
-    """Whether it has fewer posts than then, or others under the same ids."""
+    """Return whether it has fewer posts than before, or others under the same ids."""
     for n in range(8):
         write(double.site, topic_id=topic, raw=f"before {n}")
     after, _ = await (await world.sign_in("quadruped")).now()

@@ -1,4 +1,4 @@
-"""docs/discourse.md says what is so: its configuration, its double as a command, and the document it was built from."""
+"""docs/discourse.md is accurate: its configuration, its double as a command, and the document it was built from."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() ->
         assert double.stdout is not None
         url, key, _ = (double.stdout.readline().strip() for _ in range(3))
         try:
-            for _ in range(2):  # a second time, it is no new forum any more
+            for _ in range(2):  # the second time, the forum is no longer new
                 done = subprocess.run(
                     [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "Live",
                      str(ROOT / "tests/forums/discourse/test_contract.py")],
@@ -94,7 +94,7 @@ def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() ->
 
 
 async def test_what_leaves_the_document_is_noticed() -> None:
-    """So that the silence of all other tests means something."""
+    """The check itself works, so that its silence in all other tests means something."""
     async with double_world() as (world, double):
         alice = await world.sign_in("alice")
         assert double.violations == []

@@ -1,4 +1,4 @@
-"""Discourse's push is no quieter than the truth: its message bus, and what it leaves out."""
+"""Discourse's push: its message bus, and what it omits."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from tests.forums.discourse.discourse_world import (
 
 # ---------------------------------------------------------------- push
 async def test_push_brings_posts_edits_and_removals_at_once(robot: DiscourseForum, double: Double, topic: int) -> None:
-    """With a heartbeat each two minutes nothing but a message can be in time."""
+    """With a heartbeat every two minutes, only a message can arrive in time."""
     after, _ = await robot.now()
     stream = robot.stream(after, 120.0)
     assert (await anext(stream)).kind is EventKind.HEARTBEAT
@@ -107,7 +107,7 @@ async def test_a_session_hears_as_a_key_does(world: DiscourseWorld, double: Doub
 async def test_law_16_a_key_that_the_bus_silently_does_not_know_ends_the_stream(
     how: str, world: DiscourseWorld, double: Double
 ) -> None:
-    """Discourse's message bus takes whose key is limited or refused for nobody, and leaves out what nobody may hear."""
+    """The message bus treats a limited or rejected key as anonymous, and omits what anonymous accounts may not read."""
     board = double.site.add_category("Inside", "inside", only=world.groups["robot-agents"])
     robot = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
     post = write(double.site, title="A topic", category=board.id, raw="the first post")
@@ -120,7 +120,7 @@ async def test_law_16_a_key_that_the_bus_silently_does_not_know_ends_the_stream(
         await world.suspend("quadruped")
     else:
         double.site.settings["max_admin_api_reqs_per_minute"] = 1
-    double.site.bus._waiting.clear()  # the request that is held was let in before
+    double.site.bus._waiting.clear()  # the held request was accepted before
     write(double.site, topic_id=post.topic, raw="@quadruped stop")
     with pytest.raises(ForumDenied if how == "suspended" else ForumLimited):
         await first(stream, CREATED)
@@ -168,7 +168,7 @@ async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
     asked: list[object] = []
 
     class Pieces:
-        """A stream of three characters a piece, once; the second request is never answered."""
+        """A stream of three characters per chunk, once; the second request is never answered."""
 
         async def __aenter__(self) -> AsyncIterator[str]:
             async def pieces() -> AsyncIterator[str]:

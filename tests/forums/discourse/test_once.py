@@ -1,4 +1,4 @@
-"""What is written on a Discourse is written once, within its limits, its queue and its least lengths."""
+"""Writes to a Discourse happen once, within its limits, its review queue and its minimum lengths."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ async def test_a_topic_whose_answer_was_lost_is_found_by_its_external_id(world: 
 
 
 async def test_without_an_admins_key_a_topic_is_found_by_its_mark(world: DiscourseWorld, double: Double) -> None:
-    """Discourse takes an `external_id` from admins' keys only, and passes over it otherwise."""
+    """Discourse accepts an `external_id` from admins' keys only, and ignores it otherwise."""
     await world.sign_in("alice")
     user = double.site.named("alice")
     assert user is not None
@@ -81,12 +81,12 @@ async def test_two_replies_of_the_same_words_are_two_posts(world: DiscourseWorld
     assert (await texts(robot, topic))[1:] == ["Done.", "Done."]
     raw = next(p.raw for p in double.site.posts.values() if str(p.id) == first.post.id)
     content = {"raw": raw, "topic_id": int(topic)}
-    with pytest.raises(ForumError, match="too similar"):  # so it would be without marks
+    with pytest.raises(ForumError, match="too similar"):  # without marks Discourse would do so
         await robot._client.ask("POST", "/posts.json", json={**content, "reply_to_post_number": 1})
 
 
 async def test_words_that_were_taken_for_their_own_copy_are_found(world: DiscourseWorld, double: Double) -> None:
-    """The post is there but is not listed yet; the refusal as too similar makes us look again."""
+    """The post exists but is not listed yet; the refusal as too similar triggers another look-up."""
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     post = double.site.write(double.site.users[2], {"topic_id": topic, "raw": mark(MarkedText("late", "k"))})
@@ -115,10 +115,10 @@ async def test_a_second_reply_within_five_seconds_is_limited_and_then_written_on
         await alice.reply(topic, "two", key="2")
     assert 3 < limited.value.retry_after_s <= 5
     asked = double.count("POST", "/posts.json")
-    with pytest.raises(ForumLimited):  # it is not even asked before the time is over
+    with pytest.raises(ForumLimited):  # no request is sent before the time is over
         await alice.reply(topic, "two", key="2")
     assert double.count("POST", "/posts.json") == asked
-    assert (await alice.topic(topic)).id == topic  # reading goes on
+    assert (await alice.topic(topic)).id == topic  # reading continues
     alice._client._held.clear()
     double.site._times.clear()
     assert (await alice.reply(topic, "two", key="2")).created
@@ -169,7 +169,7 @@ async def test_the_limits_of_address_and_key_are_waited_for(
 
 
 async def test_edits_of_a_day_that_are_used_up_are_a_refusal_not_a_wait(world: DiscourseWorld, double: Double) -> None:
-    """So that a report becomes a reply, instead of waiting until tomorrow."""
+    """So that a report becomes a reply instead of waiting until tomorrow."""
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     post = (await robot.reply(topic, "running", key="1")).post
@@ -214,7 +214,7 @@ async def test_a_queued_reply_is_waited_for_and_never_sent_twice(world: Discours
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     double.site.settings["approve_post_count"] = 100
-    for forum in (robot, robot, await world.sign_in("quadruped")):  # the same process, and one that begins anew
+    for forum in (robot, robot, await world.sign_in("quadruped")):  # the same process, and a new one
         with pytest.raises(ForumLimited, match="approval"):
             await forum.reply(topic, "in a moment", key="k")
     assert len(double.site.waiting) == 1

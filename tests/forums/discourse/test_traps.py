@@ -1,4 +1,4 @@
-"""The traps of Discourse, one by one: who is who, what is read, keys and sessions."""
+"""Peculiarities of Discourse, one by one: identities, reading, keys and sessions."""
 
 from __future__ import annotations
 
@@ -280,7 +280,7 @@ async def test_a_session_signs_in_writes_and_is_begun_anew_when_it_ends(world: D
     await forum.reply(topic, "one", key="1")
     visitors = double.visitors
     for cookie, (_, user) in list(visitors.sessions.items()):
-        visitors.sessions[cookie] = ("another token", user)  # the CSRF token is no longer good
+        visitors.sessions[cookie] = ("another token", user)  # the CSRF token is no longer valid
     assert (await forum.reply(topic, "two", key="2")).created
     visitors.sessions.clear()
     assert (await forum.reply(topic, "three", key="3")).created
@@ -321,7 +321,7 @@ async def test_an_account_that_is_made_signs_in_as_the_kind_it_was_made(world: D
 async def test_law_2_an_admin_of_the_robots_alone_makes_no_accounts_and_gives_no_rights(
     world: DiscourseWorld, double: Double
 ) -> None:
-    """Being in a group named under `admins` is no right on the forum, nor is a password."""
+    """Membership of a group named under `admins` gives no right on the forum, nor does a password."""
     alice = await world.sign_in("alice", role=Role.ADMIN)
     user = double.site.named("alice")
     assert user is not None
@@ -418,7 +418,7 @@ async def test_law_16_how_fast_it_listens_is_what_the_key_allows(
 
 
 async def _elsewhere() -> tuple[str, list[str]]:
-    """Where a Discourse may keep its files; what is asked there with which headers."""
+    """Where a Discourse may store its files, and with which headers they are requested."""
     heads: list[str] = []
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

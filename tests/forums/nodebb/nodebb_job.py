@@ -43,7 +43,7 @@ options = {{ room = [-1000, 1000, -1000, 1000] }}
 
 @contextmanager
 def working_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Path]:
-    """A fake robot's driver and agent, as their owner starts them; the file that configures them."""
+    """Start a fake robot's driver and agent like their owner, from a configuration file."""
     config = folder / "agentrob.toml"
     domain = os.environ["AGENTROB_TEST_DOMAIN"]
     names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}
@@ -72,7 +72,7 @@ def _process(what: tuple[str, ...], config: Path, env: dict[str, str], folder: P
 
 
 async def final(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
-    """The robot's final answer to a post, read as anybody would."""
+    """Return the robot's final reply to a post, as any account can read it."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):
         while True:
@@ -83,7 +83,7 @@ async def final(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
 
 
 async def answer(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
-    """What the robot replied to a post that is no command."""
+    """Return the robot's reply to a post that is not a command."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):
         while True:
@@ -94,7 +94,7 @@ async def answer(world: NodeBBWorld, post: Post, limit_s: float = 60.0) -> Post:
 
 
 async def state(world: NodeBBWorld, post: Post, wanted: str, limit_s: float = 60.0) -> float:
-    """Wait until the robot's status shows a state; when, in monotonic seconds."""
+    """Wait until the robot's status shows a state; return when, in monotonic seconds."""
     reader = world.forums[0]
     async with asyncio.timeout(limit_s):
         while True:

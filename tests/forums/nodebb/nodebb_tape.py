@@ -41,7 +41,7 @@ _KEPT_WORDS = (
     "reason banned_until uids matchCount notifications nid type read allowPrivateGroups system secret token "
 )
 _KEPT = frozenset(_KEPT_WORDS.split())
-#: What else nobody here reads of some answers: posts are asked for one by one.
+#: Fields of some responses that the tests do not need either: posts are requested one by one.
 _UNREAD = (
     (re.compile(r"GET /api/(categories|groups/)"), {"posts"}),
     (re.compile(r"GET /api/topic/"), {"content", "user", "category"}),
@@ -56,7 +56,7 @@ _JSON = "application/json; charset=utf-8"
 
 @dataclass(slots=True)
 class Exchange:
-    """One request and its answer; `what` is `method path`, or `socket` for what the socket said."""
+    """One request and its response; `what` is `method path`, or `socket` for a message of the socket."""
 
     who: str
     what: str
@@ -76,7 +76,7 @@ class Tape:
     exchanges: list[Exchange] = field(default_factory=list)
 
     def save(self, path: Path) -> None:
-        """An answer that was given before is named by the number of its exchange: `"as": 12`."""
+        """A response that was given before is replaced by the number of its exchange: `"as": 12`."""
         lines, given = [json.dumps({"at_ms": self.at_ms})], dict[str, int]()
         for number, e in enumerate(_without_repeats(self.exchanges)):
             line = {k: v for k, v in asdict(e).items() if v not in ("", 200, _JSON)}
@@ -104,7 +104,7 @@ class Tape:
 
 
 def _without_repeats(exchanges: list[Exchange]) -> list[Exchange]:
-    """Without the reads that answer what the one before them did, up to the next change; that one stands for them."""
+    """Drop reads with the same response as the read before them, up to the next change."""
     last: dict[tuple[str, str, int], list[Exchange]] = {}
     for e in exchanges:
         if e.what.startswith("GET "):
@@ -117,7 +117,7 @@ def _without_repeats(exchanges: list[Exchange]) -> list[Exchange]:
 
 
 class _Server:
-    """An ASGI application that knows callers by their cookies or tokens."""
+    """An ASGI application that identifies callers by their cookies or tokens."""
 
     def __init__(self, tape: Tape) -> None:
         self.tape = tape
@@ -126,9 +126,9 @@ class _Server:
         #: So many changes of one caller were under way at once, of which NodeBB refuses the second.
         self.most_at_once = 0
         self._writing: Counter[str] = Counter()
-        #: All that was asked: who, `method path`.
+        #: All requests: caller, `method path`.
         self.asked: list[tuple[str, str]] = []
-        #: What was asked to be changed: who, `method path`, body.
+        #: All requests that change something: caller, `method path`, body.
         self.sent: list[tuple[str, str, bytes]] = []
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
@@ -160,7 +160,7 @@ class _Server:
         raise NotImplementedError
 
     def who(self, headers: dict[str, str], path: str, body: bytes) -> str:
-        """The caller: an account's name, a token by its number, a guest; strangers' programs besides by their name."""
+        """Return the caller: an account's name, a token by its number, or a guest; other programs with their name."""
         program = headers.get("user-agent", USER_AGENT)
         return self._caller(headers, path, body) + ("" if program == USER_AGENT else f" with {program}")
 
@@ -192,7 +192,7 @@ async def _send(send: Send, e: Exchange, body: bytes) -> None:
 
 # ---------------------------------------------------------------------- recording
 class Recorder(_Server):
-    """Stands before a real NodeBB and writes down what passes."""
+    """A proxy in front of a real NodeBB that records the exchanges."""
 
     def __init__(self, target: str) -> None:
         super().__init__(Tape(_now_ms()))
@@ -234,7 +234,7 @@ class Recorder(_Server):
                     text = str(packet)
                     if text[:2] in ("0{", "40", "42"):
                         kept = f'42["{json.loads(text[2:])[0]}"]' if text[:2] == "42" else text
-                        # It may come before the answer of the change that it tells of.
+                        # it may arrive before the response of the change that it reports
                         self.tape.exchanges.append(Exchange(who, "socket", self.writes + self._under_way, body=kept))
                     await send({"type": "websocket.send", "text": text})
 
@@ -247,7 +247,7 @@ class Recorder(_Server):
 
 
 def pruned(what: str, body: bytes) -> str:
-    """An answer without what nobody here reads."""
+    """Return a response without the fields that the tests do not need."""
     unread = frozenset[str]().union(*(names for calls, names in _UNREAD if calls.match(what)))
 
     def prune(found: Any) -> Any:
@@ -261,13 +261,13 @@ def pruned(what: str, body: bytes) -> str:
 
 # ---------------------------------------------------------------------- playing
 class Player(_Server):
-    """Answers as the tape does; a request that it does not have is answered 599 and kept in `unknown`."""
+    """Answers from the tape; a request that is not on it gets a 599 and is kept in `unknown`."""
 
     def __init__(self, tape: Tape) -> None:
         super().__init__(tape)
         self.unknown: list[str] = []
         self._shift_ms = _now_ms() - tape.at_ms
-        #: Times as they were recorded and as they are shown, and the other way round.
+        #: Recorded times to played times, and the other way round.
         self._shown: dict[int, int] = {}
         self._was: dict[int, int] = {}
         self._by_call: dict[tuple[str, str], list[Exchange]] = {}
@@ -290,7 +290,7 @@ class Player(_Server):
             self.writes = max(self.writes, found.writes + 1)
             self._turn.set()
             self._turn = asyncio.Event()
-            await asyncio.sleep(0.02)  # a real one takes as long, and others ask meanwhile
+            await asyncio.sleep(0.02)  # a real one takes as long, and other requests come meanwhile
         moved = self._moved(found.body)
         await _send(send, found, moved.encode() if "json" in found.kind else bytes.fromhex(found.body))
 
@@ -319,7 +319,7 @@ class Player(_Server):
         return _TIME.sub(lambda m: str(self._at(int(m[0]))), text)
 
     def _at(self, recorded: int) -> int:
-        """A time as it is shown, always the same, and in the order of those that were shown before."""
+        """Return a time as it is played: always the same for the same time, and in the recorded order."""
         if recorded not in self._shown:
             later = min((t for t in self._shown if t > recorded), default=None)
             self._shown[recorded] = recorded + (self._shift_ms if later is None else self._shown[later] - later)
@@ -355,7 +355,10 @@ async def _until_closed(receive: Receive) -> None:
 
 @asynccontextmanager
 async def serving(application: Any) -> AsyncIterator[str]:
-    """Serve on a free port of loopback; the address. The date is told by who answers: uvicorn's own may be old."""
+    """Serve on a free port of loopback; return the address.
+
+    The application sends the date itself: uvicorn's may be old.
+    """
     server = uvicorn.Server(
         uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off", date_header=False)
     )

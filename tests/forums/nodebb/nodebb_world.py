@@ -1,4 +1,5 @@
-"""The contract's face of a NodeBB: an admin makes accounts and groups, suspends, removes, and lifts the limits."""
+"""The contract's interface to a NodeBB: an admin creates accounts and groups, suspends, removes, and lifts the
+limits."""
 
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ GROUP_OF = {
     Role.MODERATOR: "robot-moderators",
     Role.ADMIN: "administrators",
 }
-#: What stands in the way of robots and of tests; `docs/nodebb.md` says which of them a forum should lift, and how.
+#: Settings that hinder robots and tests; `docs/nodebb.md` says which of them a forum should change, and how.
 LIFTED = {
     "postQueue": 0,
     "newbiePostDelay": 0,
@@ -42,7 +43,7 @@ OWN = {"postQueue": 1, "newbiePostDelay": 120, "initialPostDelay": 10, "postDela
 
 
 class NodeBBWorld:
-    """A NodeBB of which we have an admin's sign-in. Accounts that a test signs in are new: those of before it go."""
+    """A NodeBB with an admin's sign-in. Accounts that a test signs in are new: earlier ones are deleted."""
 
     def __init__(self, url: str, admin: str, server: Any = None, **options: Any) -> None:
         self.url = url
@@ -76,7 +77,7 @@ class NodeBBWorld:
             await self.set(setting, value)
 
     async def empty(self) -> None:
-        """Without the topics of earlier tests, so that a recording holds nothing but its own."""
+        """Remove the topics of earlier tests, so that a recording contains only its own."""
         cid = next(
             c["cid"] for c in (await self.client.get("/api/categories"))["categories"] if c["handle"] == "robots"
         )
@@ -106,7 +107,7 @@ class NodeBBWorld:
         if old is not None:
             if old.role is Role.ADMIN:
                 await self.client.send("DELETE", f"/groups/administrators/membership/{old.id}")
-            await self.client.send("DELETE", f"/users/{old.id}/account")  # what it wrote stays, as a former user's
+            await self.client.send("DELETE", f"/users/{old.id}/account")  # its posts stay, as a former user's
 
     async def token(self, uid: str, password: str = "") -> str:
         """A bearer token of an account; `0` a master token, which NodeBB asks the admin's password for."""
@@ -136,7 +137,7 @@ class NodeBBWorld:
 
 
 async def prepared(url: str, admin: str) -> None:
-    """Make a NodeBB ready for a recording, past the recorder."""
+    """Prepare a NodeBB for a recording, bypassing the recorder."""
     world = NodeBBWorld(url, admin)
     await world.prepare()
     await world.empty()
@@ -152,6 +153,6 @@ async def texts(forum: NodeBBForum, topic_id: str) -> list[str]:
 
 
 def replies(nodebb: NodeBBWorld, name: str, post: Post) -> int:
-    """How often an account asked to write a reply in the post's topic."""
+    """Return how often an account tried to write a reply in the post's topic."""
     asked: int = nodebb.server.asked.count((name, f"POST /api/v3/topics/{post.topic_id}"))
     return asked

@@ -25,7 +25,7 @@ from tests.forums.nodebb.nodebb_world import NodeBBWorld
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    # Slower than other tests' robot: on a busy machine a step of that one looks like a jump of the odometry.
+    # Slower than the robot of other tests, whose steps look like jumps of the odometry on a busy machine.
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 2}))
     yield made
     made.end()
@@ -40,12 +40,12 @@ async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **mor
 
 
 async def _told(nodebb: NodeBBWorld, *states: str) -> MarkedText:
-    """What the robot's account wrote when it told one of those states."""
+    """Return the robot account's post that shows one of these states."""
     return await _written(nodebb, lambda told: told.card is not None and told.card.state in states)
 
 
 async def _written(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) -> MarkedText:
-    """The first of what the robot's account wrote that is wanted."""
+    """Return the robot account's first post that meets a condition."""
     async with asyncio.timeout(60):
         while True:
             for who, what, body in nodebb.server.sent:

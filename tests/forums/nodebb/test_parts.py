@@ -1,4 +1,4 @@
-"""The parts of the NodeBB adapter alone: marks, the clock, what sick servers answer, and its settings."""
+"""The parts of the NodeBB adapter in isolation: marks, the clock, responses of defective servers, and its settings."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ async def answering(answer: bytes) -> AsyncIterator[NodeBBForum]:
 async def test_every_answer_of_a_sick_server_becomes_one_of_our_errors(answer: bytes, error: type[ForumError]) -> None:
     async with answering(answer) as forum:
         calls = (lambda: forum.post("1"), forum.boards, forum.me, lambda: forum.topics("robots"), forum.now)
-        # No posts at all may be true of a new forum.
+        # A new forum may have no posts at all.
         for call in calls[:-1] if answer.endswith(b"[]") else calls:
             with pytest.raises(error) as raised:
                 await call()

@@ -1,4 +1,4 @@
-"""Who has which right on a NodeBB, changed and asked, and what it notifies of; against what a real one answered."""
+"""Rights on a NodeBB, changed and queried, and its notifications; against responses of a real one."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nod
 
 # ---------------------------------------------------------------------- notifications
 async def told(forum: NodeBBForum, number: int) -> tuple[Notification, ...]:
-    """So many notifications; NodeBB makes them a moment after the post."""
+    """Wait for this many notifications; NodeBB creates them a moment after the post."""
     async with asyncio.timeout(60):
         while len(found := (await forum.notifications()).items) < number:  # noqa: ASYNC110 - it has no event of its own
             await asyncio.sleep(0.2)

@@ -1,4 +1,4 @@
-"""Who asks a NodeBB, against what a real one answered: sessions, tokens, making accounts, and what groups give."""
+"""Callers of a NodeBB, against responses of a real one: sessions, tokens, new accounts, and rights by groups."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ class G1Bench:
     sport: G1Sport
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> float:
-        """Let time pass; returns how much did."""
+        """Let simulated time pass; return how much did."""
         for tick in range(round(seconds / PERIOD_S)):
             if until():
                 return tick * PERIOD_S
@@ -78,7 +78,7 @@ class G1Bench:
         return float(self.world.data.body(f"g1/{part}").xpos[2])
 
     def hand(self, side: str) -> Any:
-        """Where the palm is."""
+        """Return the position of the palm."""
         wrist = self.world.data.body(f"g1/{side}_wrist_yaw_link")
         return wrist.xpos + wrist.xmat.reshape(3, 3) @ [0.09, 0.0, 0.0]
 

@@ -1,4 +1,4 @@
-"""What the simulated Go2 senses is believable: ranges, odometry, inertia, battery, feet."""
+"""The senses of the simulated Go2 are plausible: ranges, odometry, inertia, battery, feet."""
 
 import math
 

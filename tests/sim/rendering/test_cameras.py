@@ -38,7 +38,7 @@ def picture(jpeg):
 
 
 def share(pixels, wanted):
-    """Share of the pixels in which the wanted channel stands out."""
+    """Return the share of the pixels in which the wanted channel dominates."""
     others = [c for c in range(3) if c != wanted]
     return float((pixels[:, :, wanted] > 1.6 * pixels[:, :, others].max(axis=2)).mean())
 

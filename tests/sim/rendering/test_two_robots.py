@@ -23,7 +23,7 @@ def world() -> World:
 
 
 class Noting:
-    """Draws nothing and remembers how it was asked."""
+    """Draws nothing and records its calls."""
 
     name = "noting"
     smooth = True

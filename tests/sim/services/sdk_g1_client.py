@@ -1,4 +1,4 @@
-"""Drives a G1 with the vendor's own SDK and prints what it saw as one JSON object: `sdk_g1_client.py DOMAIN`."""
+"""Drives a G1 with the vendor's SDK and prints its observations as one JSON object: `sdk_g1_client.py DOMAIN`."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""What the two programs that drive a robot with the vendor's own SDK share."""
+"""Shared code of the two programs that drive a robot with the vendor's SDK."""
 
 import math
 import threading
@@ -15,7 +15,7 @@ dds.use_in(channel)
 
 
 class Seen:
-    """The state topics, as they come."""
+    """Collects the messages of the state topics as they arrive."""
 
     def __init__(self, state_topic, low_type):
         self.states, self.lows = [], []

@@ -34,7 +34,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 @pytest.fixture(scope="module")
 def sdk(both: Served) -> dict[str, Any]:
-    """What the vendor's own client saw of the G1 in one go."""
+    """Return what the vendor's client observed of the G1 in one run."""
     script = "tests.sim.services.sdk_g1_client"
     command = [sys.executable, "-m", script, str(G1_DOMAIN)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)

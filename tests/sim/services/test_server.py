@@ -18,7 +18,7 @@ pytestmark = pytest.mark.sim
 
 @pytest.fixture(scope="module")
 def sdk(served):
-    """What the vendor's own client saw in one go."""
+    """Return what the vendor's client observed in one run."""
     script = "tests.sim.services.sdk_client"
     done = subprocess.run(
         [sys.executable, "-m", script, str(served.domain)], capture_output=True, text=True, timeout=100, check=False

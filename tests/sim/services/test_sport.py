@@ -1,4 +1,4 @@
-"""The sport service in simulated time: holds, actions, stops, and codes that tell the truth."""
+"""The sport service in simulated time: holds, actions, stops, and accurate return codes."""
 
 import math
 

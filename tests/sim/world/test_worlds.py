@@ -1,4 +1,5 @@
-"""Worlds as files: the shipped ones can be lived in, one's own is read, and what cannot be is told with what could."""
+"""Worlds as files: the shipped ones are usable, a user's own is read, and an invalid one is reported with what is
+valid."""
 
 from __future__ import annotations
 
