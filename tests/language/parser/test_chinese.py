@@ -248,3 +248,8 @@ def test_law_18_a_statement_that_carries_weight_is_asked_about(remark: str) -> N
 )
 def test_law_18_a_widened_word_does_not_swallow_what_may_be_meant(text: str) -> None:
     assert read(text).intent is not Intent.COMMAND, (text, read(text).plan)
+
+
+def test_law_18_a_view_from_an_edge_is_no_harmless_remark() -> None:
+    for place in ("天台边上", "楼顶", "台边"):
+        assert read(f"往后退一米，{place}风景好").intent is not Intent.COMMAND
