@@ -143,6 +143,34 @@ UNDERSTOOD = {
         "用正常速度前进两米": "F2",
         "速度按默认的来，左转九十度": "l90",
     },
+    "characters that are verbs only before a distance": {
+        "小车倒一米": "B1",
+        "轉右再行兩米": "r90 F2",
+        "往右移动三十厘米": "R0.3",
+    },
+    "counts inside a deed, and for whom it is done": {
+        "打两次招呼": "hello hello",
+        "转三圈给小朋友看": "l1080",
+        "为大家表演一个后空翻": "backflip",
+        "给领导展示一下，原地转一圈再挥个手": "l360 hello",
+    },
+    "lists and order": {
+        "1、坐下 2、站起来": "sit stand",
+        "（1）前进一米（2）坐下": "F1 sit",
+        "前进1米→左转90°→拍照": "F1 l90 photo",
+        "第一，前进一米；第二，拍照": "F1 photo",
+        "先鼓掌，后比心": "clap heart",
+    },
+    "denied and put right": {
+        "不是往左，是往右平移半米": "R0.5",
+        "不是让你坐下，是让你站起来": "stand",
+    },
+    "politeness, particles and dialect": {
+        "要是方便的话，往前走一米吧": "F1",
+        "麻溜儿往前走一米，完事儿整张照片": "F1 photo",
+        "小狗坐低啦，唔該": "sit",
+        "汪汪，坐下": "sit",
+    },
     "English words and traditional characters": {
         "turn left九十度然后拍照": "l90 photo",
         "sit一下，然后stand up": "sit stand",
@@ -207,3 +235,21 @@ WEIGHTY = """
 def test_law_18_a_statement_that_carries_weight_is_asked_about(remark: str) -> None:
     for text in (f"前进一米，{remark}", f"{remark}，前进一米"):
         assert read(text).intent is not Intent.COMMAND, (text, read(text).plan)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "坐下起立做三遍",
+        "前进一米后转九十度",
+        "不是我不想走，是你坐下",
+        "往前走一米，垃圾扔了吧",
+    ],
+)
+def test_law_18_a_widened_word_does_not_swallow_what_may_be_meant(text: str) -> None:
+    assert read(text).intent is not Intent.COMMAND, (text, read(text).plan)
+
+
+def test_law_18_a_view_from_an_edge_is_no_harmless_remark() -> None:
+    for place in ("天台边上", "楼顶", "台边"):
+        assert read(f"往后退一米，{place}风景好").intent is not Intent.COMMAND

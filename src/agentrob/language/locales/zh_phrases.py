@@ -27,9 +27,14 @@ _RECIPIENT = re.compile(
 _PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
 #: The most tokens of the words for a person or thing; unknown words have one for each character.
 _LONGEST_NOUN = 20
-_SOFT_PERSON = re.compile("大家|大伙|同学|朋友|先生|各位|你们?|您|每个人")
+_SOFT_PERSON = re.compile(
+    "大家|大伙|同学|朋友|先生|各位|你们?|您|每个人|师傅|老[弟兄哥]|哥们儿?|小可爱|小家伙|家人们|老铁们|同志"
+)
 _GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
-_ROBOT = re.compile("机器人|机器狗|小机器人|底盘|小车|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩")
+_ROBOT = re.compile(
+    "机器人|机器狗|小机器人|底盘|小车|车子|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩"
+    "|车子|同志|师傅|老[弟兄哥]|哥们儿?|小可爱|小家伙|小东西|狗[哥弟]|狗崽子?|老?伙计|小伙计|小?铁狗|大狗|机器大狗|家人们|老铁们"
+)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.TIMES)
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
@@ -142,6 +147,14 @@ def _after(tokens: list[Token], said: str) -> list[Token]:
         before, following = _before(tokens, at), _next(tokens, at)
         done = before is not None and before.kind in (*_AMOUNTS, TokenKind.OP, TokenKind.TURN)
         goes_on = following is not None and following.kind not in (*_AMOUNTS, TokenKind.NUMBER, TokenKind.WORD)
+        first = (
+            words == "后"
+            and at
+            and tokens[at - 1].kind is TokenKind.COMMA
+            and re.search("先[^。；！]*[，,]$", said[: token.start])
+        )
+        if first and following is not None and following.kind in (TokenKind.OP, TokenKind.SHOW):
+            found[at] = replace(token, kind=TokenKind.AND, value=None)
         if done and goes_on:
             found[at] = replace(token, kind=TokenKind.AND, value=None)
     return found
@@ -166,6 +179,79 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
             ]
         else:
             found.append(token)
+    return found
+
+
+def _measured(tokens: list[Token], said: str) -> list[Token]:
+    """倒一米, 行两米, 按0.2m/s: characters of many uses are verbs of motion before a distance, or name a speed."""
+    found: list[Token] = []
+    for at, token in enumerate(tokens):
+        words = _text(token, said)
+        following = _next(tokens, at) if words in ("倒", "行") else None
+        before = found[-1].kind if found else TokenKind.END
+        measured = following is not None and following.kind in (TokenKind.LENGTH, TokenKind.DURATION)
+        begins = before in (*_BREAKS, TokenKind.SOFT, TokenKind.REQUEST, TokenKind.SLOW, TokenKind.SPEED)
+        if words == "倒" and token.kind is TokenKind.WORD and measured and begins:
+            found += [
+                replace(token, kind=TokenKind.MOVE, value=None),
+                replace(token, kind=TokenKind.DIR, value=Direction.BACKWARD.value),
+            ]
+        elif words == "行" and token.kind is TokenKind.SOFT and tokens[at + 1 : at + 2] == [following] and measured:
+            found.append(replace(token, kind=TokenKind.MOVE, value=None))
+        elif words == "按" and tokens[at + 1 : at + 2] and tokens[at + 1].kind is TokenKind.SPEED:
+            continue
+        else:
+            found.append(token)
+    return found
+
+
+def _rather(tokens: list[Token], said: str) -> list[Token]:
+    """不是往左，是往右平移半米: the first is denied, the second is wanted, where both are only deeds."""
+    if not (found := _NOT_BUT.match(said)):
+        return tokens
+    first = [t for t in tokens if found.end("no") <= t.start and t.end <= found.start("but")]
+    last = [t for t in tokens if t.start >= found.end("but") and t.kind is not TokenKind.SOFT]
+    deeds = (*_VERBS, *_AMOUNTS, TokenKind.DIR, TokenKind.SOFT)
+    if not first or any(t.kind not in deeds for t in first) or not last or last[0].kind not in (*_VERBS, TokenKind.DIR):
+        return tokens
+    rest = [t for t in tokens if t.start >= found.end("but")]
+    denial = Token(TokenKind.NOT, None, found.start("no"), found.end("no"))
+    pause = Token(TokenKind.COMMA, None, found.start("but"), found.start("but") + 1)
+    return [*(t for t in tokens if t.end <= found.start("no")), denial, *first, pause, *rest]
+
+
+_NOT_BUT = re.compile(
+    "\\s*(?P<no>(?:我)?不是(?:让你|叫你|要你|要)?)[^，,。；！]+(?P<but>[，,]\\s*(?:而)?是(?:让你|叫你|要你|要)?)"
+)
+_LISTED = re.compile("(?:(?:(?<=^)|(?<=[\\s，。；！,.;!]))[（(]?|[（(])([1-9])[）)、.．](?!\\d)")
+
+
+def _enumerated(tokens: list[Token], said: str) -> list[Token]:
+    """1. 坐下 2. 起立: the numbers of a list that begins with 1, and the marks after them."""
+    marks = list(_LISTED.finditer(said))
+    if len(marks) < 2 or [int(mark[1]) for mark in marks] != list(range(1, len(marks) + 1)):
+        return tokens
+    found: list[Token] = []
+    for token in tokens:
+        mark = next((m for m in marks if m.start() <= token.start and token.end <= m.end()), None)
+        if mark is None:
+            found.append(token)
+        elif mark is not marks[0] and token.kind is TokenKind.NUMBER:
+            found.append(replace(token, kind=TokenKind.AND, value=None))
+    return found
+
+
+def _repeated(tokens: list[Token], said: str) -> list[Token]:
+    """坐下起立做三遍: both may be meant, or the last."""
+    found = list(tokens)
+    for at, token in enumerate(tokens):
+        if _text(token, said) not in ("做", "来", "连做"):
+            continue
+        following, before = _next(tokens, at), [t for t in tokens[:at] if t.kind is not TokenKind.SOFT][-2:]
+        deeds = [t.kind for t in before] == [TokenKind.OP, TokenKind.OP]
+        counted = following is not None and following.kind is TokenKind.TIMES
+        if deeds and counted:
+            found[at] = replace(token, kind=TokenKind.WORD, value=None)
     return found
 
 
@@ -244,7 +330,10 @@ def _end_of_recipient(tokens: Sequence[Token], at: int, begun: int, said: str) -
     end = _end_of_noun(tokens, at + 1)
     between = tokens[at + 1 : end]
     op = str(tokens[end].value).split("/")[0] if end < len(tokens) and tokens[end].kind is TokenKind.OP else ""
-    if op not in _GESTURES and not (op == Op.GET_FRONT_IMAGE and said[tokens[at].start] in "给为替帮"):
+    shown = (
+        end < len(tokens) and tokens[end].kind in (TokenKind.MOVE, TokenKind.TURN) and said[tokens[at].start] in "给为"
+    )
+    if op not in _GESTURES and not (op == Op.GET_FRONT_IMAGE and said[tokens[at].start] in "给为替帮") and not shown:
         return 0
     noun = said[begun : tokens[end].start].strip()
     named = any(t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in between)
@@ -407,6 +496,10 @@ def _only(tokens: list[Token], said: str) -> list[Token]:
 
 
 _REWRITES = (
+    (_enumerated, frozenset("1")),
+    (_rather, frozenset("是")),
+    (_measured, frozenset("倒行按")),
+    (_repeated, frozenset("做来")),
     (_stated, frozenset("是有")),
     (_told, frozenset("了")),
     (_timed, frozenset("后")),
