@@ -42,6 +42,9 @@ def rule_of(remark: str) -> str | None:
         "机器狗真可爱",
         "加油",
         "我想发朋友圈",
+        "给大家看看",
+        "给同学们瞧瞧",
+        "让观众朋友们见识一下",
     ],
 )
 def test_a_harmless_remark_passes(remark: str) -> None:
@@ -72,6 +75,8 @@ def test_a_harmless_remark_passes(remark: str) -> None:
         "the stop button is locked",
         "there is no railing here",
         "my grandma hates it when you scare her",
+        "他们在给大家看看",
+        "给大家看看，她睡着了",
         "你背上放着一杯水",
         "我的手机在你头上",
         "你还插着电",

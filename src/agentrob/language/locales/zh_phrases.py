@@ -282,17 +282,44 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _looked(tokens: list[Token], said: str) -> list[Token]:
-    """看一眼拍个照: one picture in two words."""
+    """看一眼拍个照: one picture in two words.
+
+    前进半米看看 may only ask to try, 想看看后面，转180度拍一张 may only say why, and 拍照拍照 may only insist: such a
+    word becomes unknown, so that the robot asks.
+    """
     found: list[Token] = []
     for at, token in enumerate(tokens):
         pair = [t for t in tokens[at + 1 : at + 4] if t.kind is not TokenKind.SOFT]
-        looks = token.value == Op.GET_FRONT_IMAGE and [t.value for t in pair[:1]] == ["look"]
+        photo = token.value == Op.GET_FRONT_IMAGE
+        looks = photo and [t.value for t in pair[:1]] == ["look"]
         if looks and [t.value for t in pair[1:2]] == [Op.GET_FRONT_IMAGE]:
             continue
         if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
             continue
-        found.append(token)
+        doubtful = _tries(tokens, at) or _wishes(tokens, at, said) if looks else photo and _insists(tokens, at, said)
+        found.append(replace(token, kind=TokenKind.WORD, value=None) if doubtful else token)
     return found
+
+
+def _tries(tokens: Sequence[Token], at: int) -> bool:
+    """Return whether 看看 ends a clause right after a deed other than a photo."""
+    before, following = _before(tokens, at), _next(tokens, at + 1)
+    deed = before is not None and (before.kind in _VERBS or before.kind in _AMOUNTS)
+    begun = next((i for i in range(at - 1, -1, -1) if tokens[i].kind in _BREAKS), -1)
+    photo = any(token.value == Op.GET_FRONT_IMAGE for token in tokens[begun + 1 : at])
+    return deed and not photo and (following is None or following.kind in _BREAKS)
+
+
+def _wishes(tokens: Sequence[Token], at: int, said: str) -> bool:
+    """Return whether 想看看 begins what a photo is for that is asked for later."""
+    wish = _text(tokens[at], said).lstrip("我")[:1] in ("想", "要")
+    return wish and any(t.value == Op.GET_FRONT_IMAGE for t in tokens[at + 1 :])
+
+
+def _insists(tokens: Sequence[Token], at: int, said: str) -> bool:
+    """Return whether the same word stands right before this one: 拍照拍照."""
+    before = _before(tokens, at)
+    return before is not None and _text(before, said) == _text(tokens[at], said)
 
 
 def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
@@ -508,7 +535,7 @@ _REWRITES = (
     (_put_first, frozenset("前")),
     (_gone, frozenset("过出退")),
     (_begun, frozenset("拍看做来")),
-    (_looked, frozenset("看瞧瞅")),
+    (_looked, frozenset("看瞧瞅拍")),
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
     (_of_relative_clauses, frozenset("的")),
     (_only, frozenset("只")),
