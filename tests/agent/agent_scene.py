@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import signal
+import sys
 from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -119,6 +121,30 @@ class Driver:
         self.process.terminate()
         self.process.wait(60)
         self.process.close()
+
+
+@asynccontextmanager
+async def held_by(holder: str, driver: Driver) -> AsyncIterator[None]:
+    """Hold a robot's lease from another process, as a console does, so that this one cannot fail to renew it."""
+    console = ForkedProcess(_hold, driver.name, driver.socket, holder)
+    try:
+        assert await asyncio.to_thread(console.stdout.readline) == "held\n"
+        yield
+    finally:
+        console.send_signal(signal.SIGINT)
+        await asyncio.to_thread(console.wait, 60)
+        console.close()
+
+
+def _hold(robot: str, socket: Path, holder: str) -> None:
+    async def hold() -> None:
+        async with DriverClient(robot, socket) as client, client.lease(holder):
+            sys.stdout.write("held\n")
+            sys.stdout.flush()
+            await asyncio.Event().wait()
+
+    with suppress(KeyboardInterrupt):
+        asyncio.run(hold())
 
 
 @asynccontextmanager

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.agent.agent_scene import Driver, Scene, make_scene
+from tests.agent.agent_scene import Driver, Scene, held_by, make_scene
 
 DRAWS = True
 
@@ -37,7 +37,7 @@ async def test_it_answers_to_other_names_that_its_owner_configured(driver: Drive
 async def test_never_mind_takes_back_what_its_author_asked_for_and_has_not_begun(scene: Scene) -> None:
     scene.person("carol")
     async with scene.agent() as agent:
-        async with scene.driver.client() as other, other.lease("somebody at the console"):
+        async with held_by("somebody at the console", scene.driver):
             running = await scene.post("alice", "@quadruped turn left 20 degrees")
             await scene.until(lambda: agent.queue.moving)
             mine = [await scene.post("alice", f"@quadruped turn left {angle} degrees") for angle in (30, 40)]
@@ -55,7 +55,7 @@ async def test_never_mind_takes_back_what_its_author_asked_for_and_has_not_begun
 
 async def test_never_mind_with_a_new_command_replaces_the_old_one(scene: Scene) -> None:
     async with scene.agent() as agent:
-        async with scene.driver.client() as other, other.lease("somebody at the console"):
+        async with held_by("somebody at the console", scene.driver):
             await scene.post("alice", "@quadruped turn left 20 degrees")
             await scene.until(lambda: agent.queue.moving)
             old = await scene.post("alice", "@quadruped turn left 30 degrees")

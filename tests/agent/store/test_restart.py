@@ -20,7 +20,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, AccountKind, Command, EndReason, Plan, Role, StatusCard, StopResult, Understanding
 from agentrob.robots.driver.client import DriverClient
-from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.agent.agent_scene import ROBOT, Driver, Scene, held_by, make_scene, robot_settings
 
 STILL_M = 0.02
 
@@ -472,7 +472,7 @@ async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_i
         await other._call("POST", "/lease", {"holder": "an agent that was killed", "since_s": None})  # never renewed
         post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
         assert (await scene.final(post)).card.state == "done"
-        async with other.lease("somebody at the console"):
+        async with held_by("somebody at the console", scene.driver):
             post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
             reply = await scene.final(post)
         assert reply.card.state == "failed"
@@ -480,7 +480,7 @@ async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_i
 
 
 async def test_law_14_a_stop_ends_a_command_that_waits_for_a_busy_robot(scene: Scene) -> None:
-    async with scene.agent() as agent, scene.driver.client() as other, other.lease("somebody at the console"):
+    async with scene.agent() as agent, held_by("somebody at the console", scene.driver):
         post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
         await scene.until(lambda: agent.queue.moving)
         await scene.post("bob", f"@{ROBOT} stop")
