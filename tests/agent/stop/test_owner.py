@@ -88,7 +88,7 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
         card = await told(owned, "olga")
         assert (card["deed"], card["done"]) == ("release", True)
         assert re.fullmatch(r"It had been locked by bob for \d+ seconds?\.", card["said"])
-        assert owned.world.robots[ROBOT]["lock"] is None
+        await owned.until(lambda: owned.world.robots[ROBOT]["lock"] is None)
         assert await ended(owned, "alice", "@quadruped wave") == "done"
 
 
