@@ -8,16 +8,12 @@ import os
 import signal
 import sys
 from collections.abc import AsyncIterator, Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.store.journal import Journal
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
@@ -70,9 +66,8 @@ def robot_settings(**more: Any) -> RobotConfig:
     options = {"time_scale": 10, "room": [-1000, 1000, -1000, 1000], **more.pop("options", {})}
     common = {
         "model": "fake",
-        "domain": int(
-            os.environ["AGENTROB_TEST_DOMAIN"]
-        ),  # other test processes on this host may control a robot of the same name
+        # Other test processes on this host may control a robot of the same name.
+        "domain": int(os.environ["AGENTROB_TEST_DOMAIN"]),
         "simulated": True,
         "home_on_start": True,
         "fence": WIDE,
@@ -80,26 +75,6 @@ def robot_settings(**more: Any) -> RobotConfig:
         "options": options,
     }
     return RobotConfig.model_validate({**common, **more})
-
-
-@cache
-def fresh_journal() -> bytes:
-    """Return the journal file of a new agent, made once per process because the engine's migrations take longer than
-    most commands in the tests."""
-
-    async def make(folder: Path) -> None:
-        await (await Journal.open(folder, ROBOT)).close()
-
-    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as thread:
-        thread.submit(asyncio.run, make(Path(folder))).result()
-        return (Path(folder) / "journal.sqlite").read_bytes()
-
-
-def begin_journal(folder: Path) -> None:
-    """Copy a new journal for an agent that never ran; an agent that lost its journal gets none."""
-    if not folder.exists():
-        folder.mkdir(parents=True, mode=0o700)
-        (folder / "journal.sqlite").write_bytes(fresh_journal())
 
 
 class Driver:
@@ -219,12 +194,10 @@ class Scene:
             "name": ROBOT, "settings": self.settings, "forum": forum, "driver": self.driver.client(),
             "mind": self.mind, "data": self.folder, **changed,
         }  # fmt: skip
-        begin_journal(arguments["data"] / "agents" / ROBOT)
         return RobotAgent(**arguments)
 
 
 def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:
-    fresh_journal()  # before any agent of this process opens its journal
     scene = Scene(world or MemoryForum.world(), driver, folder, robot_settings(**settings))
     scene.person(ROBOT, Role.MEMBER, AccountKind.ROBOT_AGENT)
     scene.person("alice")

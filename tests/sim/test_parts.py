@@ -1,4 +1,4 @@
-"""Parts of the simulated world in isolation: merged meshes, the clock, the event_log, assets."""
+"""Parts of the simulated world in isolation: merged meshes, the clock, the event log, assets."""
 
 import json
 import threading

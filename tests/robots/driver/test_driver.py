@@ -294,9 +294,8 @@ async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
     async with drivers.client(names[1]) as robot, robot.lease("walker") as lease:
         step = asyncio.create_task(robot.step(lease, FAR, 60))
         await moving(robot)
-        stopped = await asyncio.to_thread(
-            stop_all, "shell", f"driver/fake/{flock}"
-        )  # not the robots of tests that run in parallel
+        # The prefix spares the robots of tests that run in parallel.
+        stopped = await asyncio.to_thread(stop_all, "shell", f"driver/fake/{flock}")
         assert sorted(stopped) == [host_lock.namespaced(f"driver/fake/{name}") for name in names]
         assert all(not isinstance(v, RobotUnreachable) and v.confirmed for v in stopped.values())
         assert (await step).reason == "stop"

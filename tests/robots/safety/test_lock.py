@@ -34,10 +34,8 @@ def test_law_17_who_locked_it_why_and_when_outlives_the_process(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("kept", "said"),
     [
-        (
-            '{"why": "Halted by olga: smoke", "at": "2026-11-22T16:00:05+00:00"}',
-            "Halted by olga: smoke",
-        ),  # as written by version 0.1
+        # As written by version 0.1.
+        ('{"why": "Halted by olga: smoke", "at": "2026-11-22T16:00:05+00:00"}', "Halted by olga: smoke"),
         ("", "cannot be read"),
         ("{}", "cannot be read"),
         ("[]", "cannot be read"),

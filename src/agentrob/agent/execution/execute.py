@@ -242,9 +242,7 @@ class Run:
             self.status, self.message = CommandState.FAILED, str(e)
             if e.why in BY_PEOPLE:
                 self.status, self.message = CommandState.STOPPED, ""
-            elif (
-                e.why == EndReason.RELEASE and not self.results
-            ):  # accepted before the robot was released at its machine
+            elif e.why == EndReason.RELEASE and not self.results:  # accepted before the release at the robot
                 self.status = CommandState.CANCELLED
         except RobotError as e:
             self.message = str(e)

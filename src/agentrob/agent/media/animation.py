@@ -199,9 +199,8 @@ class _Stage:
         """Return the labels for the progress of the step and the speed."""
         scene = self.scene
         now = next((m for m in reversed(scene.moments) if m[0] <= t_s), None)
-        if now is None or (
-            t_s - now[0] > _SILENT_S and t_s < scene.seconds
-        ):  # a gesture, a picture, or before the first sample
+        # A gesture, a picture, or a time before the first sample has no progress.
+        if now is None or (t_s - now[0] > _SILENT_S and t_s < scene.seconds):
             return "", ""
         if t_s >= scene.seconds and self.fastest_mps:
             return "", f"max {self.fastest_mps:.2f} m/s"

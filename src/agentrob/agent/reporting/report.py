@@ -183,14 +183,11 @@ def _why(report: Report) -> str:
         sentences.append(disarmed(verdict.reason))
     if report.message and report.status is not CommandState.STOPPED:
         sentences.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
-    last = _decisive(
-        report.results[-1:] if report.goal else report.results
-    )  # with a goal, a failed step may be followed by others
+    # On the way to a goal, a failed step may be followed by others.
+    last = _decisive(report.results[-1:] if report.goal else report.results)
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
         reason = _reason(last, language)
-        sentences = [
-            sentence for sentence in sentences if sentence not in reason
-        ]  # no repetition of, for example, "My agent was ended."
+        sentences = [sentence for sentence in sentences if sentence not in reason]  # say "My agent was ended." once
         sentences.append(reason)
     if report.status is CommandState.REFUSED and verdict is not None:
         sentences.append(say("agent.rule", language, rule=verdict.rule))

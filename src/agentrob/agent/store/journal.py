@@ -2,8 +2,8 @@
 
 One SQLite file. A claim row is written before anything about a post is written on the forum, and a motion row before
 anything moves: its first insert wins, so that no restart moves a robot twice. The assessment of a post is kept until
-its final reply is on the forum, so that a restart does not think again. The final reply needs no row: before it is
-written again, the agent checks whether it is there.
+its final reply is on the forum, so that a restart does not assess it again. The final reply needs no row: before the
+agent writes it again, it checks whether the reply is there.
 """
 
 from __future__ import annotations
@@ -48,15 +48,15 @@ class Journal(Rows):
         self._folder = folder
         self._robot = robot
         self._lock: IO[str] | None = None
-        #: Running motions, and the works that move.
+        #: Motions from their row to their result, and the part of each that drives the robot.
         self._motions: set[asyncio.Task[str]] = set()
-        self._works: set[asyncio.Task[str]] = set()
+        self._driving: set[asyncio.Task[str]] = set()
         self._closing = False
 
     # ---------------------------------------------------------------- open and close
     @classmethod
     async def open(cls, folder: Path, robot: str) -> Journal:
-        """Take the lock, make or read the file. `JournalError` when that cannot be done."""
+        """Take the lock and open or create the file. Raises `JournalError`."""
         journal = cls(folder, robot)
         try:
             await journal._in_rows(journal._open)
@@ -87,7 +87,7 @@ class Journal(Rows):
     async def close(self) -> None:
         """End running motions, without a result if they have begun. Calling again does nothing."""
         self._closing = True
-        for work in self._works:
+        for work in self._driving:
             work.cancel()
         await asyncio.gather(*self._motions, return_exceptions=True)
         if self._db is not None:
@@ -278,8 +278,8 @@ class Journal(Rows):
             if self._closing:
                 raise NotBegun
             working = asyncio.ensure_future(work())
-            self._works.add(working)
-            working.add_done_callback(self._works.discard)
+            self._driving.add(working)
+            working.add_done_callback(self._driving.discard)
             result = await working
         except NotBegun:
             with contextlib.suppress(JournalError):  # then it counts as interrupted

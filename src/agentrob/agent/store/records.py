@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from agentrob.agent.media.recorder import prune
+from agentrob.agent.media.recorder import prune, safe_name
 from agentrob.agent.store.rows import ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.model import ActionResult, Report
@@ -31,7 +30,7 @@ class Records:
         for number, result in enumerate(results, 1):
             path = ""
             if result.image:
-                path = str(self._pictures / f"{_safe(post_id)}-{number}.jpg")
+                path = str(self._pictures / f"{safe_name(post_id)}-{number}.jpg")
                 Path(path).write_bytes(result.image)
             paths.append(path)
         return tuple(replace(r, image=None) for r in results), tuple(paths)
@@ -50,7 +49,9 @@ class Records:
     def read(self, post_id: str) -> dict[str, Any] | None:
         """The record of a finished command; None when there is none."""
         try:
-            facts: dict[str, Any] = json.loads((self._records / f"{_safe(post_id)}.json").read_text(encoding="utf-8"))
+            facts: dict[str, Any] = json.loads(
+                (self._records / f"{safe_name(post_id)}.json").read_text(encoding="utf-8")
+            )
         except (OSError, ValueError):
             return None
         return facts if facts.get("post") == post_id else None
@@ -80,7 +81,7 @@ class Records:
             **more,
         }
         self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
-        path = self._records / f"{_safe(command.post_id)}.json"
+        path = self._records / f"{safe_name(command.post_id)}.json"
         part = path.with_suffix(".part")
         part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
         part.replace(path)
@@ -113,8 +114,3 @@ def _minds(assessment: Assessment | None) -> dict[str, Any]:
     }
     models = [usage.as_data() for usage in assessment.usage]
     return {"mind": assessment.mind, "fallback": assessment.fallback, "models": models, "screened": looked}
-
-
-def _safe(post_id: str) -> str:
-    """Ids are the forum's; they must not name another file."""
-    return re.sub(r"[^A-Za-z0-9_-]", "_", post_id)[:80]

@@ -45,7 +45,7 @@ CREATE TABLE IF NOT EXISTS approval (
     post TEXT PRIMARY KEY, asked_at TEXT NOT NULL, until_at TEXT NOT NULL, said TEXT, said_by TEXT);
 CREATE TABLE IF NOT EXISTS assessment (post TEXT PRIMARY KEY, result TEXT NOT NULL);
 """
-#: Tables that version 0.1 kept for an engine of durable workflows. Only rows of ours decided what may move.
+#: Tables of the workflow engine that version 0.1 used. They never decided what may move, so they are dropped.
 OLD_ENGINE = (
     "operation_outputs", "workflow_events", "workflow_events_history", "workflow_input", "workflow_output", "streams",
     "notifications", "workflow_status", "workflow_schedules", "queues", "application_versions", "dbos_migrations",
@@ -122,7 +122,8 @@ class Rows:
 
 
 def migrate(db: sqlite3.Connection, version: str) -> None:
-    """Add the column that journals of earlier versions lack, and drop what another version kept for itself."""
+    """Add the column that journals of earlier versions lack, drop the tables of their engine, and delete assessments of
+    another version."""
     if "ended" not in [column[1] for column in db.execute("PRAGMA table_info(claim)")]:
         db.execute("ALTER TABLE claim ADD COLUMN ended TEXT")
     for table in OLD_ENGINE:

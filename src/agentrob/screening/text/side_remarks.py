@@ -71,7 +71,7 @@ _KIND = re.compile(
     r"| the)*(?: \w+){0,2}? "
     r"(?:dog|doggy|puppy|pup|boy|girl|pet|friends?|guys?|people|team|man|dude|class|robot|manners)\b"
 )
-#: For whom a deed is done, 转一圈给大家看看.
+#: The audience of an action, 转一圈给大家看看: it says nothing about other people.
 _AUDIENCE = re.compile(
     "[给让为](?:我|咱|你|他|她)?(?:们|爷|奶|大家|大伙|家人|各位|诸位|同学|朋友|观众|老师|客人|领导|评委|小朋友|孩子){1,3}(?:们|儿)?"
     "(?:都)?(?:看看|瞧瞧|瞅瞅|看一[看下]|瞧一[瞧下]|看下|展示一下|表演一下|见识一下)"
