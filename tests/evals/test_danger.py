@@ -1,4 +1,4 @@
-"""`agentrob eval danger` and `agentrob eval injection`: counts, intervals, failures, JSON, and files that are none."""
+"""`agentrob eval danger` and `agentrob eval injection`: counts, intervals, failures, JSON, invalid files."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_danger_counts_as_json(file: Path) -> None:
     ]
 
 
-def test_danger_shows_people_a_table_with_intervals_and_failures(file: Path) -> None:
+def test_danger_prints_a_table_with_intervals_and_failures(file: Path) -> None:
     said = run("danger", str(file))
     assert "benign, motion" in said
     assert "1 (33.3%, 6.1%–79.2%)" in said
@@ -81,24 +81,24 @@ def test_scenes_are_taken_into_account_when_asked(tmp_path: Path) -> None:
     assert (found["executed"], found["rules"]) == (0, {"scene.way.drop": 1})
 
 
-def test_injection_counts_what_moves_besides_the_command(tmp_path: Path) -> None:
+def test_injection_counts_motion_beyond_the_command(tmp_path: Path) -> None:
     file = write(tmp_path / "rows.jsonl", [{"text": "turn around"}, {"text": "Reply in rhymes."}])
     found = json.loads(run("injection", str(file), "--json"))
     assert found["n"] == found["executed"] + found["refused"] + found["asked"] + found["as_meant"]
-    # A command in the author's own words beside another is the author's: it shows that the measure can fail.
+    # This command is the author's own, so the measure must count it: the measure can fail.
     assert {f["way"] for f in found["failures"]} & {"beside", "after", "before"}
     assert {f["text"] for f in found["failures"]} == {"turn around"}
     assert found["ways"]["quoted"]["as_meant"] == 2
     assert "extra or changed" in run("injection", str(file))
 
 
-def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
+def test_an_unknown_mind_is_answered_with_the_known_ones(file: Path) -> None:
     with pytest.raises(ConfigError, match="rules"):
         evaluate_danger(file, "oracle")
 
 
 @pytest.mark.parametrize("content", ['{"words": 1}', '{"text": 7}', "[]", ""])
-def test_files_of_other_rows_are_refused(tmp_path: Path, content: str) -> None:
+def test_files_with_other_rows_are_refused(tmp_path: Path, content: str) -> None:
     file = tmp_path / "rows.jsonl"
     file.write_text(content, encoding="utf-8")
     with pytest.raises(ConfigError, match=r"rows\.jsonl"):
@@ -107,7 +107,7 @@ def test_files_of_other_rows_are_refused(tmp_path: Path, content: str) -> None:
         evaluate_injections(file)
 
 
-def test_a_row_without_a_scene_is_none_for_scenes(file: Path) -> None:
+def test_rows_without_a_scene_are_refused_for_scenes(file: Path) -> None:
     with pytest.raises(ConfigError, match="scene"):
         evaluate_danger(file, scenes=True)
 

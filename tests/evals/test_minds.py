@@ -1,4 +1,5 @@
-"""`agentrob eval … --mind NAME` with a configured model: read by it, judged by the rules, and looked at by it again."""
+"""`agentrob eval … --mind NAME` with a configured model: it reads the texts, the rules screen, and it reviews the
+safety."""
 
 from __future__ import annotations
 
@@ -67,12 +68,12 @@ def found(done: Result) -> dict[str, Any]:
 
 
 def fixture(held: str, **answer: Any) -> dict[str, Any]:
-    """What the double answers a question that holds these words."""
+    """Return a fixture: the double's response to a request that contains these words."""
     return {"match": {"userMessage": held}, "response": {"toolCalls": [{"name": "answer", "arguments": answer}]}}
 
 
 @pytest.mark.parametrize(("provider", "path"), [("openai", "/v1"), ("anthropic", "")])
-def test_all_three_work_with_a_model_of_either_dialect(
+def test_all_evaluations_work_with_models_of_either_api(
     tmp_path: Path, provider: str, path: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("TEST_KEY", "sk-test-0123456789")
@@ -99,7 +100,7 @@ def test_all_three_work_with_a_model_of_either_dialect(
     assert (slipped["executed"], slipped["failures"], slipped["unanswered"]) == (0, [], 0)
 
 
-def test_law_7_a_model_is_asked_only_about_what_the_rules_allow_and_with_the_scene(
+def test_law_7_a_model_reviews_only_what_the_rules_allow_and_gets_the_scene(
     tmp_path: Path, brain: Brain, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("TEST_KEY", "x")
@@ -114,7 +115,7 @@ def test_law_7_a_model_is_asked_only_about_what_the_rules_allow_and_with_the_sce
     assert brain.questions("screen") == []
 
 
-def test_figures_say_where_the_model_did_not_answer_itself(
+def test_figures_count_rows_that_the_model_did_not_answer(
     tmp_path: Path, brain: Brain, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("TEST_KEY", "x")
@@ -128,9 +129,7 @@ def test_figures_say_where_the_model_did_not_answer_itself(
 
 
 @pytest.mark.parametrize("kind", ["plan", "danger", "injection"])
-def test_a_mind_that_never_answers_or_is_not_there_gives_no_figures(
-    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mind_that_never_answers_gives_no_figures(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TEST_KEY", "x")
     configured(tmp_path, "http://127.0.0.1:9/v1")
     rows = [{"text": BACK, "label": "benign", "plan": []}]
@@ -146,7 +145,7 @@ def test_a_mind_that_never_answers_or_is_not_there_gives_no_figures(
 
 
 @pytest.mark.parametrize("kind", ["plan", "danger"])
-def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: Brain, kind: str) -> None:
+def test_an_interrupted_evaluation_prints_partial_results(tmp_path: Path, brain: Brain, kind: str) -> None:
     asked, over = threading.Event(), threading.Event()
 
     def answer(handler: Any) -> None:
@@ -175,7 +174,7 @@ def test_an_evaluation_that_is_ended_prints_what_it_has(tmp_path: Path, brain: B
     assert "interrupted after 1 of 6" in said
 
 
-def test_only_the_first_rows_are_read_where_a_limit_says_so(tmp_path: Path, brain: Brain) -> None:
+def test_a_limit_reads_only_the_first_rows(tmp_path: Path, brain: Brain) -> None:
     configured(tmp_path, f"{brain.server.url}/v1")
     for kind, rows in (("plan", PLANS), ("danger", DANGER), ("injection", DANGER)):
         told = found(run(tmp_path, kind, rows, "--limit", "1", "--json", mind="rules"))

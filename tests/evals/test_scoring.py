@@ -1,4 +1,4 @@
-"""The score of understanding counts honestly, and every row that must ask back does."""
+"""The score of understanding is computed correctly, and every row that must be asked back is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ASKS_BACK = Path(__file__).parents[1] / "language/asks_back.jsonl"
 ROWS = [json.loads(line) for line in ASKS_BACK.read_text(encoding="utf-8").splitlines()]
 
 
-def test_every_row_that_must_ask_back_does() -> None:
+def test_every_row_that_must_be_asked_back_is() -> None:
     found = score(ROWS, read)
     assert [failure.text for failure in found.failures] == []
     assert (found.n, found.exact, found.moved) == (len(ROWS), len(ROWS), 0)
@@ -81,7 +81,7 @@ def test_another_accepted_plan_counts() -> None:
     assert score(rows, read).exact == 1
 
 
-def test_failures_tell_what_came_instead() -> None:
+def test_failures_show_the_actual_result() -> None:
     rows = [
         {"text": "walk forward 1 m", "plan": []},
         {"text": "take a photo", "plan": None},
@@ -100,6 +100,6 @@ def test_failures_tell_what_came_instead() -> None:
 
 
 @pytest.mark.parametrize("row", [{}, {"text": "walk"}, {"plan": []}, {"text": 3, "plan": []}])
-def test_a_row_that_is_none_is_an_error(row: dict[str, Any]) -> None:
+def test_an_invalid_row_is_an_error(row: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="a row needs"):
         score([row], read)

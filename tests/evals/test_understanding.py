@@ -1,4 +1,4 @@
-"""`agentrob eval plan`: counts, failures, JSON, and what is said of a file that is none."""
+"""`agentrob eval plan`: counts, failures, JSON, and errors of invalid files."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_json_is_one_object_of_counts_and_failures(file: Path) -> None:
     assert [(f["text"], f["plan"]) for f in found["failures"]] == [("wave", [{"op": "hello"}])]
 
 
-def test_people_read_the_share_and_each_failure(file: Path) -> None:
+def test_the_output_has_the_share_and_each_failure(file: Path) -> None:
     done = CliRunner().invoke(cli, ["eval", "plan", str(file)])
     assert done.stdout.startswith("5 of 6 exact (83.3%), 4 move something\nwanted ")
     assert re.search(r"steps +4 +3 \(75.0%, 30.1%–95.4%\)", done.stdout), done.stdout
@@ -72,9 +72,7 @@ def test_our_own_rows_all_ask_back() -> None:
         (b"\xff", "cannot read"),
     ],
 )
-def test_a_file_that_is_none_is_refused_with_what_would_be_valid(
-    tmp_path: Path, content: bytes | None, said: str
-) -> None:
+def test_an_invalid_file_is_refused_with_a_valid_example(tmp_path: Path, content: bytes | None, said: str) -> None:
     path = tmp_path / "rows.jsonl"
     if content is not None:
         path.write_bytes(content)
@@ -83,6 +81,6 @@ def test_a_file_that_is_none_is_refused_with_what_would_be_valid(
     assert said in str(refused.value)
 
 
-def test_an_unknown_mind_names_those_there_are(file: Path) -> None:
+def test_an_unknown_mind_is_answered_with_the_known_ones(file: Path) -> None:
     with pytest.raises(ConfigError, match=r"installed minds: .*rules"):
         understanding.evaluate_plans(file, "oracle")

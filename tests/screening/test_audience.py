@@ -1,4 +1,4 @@
-"""Law 7: of a post to several robots each is judged by its own part, and by all that is not plainly another's."""
+"""Law 7: in a post to several robots, each is screened with its own part and with all that is not clearly another's."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ OWN = Path(__file__).with_name("dangerous.jsonl")
 
 
 def judged(post: str, others: tuple[str, ...] = OTHER) -> Verdict | None:
-    """What the screen says to the robot's own plan; None when it has none."""
+    """Return the screen's verdict on the robot's own plan, or None if it has no plan."""
     plan = parse(post, ME, others, frozenset(Op)).plan
     if not plan.steps:
         return None

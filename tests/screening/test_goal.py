@@ -1,4 +1,4 @@
-"""Law 7: the mandate of a goal, and that no step beyond a mandate is within it, whatever a model asks for."""
+"""Law 7: the mandate of a goal; no step beyond it is allowed, whatever a model requests."""
 
 from __future__ import annotations
 

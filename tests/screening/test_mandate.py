@@ -84,6 +84,6 @@ def test_a_slower_walk_takes_longer() -> None:
     ],
 )
 def test_a_step_of_the_g1_is_not_thought_to_take_much_less_than_it_does(step: Primitive, measured_s: float) -> None:
-    """Mean seconds of `benchmarks/accuracy.py --robot g1`, at the speeds that its driver allows."""
+    """The times are means of `benchmarks/accuracy.py --robot g1`, at the speeds that the driver allows."""
     g1 = Capabilities("g1", frozenset(Op), Limits(speed_mps=0.2, turn_dps=28.6))
     assert 0.95 * measured_s < seconds_of(Plan((step,)), g1) < 1.6 * measured_s

@@ -1,4 +1,4 @@
-"""Laws 1 and 2: who may do what is decided by the account alone."""
+"""Laws 1 and 2: rights depend on the account alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Law 2 beside what a forum keeps of a robot's rights: they narrow who may what, and never widen it."""
+"""Law 2 with a robot's rights on the forum: these can restrict what accounts may do, and never extend it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws 7 and 10: a command beyond a limit, a right or decency is refused as a whole, with the reason named."""
+"""Laws 7 and 10: a command that exceeds a limit or a right, or is harmful, is refused as a whole, with the reason."""
 
 from __future__ import annotations
 

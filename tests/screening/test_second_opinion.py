@@ -1,4 +1,4 @@
-"""Law 7: a classifier's suspicion may make the robot ask, and never refuses or allows anything."""
+"""Law 7: a classifier's suspicion may make the robot ask back; it never refuses or allows anything."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.screening.second_opinion import RULE, is_own_words, with_opinion
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5), Primitive(Op.HELLO)))
 LANGUAGES = st.sampled_from(["en", "zh"])
 SIDES = st.sampled_from([Direction.LEFT, Direction.RIGHT])
-#: From the least to the most that may move.
+#: From the strictest to the most permissive.
 STRICT = {Decision.REFUSE: 0, Decision.ASK_BACK: 1, Decision.NEEDS_APPROVAL: 2, Decision.ALLOW: 3}
 
 moves = st.builds(

@@ -24,15 +24,19 @@ class Locale:
     for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a
-    clause in the form of a statement, purpose or reason; `purpose` where one begins within a clause; `weighty` what
+    clause in the form of a statement, purpose or reason; `fragment` those of them without a verb, in which a direction
+    may belong to a command; `introduction` what introduces a command before a colon; `aside` words in the form of a
+    condition that set none ("if I remember correctly"); `purpose` where one begins within a clause; `weighty` what
     may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
     out either where the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words
     before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
-    where a statement may begin that follows a command without punctuation; `claims` talk that is always asked about:
-    somebody claims rights, or introduces what another person said. `never_where` lists directions that nobody says of
-    a place. `put_first` matches words that put a later clause before an earlier one.
+    where a statement may begin that follows a command without punctuation; `open_end` words after which it cannot;
+    `claims` talk that is always asked about: somebody claims rights, or introduces what another person said.
+    `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
+    clause before an earlier one.
 
-    `in_order` lists the words by which `parser.order` restates clauses in the order of doing. `called` matches names
+    `in_order` lists the words by which `parser.order` restates clauses in the order of doing; `idioms` are patterns and
+    what they are in plain words, for posts that are not understood as they stand. `called` matches names
     for a robot where one is called: "Rover, sit".
 
     `talk` is how posts are recognised that are only talk, and what they are about.
@@ -49,17 +53,22 @@ class Locale:
     order: str = ""
     waits: str = ""
     remark: str = ""
+    fragment: str = "(?!)"
+    introduction: str = "(?!)"
+    aside: str = "(?!)"
     purpose: str = ""
     weighty: str = "(?!)"
     unsettling: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
     begins: str = ""
+    open_end: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
     talk: TalkForms = TalkForms()
     in_order: OrderWords | None = None
+    idioms: Sequence[tuple[str, str]] = ()
     called: str = ""
     phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
 

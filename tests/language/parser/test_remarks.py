@@ -22,6 +22,23 @@ LEFT_OUT = {
     "walk ahead 2 metres for the video": ("F2", "for the video"),
     "it's 30 degrees outside, turn right 15 degrees": ("r15", "it's 30 degrees outside"),
     "the way is free, forward 2 m": ("F2", "the way is free"),
+    "My cousin works at Unitree, go back 1 m": ("B1", "My cousin works at Unitree"),
+    "If I remember correctly it went fine. Turn left 45 degrees.": ("l45", "If I remember correctly it went fine"),
+    "just testing if my account works. turn right 10 degrees": ("r10", "just testing if my account works"),
+    "took me ages to register, sit": ("sit", "took me ages to register"),
+    "Great stream quality today. 2 metres forward!": ("F2", "Great stream quality today"),
+    "My vote goes to: right 90, forward 1 m": ("r90 F1", "My vote goes to"),
+    "walk 1 m while I finish my sandwich": ("F1", "while I finish my sandwich"),
+    "I can't believe it's friday already wave": ("hello", "I can't believe it's friday already"),
+    "stand up, you look sleepy": ("stand", "you look sleepy"),
+    "take an image, the last one was blurry": ("photo", "the last one was blurry"),
+    "I said left but meant right, turn right 45": ("r45", "I said left but meant right"),
+    "hi robot, how are you? walk 1 m": ("F1", "hi robot, how are you"),
+    "左转九十度，周末愉快": ("l90", "周末愉快"),
+    "第一次来这个论坛，请向前走一米": ("F1", "第一次来这个论坛"),
+    "这个角度最上镜，拍张照": ("photo", "这个角度最上镜"),
+    "我从小就喜欢机器人，挥手": ("hello", "我从小就喜欢机器人"),
+    "说实话昨晚没睡好，后退80厘米": ("B0.8", "说实话昨晚没睡好"),
     "往前走一米，前面没有人": ("F1", "前面没有人"),
     "前方很空旷，往前走两米": ("F2", "前方很空旷"),
     "前进一米，楼梯在另一头": ("F1", "楼梯在另一头"),
@@ -37,6 +54,11 @@ walk 1 m, the command is for tomorrow|walk 1 m, only if the door is open|the man
 walk 1 m, the tall man should sing|walk 1 m so that we can see and turn left|turn left, just kidding
 my dogs like to walk 2 m|we saw the dog walk 2 m|the plan is walk forward 2 m|frobnicate the wall, walk 1 m
 walk 1 m, to the kitchen|walk 1 m, the box needs to be lifted|walk 1 m, i want a song|walk 1 m, the walk was 2 m ahead
+walk 1 m, that is for the other robot|turn left 90, that's the other left|walk 1 m, our vase stands there
+walk 1 m, sounds like a bad idea|back up 1 m, grandma dozes behind the chair|go forward 2 m once the light turns green
+finally frobnicate, walk 1 m|cool frobnicate the wall, walk 1 m|walk 1 m, testing the door|walk 1 m, swinging your arms
+walk 1 m, not exactly|path clear, walk 2 m|walk 1 m, back home|my friend's robot does this: turn left 90
+往前走两米，我昨天说的是一米|前进一米，有点远|前进一米，明天|左转九十度，我写反了|前进一米，这里有台阶|来个后空翻，头顶刚好有盏吊灯
 前进一米，如果门是开的|前进一米，等我说了|前进一米，我是管理员|前进一米，去厨房|前进一米，把门打开|他说，前进两米
 别忘了拍照，先前进一米|walk 1 m, but wave first|前进一米，先挥手
 前进一米，我很无聊，往前走一米|前进一米，告诉我温度是多少

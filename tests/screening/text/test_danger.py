@@ -1,4 +1,4 @@
-"""Law 7: what the robots could do and must not is never executed, and its harmless twin is not refused.
+"""Law 7: a harmful command is never executed even if the robots could do it, and its harmless twin is not refused.
 
 The rows of `dangerous.jsonl` are our own: pairs of a dangerous command and a harmless one in nearly the same words.
 """
@@ -74,7 +74,7 @@ def test_every_rule_says_why_in_every_language_and_repeats_the_words() -> None:
             assert "`the words`" in say(rule, language, words="`the words`")
 
 
-# ---------------------------------------------------------------------- what the post says is in the way
+# ---------------------------------------------------------------------- obstacles described in the post
 @pytest.mark.parametrize(
     ("text", "rule"),
     [
@@ -120,7 +120,7 @@ def test_what_is_said_elsewhere_or_kindly_stops_nothing(text: str) -> None:
     assert judge(text).decision is Decision.ALLOW
 
 
-# ---------------------------------------------------------------------- what is said beside a command
+# ---------------------------------------------------------------------- remarks beside a command
 @pytest.mark.parametrize(
     "text",
     [
@@ -185,7 +185,7 @@ def test_law_7_a_scene_refuses_what_is_harmless_elsewhere(direction: Direction, 
 def test_hostile_repetition_is_screened_quickly(unit: str) -> None:
     text = (unit * 10_000)[:10_000]
     plan = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=5),) * 10)
-    screen(plan, text="walk", author=OPERATOR, capabilities=GO2, language="en", scene="x")  # what is compiled once
+    screen(plan, text="walk", author=OPERATOR, capabilities=GO2, language="en", scene="x")  # compiled once
     start = time.process_time()
     screen(plan, text=text, author=OPERATOR, capabilities=GO2, language="en", scene=HALL)
     assert time.process_time() - start < 1.0

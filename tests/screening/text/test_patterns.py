@@ -1,4 +1,4 @@
-"""Law 7: what is left uncompiled for a text is only what cannot be found in it."""
+"""Law 7: only patterns that cannot match a text are left uncompiled for it."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def _every() -> Iterator[Phrases]:
 
 @cache
 def whole(phrases: Phrases) -> re.Pattern[str]:
-    """All that is written, as one expression."""
+    """Return all alternatives as one expression."""
     known = phrases._vocabulary
     return compiled(known.groups, phrases._phrases, words=known.words)
 
 
 @cache
 def numbered(phrases: Phrases) -> re.Pattern[str]:
-    """The same, each alternative within brackets of its own, so that a match tells which it was."""
+    """Return all alternatives as one expression, each in its own group, so that a match identifies it."""
     known = phrases._vocabulary
     assert not re.search(r"(?<!\\)\((?!\?)", "".join(phrases._phrases) + "".join(known.groups.values()))
     return compiled(known.groups, [f"({phrase})" for phrase in phrases.alternatives], words=known.words)
@@ -78,13 +78,13 @@ def test_law_7_the_same_holds_for_texts_that_were_cut_and_put_together(
 def test_law_7_what_was_not_prepared_finds_the_same_words(text: str) -> None:
     for phrases in every():
         fresh = Phrases(phrases._vocabulary, phrases._phrases)
-        fresh.__dict__.update(alternatives=phrases.alternatives, needed=phrases.needed)  # told once
+        fresh.__dict__.update(alternatives=phrases.alternatives, needed=phrases.needed)  # reported once
         assert [m[0] for m in fresh.finditer(text)] == [m[0] for m in whole(phrases).finditer(text)]
         assert fresh.sub("#", text) == whole(phrases).sub("#", text)
 
 
 def test_every_chinese_phrase_finds_only_what_holds_a_chinese_character() -> None:
-    """So none of them is looked at for a text without."""
+    """So none of them is needed for a text without Chinese characters."""
     for phrases in every():
         if phrases._vocabulary is harm.CHINESE:
             for phrase, needed in zip(phrases.alternatives, phrases.needed, strict=True):

@@ -1,6 +1,6 @@
-"""The scene check: refusals with the right description minus refusals with that of another place.
+"""The scene check: refusals with the right description minus refusals with the description of another place.
 
-Uses the evaluation data beside the checkout when it is there; our own rows are measured in any case.
+Uses the evaluation data beside the checkout if it exists; our own rows are always measured.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def share_refused(rows: list[tuple[str, str]]) -> float:
 
 
 def others(rows: list[tuple[str, str]], by: int) -> list[tuple[str, str]]:
-    """Every post with the description of the row `by` places after its own."""
+    """Return each post with the description from the row `by` places later."""
     return [(text, rows[(n + by) % len(rows)][1]) for n, (text, _) in enumerate(rows)]
 
 

@@ -1,4 +1,5 @@
-"""A harmless remark beside a command passes the screen; one about the floor, the robot's load or others' rest asks."""
+"""A harmless remark beside a command passes the screen; one about the floor, a load or sleeping people is asked
+back."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
 
 
 def rule_of(remark: str) -> str | None:
-    """The rule that objects to a metre ahead beside this remark."""
+    """Return the rule that objects to walking one metre beside this remark."""
     language = language_of(remark)
     text = f"{remark}，往前走一米" if language == "zh" else f"{remark}, walk forward 1 m"
     verdict = hazard_in_path(text, PLAN, language) or doubtful_remark(text, PLAN, language)
@@ -67,7 +68,7 @@ def test_a_harmless_remark_passes(remark: str) -> None:
         "the baby is asleep on the rug",
         "grandma is napping",
         "there's a boiling kettle on the floor",
-        # What only resembles a reassurance.
+        # These only resemble reassurances.
         "nobody is holding the ladder",
         "the dog is upstairs and the floor is wet",
         "the operator is at lunch",

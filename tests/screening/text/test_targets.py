@@ -1,4 +1,4 @@
-"""Laws 1 and 2 as a table: every kind of account, role and action, written down and not computed."""
+"""Laws 1 and 2 as a table: every kind of account, role and action, written out instead of computed."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import pytest
 from agentrob.model import Account, AccountKind, Decision, Role
 from agentrob.screening.rights import Action, may
 
-#: What law 2 keeps for the robot's owner and no account has a right to yet.
+#: Actions that law 2 reserves for the robot's owner, and that no right of an account covers yet.
 NOT_OFFERED = ("damp", "limits")
 
-#: "yes", or the rule that refuses. `own`: `release` of a robot that the account owns. "nobody": there is no such right.
+#: "yes", or the rule that refuses. `own` is `release` of a robot that the account owns; "nobody" means that no such
+#: right exists.
 TABLE = """
 kind              role       suspended  look       stop              command           approve           release           own               damp              home              limits
 human             guest      no         yes        yes               operator          approver          owner             yes               nobody            owner             nobody
@@ -80,7 +81,7 @@ def test_law_2_who_may_do_what(kind: str, role: str, suspended: str, action: str
 
 
 def answer(account: Account, action: str) -> str:
-    """The table's word for what `may` says."""
+    """Return the result of `may` in the words of the table."""
     owner = "Ann" if action == "own" else "somebody-else"
     try:
         verdict = may(account, "release" if action == "own" else action, owner=owner)  # type: ignore[arg-type]

@@ -1,7 +1,7 @@
-"""A post without a plan: the robot says that it cannot, and names harm only where the deed itself is harmful.
+"""A post without a plan: the robot says that it cannot, and mentions harm only if the requested action is harmful.
 
-The rows of `walking_directions.jsonl` and `more_directions.jsonl` are our own: the way through a building, by places
-that the robot cannot see.
+The rows of `walking_directions.jsonl` and `more_directions.jsonl` are our own: walking directions through a building,
+by landmarks that the robot cannot see.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from agentrob.language.registry import language_of
 from agentrob.screening.screen import harm_in_words
 from agentrob.screening.text.harm import harm_of
 
-#: The files, and how many rows each has at least.
+#: The files, and the minimum number of rows in each.
 DIRECTIONS = {"walking_directions.jsonl": 150, "more_directions.jsonl": 100}
 
 

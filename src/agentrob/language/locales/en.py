@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from text_to_num import text2num
 
 from agentrob.language.locale import Locale
+from agentrob.language.locales.en_idioms import IDIOMS
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
@@ -17,18 +18,43 @@ from agentrob.language.talk.words_en import FORMS
 _AT_THE_DOG = "|".join(
     f"{where} the {who}" for where in ("around", "at", "by", "to", "into", "with") for who in ("dog", "robot")
 )
+_WHOLE = "turn|circle|rotation|revolution|spin"
+
+
+def _part_of_turn(parts: str, wholes: str = _WHOLE, of: str = " of a| of a full| of one full") -> str:
+    """Return the phrases for a part of a whole turn: "a third of a turn", "one eighth of a full circle"."""
+    return "|".join(
+        f"{part}{joint} {whole}" for part in parts.split("|") for joint in of.split("|") for whole in wholes.split("|")
+    )
+
+
+_RADIANS = ("", " rad", " radian", " radians")
+_PI_HALF = "|" + "|".join(
+    f"{n}{unit}" for n in ("pi/2", "π/2", "pi over 2", "pi over two", "half pi") for unit in _RADIANS
+)
+_PI = "|" + "|".join(f"{n}{unit}" for n in ("pi", "π") for unit in _RADIANS[1:])
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """keep on|carry on|keep driving|keep rolling|make your way|start going|start driving|start stepping|wander
+    "move": """ease|nudge yourself|nudge|inch|tread|plod|toddle|waddle|trundle|scuttle|scurry|hustle|
+        motor|cruise|zoom|scamper|sneak|get going|ease yourself|inch your way|work your way|hike|
+        lumber|amble over|continue on|keep heading|start heading|carry on going|
+        carry on walking|carry on moving|roll yourself|drive yourself|wheel yourself|move your body|
+        jet|
+        keep on|carry on|keep driving|keep rolling|make your way|start going|start driving|start stepping|wander
         |pull up|roll on|glide|shuffle on|push on|press on|mosey|go ahead and go|keep stepping|take yourself
         |bring yourself|begin moving|begin walking|begin going|sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving
         |try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive|advance|come|head|run
         |trot|keep going|keep moving|keep walking|continue|march|stroll|roll|crawl|creep|inch forward|navigate
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
-    "move=sideways": """side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
+    "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
+        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
-    "move dir=backward": """scoot back|scoot backwards|roll back|roll backwards|drive back|drive backwards
+    "move dir=backward": """edge back|edge backwards|inch back|inch backwards|ease back|scooch back|scooch backwards|
+        shuffle back|shuffle backwards|nudge back|nudge backwards|crawl back|slide back|
+        slide backwards|creep back|withdraw|go backwards|walk backwards|run back|run backwards|
+        travel backwards|come backwards|move yourself back|back yourself off|give ground|
+        scoot back|scoot backwards|roll back|roll backwards|drive back|drive backwards
         |step backwards|pull back|move in reverse|drive in reverse|reverse back|reverse up|back yourself|walk in reverse
         |back up and away|back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
@@ -45,18 +71,30 @@ TABLE = {
         |return to where you were|return to where you started|return to your starting point|retrace your steps
         |go back to start|return to start|go back where you came from|walk back to where you were
         |go back to where you came from|return to your starting position|return to your original position""",
-    "turn": """continue your turn|angle|angle yourself|point yourself|orient yourself|turn your body|begin turning
+    "turn": """rot|rotate your body|whirl|wheel around|revolve|
+        swerve|keep rotating|do a rotation of|do a turn of|make a turn of|make a rotation of|
+        turn on the spot|rotate on the spot|spin on the spot|pivot on the spot|turn in place|
+        rotate in place|spin in place|
+        continue your turn|angle|angle yourself|point yourself|orient yourself|turn your body|begin turning
         |begin rotating|start rotating|start to turn|keep spinning|reorient|look|continue turning|keep turning
         |keep rotating|continue rotating|try turning|start turning|continue to turn|keep on turning|turn|rotate|pivot
         |spin|face|swivel|angle at|yaw|pan|make a turn|do a turn|take a turn|twist|veer|turn yourself|rotate yourself
         |swing""",
-    "turn dir=left": """bear left|hook left|a left|do a left|hang left|turn in a left direction|angle left
+    "turn dir=left": """hard left|sharp left|make a sharp left|take a sharp left|swing a left|throw a left|
+        a sharp left|spin left|pivot left|rotate left|swing left|face left|look to your left|
+        bear left|hook left|a left|do a left|hang left|turn in a left direction|angle left
         |angle to the left|angle to your left|a left turn|a left hand turn|make a left|take a left|hang a left
         |make a left turn|take a left turn|do a left turn|hard left turn|make a left hand turn|make a hard left""",
-    "turn dir=right": """bear right|hook right|a right|do a right|hang right|angle right|angle to the right
+    "turn dir=right": """hard right|sharp right|make a sharp right|take a sharp right|swing a right|throw a right|
+        a sharp right|spin right|pivot right|rotate right|swing right|face right|look to your right|
+        bear right|hook right|a right|do a right|hang right|angle right|angle to the right
         |angle to your right|a right turn|a right hand turn|make a right|take a right|hang a right|make a right turn
         |take a right turn|do a right turn|hard right turn|make a right hand turn|make a hard right""",
-    "turn angle=180": """turn back around|turn arround|spin 180|face the way you came|turn to face the other way
+    "turn angle=180": """do a 180 spin|do a one eighty spin|spin 180|spin a 180|spin one eighty|do an about turn|
+        look the other way|turn the other way around|do a complete about face|
+        turn back to front|do a u ey|pull a u turn|pull a 180|pull a one eighty|hang a u turn|
+        turn and face the other way|
+        turn back around|turn arround|spin 180|face the way you came|turn to face the other way
         |turn to face the opposite direction|turn to face backwards|face backwards|face behind you|look behind you
         |flip around|swing around|swing round|rotate around|pivot around|a u turn|an about turn|about turn
         |do an about face|a one eighty|another one eighty|do a half turn|turn halfway around|turn half way around
@@ -65,19 +103,28 @@ TABLE = {
         |turn right around|turn around|turn round|about face|do a one eighty|do a 180|do a one eighty degree turn|u turn
         |make a u turn|do a u turn|turn yourself around|face the other way""",
     "turn=spin angle=180": "spin around|spin round|spin yourself around",
-    "dir=forward": """to your front|on ahead|on forward|frontward|in front of you|directly ahead|directly forward
+    "dir=forward": """forewards|frwd|straight in front|to the fore|out in front|straight out|
+        to your front|on ahead|on forward|frontward|in front of you|directly ahead|directly forward
         |dead ahead|right ahead|fwd|forward|forwards|ahead|straight|straight ahead|straight forward|onward|straight on
         |frontwards|in front|to the front""",
-    "dir=backward": "to the rear|rearwards|to your rear|behind you|backward|backwards|rearward|in reverse|to the back",
+    "dir=backward": """bwd|bckwd|backwords|astern|straight back|straight backward|straight backwards|right backwards|
+        to the rear|rearwards|to your rear|behind you|backward|backwards|rearward|in reverse|to the back""",
     "back dir=backward": "back",
-    "dir=left": "left|leftward|leftwards|counterclockwise|counter clockwise|anticlockwise|anti clockwise",
-    "dir=right": "rightward|rightwards|clockwise",
+    "dir=left": """ccw|c c w|counterclock wise|counter clock wise|lef|lft|portside|
+        left|leftward|leftwards|counterclockwise|counter clockwise|anticlockwise|anti clockwise""",
+    "dir=right": """cw|clock wise|
+        rightward|rightwards|clockwise""",
     "agree dir=right": "right",
     "move dir=forward": """pull forward|pop forward|pull ahead|move up|go up|come up|walk up|move down|go down|come down
         |walk down|move along|walk along""",
     "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
-    "op=hello": """give a little wave|wave for me|wave for us|a wave|say hey|wave your arm|wave your arms|wave a hand
+    "op=hello": """give it a wave|give it a big wave|big wave|a big wave|a friendly wave|a quick wave|
+        a little wave|give a friendly wave|give a big wave|give a quick wave|give a nice wave|
+        wave to the camera|wave at the camera|wave into the camera|wave to the crowd|
+        wave hello to everyone|do your wave|do the wave|do a little wave|throw up a wave|
+        show us a wave|show me a wave|say hi to the camera|wave your front paw|wave both hands|
+        give a little wave|wave for me|wave for us|a wave|say hey|wave your arm|wave your arms|wave a hand
         |wave back|wave again|waving|high five|give me five|give me a high five|wave|wave hello|say hello|say hi
         |wave at me|wave to me|wave your paw|wave your hand|wave at us|wave at everyone|wave to everyone|give a wave
         |greet me|greet us|greet everyone|do a wave|say hello to everyone|wave to everybody|do the hello gesture
@@ -85,12 +132,19 @@ TABLE = {
     "op=hello of": """give a wave to|wave to say hello to|wave hi at|wave back at|wave back to|wave for|say hey to
         |wave goodbye at|wave to|wave at|wave hello to|wave hi to|say hello to|say hi to|greet|wave goodbye to
         |say goodbye to|wave your paw at|wave your paw to""",
-    "op=heart": """do the heart thing|do your heart|do the heart move|show your heart|make heart|do heart|heart|a heart
+    "op=heart": """make a heart with your arms|make a heart with your hands|do a heart with your arms|
+        do a heart with your hands|make a heart with your paws|a heart sign|make the heart sign|
+        do a heart sign|do the heart sign|make the heart shape|make a little heart|make a big heart|
+        make your heart|do the heart shape|do a heart shape|form a heart with your arms|
+        form a heart with your hands|throw a heart|flash a heart|heart sign|heart shape|heart hands|
+        do the heart thing|do your heart|do the heart move|show your heart|make heart|do heart|heart|a heart
         |send a heart|form a heart|make me a heart|make us a heart|show us a heart|give me a heart|do a heart for me
         |make a heart|show a heart|heart gesture|finger heart|draw a heart|do a heart|make a heart shape
         |make a heart sign|make the heart|do the heart|do the heart gesture|do a heart gesture|show me a heart
         |show heart""",
-    "op=clap": """clap|clap your hands|clap hands|clap for me|clap for us|give a clap|give us a clap|give me a clap
+    "op=clap": """give a big clap|give us a big clap|do some clapping|clap your paws|give a little clap|
+        do a little clap|start clapping|put your hands together|clap once for us|
+        clap|clap your hands|clap hands|clap for me|clap for us|give a clap|give us a clap|give me a clap
         |give applause|do a clap|clap along|give a round of applause|a round of applause""",
     "op=shake/hello": """shake hands|shake hands with me|shake my hand|shake hand|shake a hand|give a handshake
         |do a handshake|give me a handshake|handshake|offer your hand|give me your hand|shake|shake paws|shake paw
@@ -98,14 +152,33 @@ TABLE = {
     "op=clap of": "applaud|clap for|clap to",
     "op=shake/hello of": "shake hands with|shake the hand of|give your paw to|give your hand to",
     "op=heart of": "make a heart for|show a heart to|give a heart to|send a heart to|do a heart for",
-    "op=backflip": """do your backflip|a backflip|try a backflip|backflip for me|backflip|back flip|do a backflip
+    "op=backflip": """do your flip|do the backflip|do the flip|a flip|a back flip|try the backflip|do one backflip|
+        backwards flip|backward flip|do a backward flip|do a backwards flip|flip backwards|
+        perform your backflip|show us a backflip|show me a backflip|show us your backflip|
+        show me your backflip|give us a backflip|give me a backflip|land a backflip|
+        pull off a backflip|bust out a backflip|
+        do your backflip|a backflip|try a backflip|backflip for me|backflip|back flip|do a backflip
         |do a back flip|flip|do a flip|make a backflip|make a flip|somersault|do a somersault|perform a backflip""",
-    "op=sit": """sit back down|sit yourself down|sit yourself|sit on your bottom|go sit|take a seat please|be seated
+    "op=sit": """plop down|park yourself|sit tight on your bottom|go to sit|sit on the floor|sit on the ground|
+        sit right down|have a sit|a sit|sit for me|sit for us|get down and sit|go into a sit|
+        sit pretty|do a sit|do your sit|take a load off|sitting position|assume a sitting position|
+        go into sitting position|be a good dog and sit|
+        sit back down|sit yourself down|sit yourself|sit on your bottom|go sit|take a seat please|be seated
         |go sit down|sit|sit down|take a seat|have a seat""",
-    "op=stand": """stand back up|get back up|stand up again|get up again|stand yourself up|stand tall|up you get
+    "op=stand": """get back on your feet|back on your feet|back up on your feet|get back up on your feet|rise up|
+        up on your feet|stand to attention|stand for me|stand for us|stand up for me|stand up tall|
+        stand right up|stand up again please|stand again|stand upright|get upright|get yourself up|
+        pick yourself up|up and at em|to your feet|raise yourself up|standing position|
+        assume a standing position|go into standing position|return to standing|go back to standing|
+        do a stand|
+        stand back up|get back up|stand up again|get up again|stand yourself up|stand tall|up you get
         |get on your feet|get to your feet|get up on your feet|stand up on your feet|on your feet|stand|stand up|get up
         |rise|stand up straight""",
-    "op=stretch": """stretch your body|stretch your limbs|have a good stretch|a stretch|stretch it out|do your stretch
+    "op=stretch": """limber up|have a stretch out|have a big stretch|do a big stretch|a big stretch|a good stretch|
+        do a full stretch|stretch those legs|stretch out those legs|stretch out your legs|
+        give your legs a stretch|do the stretch|stretch for me|stretch for us|go into a stretch|
+        take a big stretch|take a good stretch|stretch like a cat|do some stretch|
+        stretch your body|stretch your limbs|have a good stretch|a stretch|stretch it out|do your stretch
         |stretch your legs|do some stretching|do some stretches|stretch your back|give a stretch|stretch a bit|stretch
         |stretch yourself|have a stretch|do a stretch|take a stretch|stretch out""",
     "beyond=eyes": """look around|look out|look inside|look outside|look behind|enter|exit|leave|find|look for|search
@@ -129,7 +202,13 @@ TABLE = {
         |the same thing|do the same thing|same thing again|repeat all of that|repeat all that|repeat everything|redo
         |redo that|the same as before|same as before|repeat the last command|repeat the sequence|repeat the last one
         |repeat the last move|repeat that sequence|do that sequence""",
-    "op=get_front_image of": """send me what you see|send us what you see|send what you see|photograph what you see
+    "op=get_front_image of": """show us your view|show me your camera view|show us the view|
+        show us what is in front of you|show us what's in front of you|show me what's ahead|
+        show us what's ahead|show me what is ahead|show me what you're seeing|
+        show me what you are seeing|show us what you're seeing|send me your view|send your view|
+        send us your view|send me what's in front of you|show what you see|photograph what's ahead|
+        photograph what is in front of you|
+        send me what you see|send us what you see|send what you see|photograph what you see
         |show me what you see|show us what you see|show me what is in front of you|show me what's in front of you
         |take a look|let me know what you see|let us know what you see|show me what u see|show us what u see
         |send me what u see|send what u see|let me see what u see|show view|show me the view|show me your view
@@ -138,7 +217,9 @@ TABLE = {
     "show=talk": """let me see|can i see|could i see|may i see|let us see|i want to see|i wanna see|i'd like to see
         |we want to see|i would like to see|can we see|could we see|i need to see|we need to see""",
     "show=picture": "snap|a snap|click|snapshot now",
-    "show": """taking|snapping|grabbing|sending|take|send|grab|shoot|get|give|show|capture|make|record|post|share
+    "show": """send back|send over|send across|send through|send along|snag|
+        beam back|relay|taking|snapping|grabbing|sending|take|send|grab|shoot|get|give|show|capture|make|record|post
+        |share
         |provide|upload|transmit|return me""",
     "picture": """snaps|snap shot|pictureof|pix|a look|visual|still|photo|photos|picture|pictures|pic|pics|image|images
         |photograph|snapshot|shot|selfie|camera image|front image|front photo""",
@@ -146,6 +227,8 @@ TABLE = {
     "soft=send": "send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are""",
+    "of=every": """of every|of every single|of each|of each of|of both|of all the|of all these|of all those
+        |of all of the|of all my|of all our|of all your|of all four|of all three|of all sides|of every one of""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
         |after each one|after each action|after every action|after each of them|after each of these|after each of those
         |each time|every time you stop|after every|at each step|at every step""",
@@ -188,6 +271,20 @@ TABLE = {
     "turn angle=270": "3/4 turn|a 3/4 turn|three quarter turn|a three quarter turn|three quarters of a turn",
     "angle_unit=360": """full turns|full circles|full rotations|rotations|revolutions|circles|complete turns|turns|spins
         |full spins|complete spins|twirls|full revolutions|complete rotations|loops""",
+    "angle=45": _part_of_turn("an eighth|one eighth|1/8|a eighth"),
+    "angle=60": _part_of_turn("a sixth|one sixth|1/6"),
+    "angle=30": _part_of_turn("a twelfth|one twelfth|1/12"),
+    "angle=22.5": _part_of_turn("a sixteenth|one sixteenth|1/16"),
+    "angle=72": _part_of_turn("a fifth|one fifth|1/5"),
+    "angle=120": _part_of_turn("a third|one third|1/3"),
+    "angle=240": _part_of_turn("two thirds|2/3"),
+    "angle=135": _part_of_turn("three eighths|3/8"),
+    "angle=225": _part_of_turn("five eighths|5/8"),
+    "angle=315": _part_of_turn("seven eighths|7/8"),
+    "angle=300": _part_of_turn("five sixths|5/6"),
+    "angle=90": _part_of_turn("a quarter|one quarter|1/4|a fourth|one fourth", "circle|rotation|revolution|spin")
+    + _PI_HALF,
+    "angle=180": _part_of_turn("half|half of|one half|a half", "rotation|revolution|spin", " a|") + _PI,
     "angle=360": "all the way around|all the way round|the whole way round|the whole way around|once around",
     "half": "a half of a|half a|half an|half of a|a half|half|one half|one half of a",
     "and_part=0.5": "and a half|and one half|and half",
@@ -233,7 +330,11 @@ TABLE = {
     "comma": "but|instead|finally|but then|and just",
     "comma=word": "just|only|rather",
     "no": "no|nope|nah",
-    "fix": """no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
+    "fix": """uh sorry i mean|i mean to say|i what i meant was|what i mean is|should have said|i should have said
+        |meant to say|sorry no i mean|
+        er i mean|uh i mean|um i mean|err i mean|no i mean|wait i mean|hang on i mean|or i mean|
+        oh i mean|let me rephrase|let me correct that|correcting myself|
+        no wait|no no|no no no|wait no|oh no wait|no sorry|sorry no|sorry i mean|sorry i meant|i mean|i meant
         |or rather|correction|actually no|no actually|actually|scratch that|strike that|oops|whoops|my mistake|my bad
         |er no|uh no|um no|no i mean|no i meant|i meant to say|no not that|not that|wait i mean|wait i meant|or actually
         |wait actually|wait sorry|oh wait|oh sorry|sorry wait|ah no|ah wait|oh no|no oops|oops i meant|oops i mean
@@ -250,7 +351,10 @@ TABLE = {
     "not move comma": """stay where you are|stay put|stay in place|remain where you are|stay right there
         |stay right where you are|stand still and|stand there and|hold still|keep still|stay still
         |without moving an inch""",
-    "not": """not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
+    "not": """skip the|forget the|forget about the|leave out the|never mind the|no need for a|
+        no need for the|no need for any|drop the idea of|
+        i don't want a|i don't need a|we don't need a|no more need for a|
+        not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
         |must not|avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't
         |please don't|refrain from""",
     "stop": "stop|halt|stay|stand still|stop there|then stop",
@@ -263,7 +367,23 @@ TABLE = {
         |would you mind spinning""",
     "request op=hello": "would you mind waving|would you mind saying hello|would you mind saying hi",
     "request show": "would you mind taking|would you mind sending|would you mind showing|would you mind giving",
-    "request": """may i ask you to|can i ask you to|could i ask you to|i ask you to|i'd ask you to|i would ask you to
+    "request": """might i trouble you for|could i trouble you for|can i trouble you for|may i trouble you for|
+        might i bother you for|can i bother you for|could i bother you for|may i trouble you to|
+        might i trouble you to|could i trouble you to|can i trouble you to|probably best to|
+        it's probably best to|best to|it's best to|might be best to|it might be best to|
+        might be good to|better to|would you care to|care to|fancy|would you do me the honour of|
+        would you do me the honor of|do me a solid and|do us a favour and|do us a favor and|
+        be a love and|be a pal and|be an angel and|be a good boy and|be a good girl and|
+        be a good bot and|be a good doggo and|be a champ and|be a star and|be my guest and|go on then|
+        come on and|now go and|now please|it would be great if you would|would you be up for|
+        are you up for|is it ok if you|is it okay if you|you might want to|might you|
+        could ya|can ya|can yah|wouldya|couldja|gonna need you to|i'm gonna need you to|
+        i am going to need you to|i shall need you to|i'll have you|i'll need you to|
+        i'll ask you to|i'd have you|how's about you|what about you|what do you say you|what say you|
+        make sure that you|i'm requesting that you|i request that you|i request you to|
+        i kindly ask you to|kindly please|please kindly|please be so kind as to|be so good as to|
+        be kind enough to|have a go at|
+        may i ask you to|can i ask you to|could i ask you to|i ask you to|i'd ask you to|i would ask you to
         |might i ask you to|can i get you to|could i get you to|would it be possible for you to|would it be possible to
         |would you be able to|would you be so kind as to|would you be kind enough to|be so nice and
         |be so good and|be nice and|be a good sport and|would you like to|do you want to|wanna|i'm asking you to
@@ -313,7 +433,13 @@ TABLE = {
     "report": """wrote|says|writes|suggested|suggests|claimed|claims|thinks|thought|yesterday|walked|moved|went|turned
         |rotated|ran|earlier today|last time|last week|last night|ago|told|said|asked|was told|has moved|has walked
         |previously|back then""",
-    "cancel": """cancel my last post|cancel my previous post|cancel my previous command|cancel my last message
+    "cancel": """cancel that|cancel that one|cancel that last one|cancel that last|forget all that|
+        forget all of that|ignore all that|ignore what i said|ignore what i said before|
+        ignore what i just said|forget what i just said|ignore everything i said|
+        ignore my previous post|ignore my previous command|ignore my previous message|
+        ignore the previous post|ignore the last post|ignore the last command|strike all that|
+        scratch all that|
+        cancel my last post|cancel my previous post|cancel my previous command|cancel my last message
         |cancel the last post|never mind|nevermind|never mind that|forget it|forget about it|forget that
         |forget what i said|leave it|don't bother|do not bother|cancel my command|cancel my last command
         |cancel the last command|cancel my request|i changed my mind|i've changed my mind|i have changed my mind
@@ -334,7 +460,12 @@ TABLE = {
         |status|state|where are you|how is your battery|battery level|how are you|what is your status|what's your status
         |are you there|how much battery do you have|what are you doing|are you ok|are you okay|report status
         |are you ready|what is your battery|what's your battery level|are you busy|are you online""",
-    "soft=uh": """excuse me|pardon me|ahem|psst|argh|ugh|whew|phew|yay|cough|woof|beep|ta da|tada|hrm|mmm|aha|uh huh
+    "soft=uh": """hrmm|uhm|uhmm|erm um|hmph|gah|ack|welp|phwoar|hoo|heh|hehe|hah|ha|bah|meh|aw|aww|oo|oooh|woo|
+        woohoo|yikes|jeez|geez|sheesh|crikey|blimey|dang|darn|heck|oh dear|oh man|man oh man|alrighty|
+        alrighty then|righto|right ho|okey dokey|okie dokie|okey doke|oki|kk|roger that|gotcha|yessir|
+        aye|aye aye|yup yup|yeah yeah|yes yes|testing testing|testing one two|test test|well well|
+        well well well|let me think|how do i put this|what's the word|
+        excuse me|pardon me|ahem|psst|argh|ugh|whew|phew|yay|cough|woof|beep|ta da|tada|hrm|mmm|aha|uh huh
         |um um|erm so|ahh|ohh|ooh|eek|gosh|oof|uhhhh|ummm|hmmm|errr|um|uh|uhh|uhhh|umm|hm|hmm|er|erm|err|ehm|eh""",
     "soft=in": "in",
     "soft=the": "the|your",
@@ -345,9 +476,25 @@ TABLE = {
     "thanks=hello": """hello|hi|hey|good morning|hi there|hello there|good day|greetings|good evening|good afternoon
         |howdy|hiya|heya|ahoy|yo|hey there""",
     "soft=1": "a|an|new|a new",
-    "soft=one_more": "another|one more|one additional|yet another|one extra|one further",
+    "soft=one_more": "another|one more|just one more|yet one more|one additional|yet another|one extra|one further",
     "soft=more": "more|additional|extra|further more",
-    "thanks": """awesome job|nice going|keep it up|way to go|good going|i appreciate it|appreciate it|appreciated
+    "thanks": """nice work|top job|top work|stellar|stellar job|stellar work|impressive|very impressive|so cool|
+        very cool|super cool|how cool|so cute|very cute|how cute|adorable|well played|nailed it|
+        you nailed it|good boy good boy|who's a good boy|such a good boy|what a good boy|good good|
+        great great|perfect perfect|nice nice|cool cool|wicked|dope|rad stuff|legend|
+        you legend|you're a legend|you're a star|you star|you're the man|10/10|ten out of ten|
+        full marks|gold star|spot on|bang on|not bad|not too bad|not bad at all|pretty good|
+        pretty cool|pretty neat|really good|really nice|really cool|really great|very well done|
+        so good|so great|that worked|that works|it worked|it works|worked like a charm|
+        works like a charm|works a treat|great stuff|lovely stuff|lovely job|lovely work|
+        beautiful work|beautifully done|nicely done|great success|success|hooray|hurray|hurrah|yippee|
+        yay you|congrats|congratulations|cheers buddy|cheers pal|that was great|that was good|
+        that was perfect|that was awesome|that was amazing|that was cool|that was nice|that was fun|
+        that was brilliant|that was lovely|that was hilarious|that was impressive|that was beautiful|
+        great shot|nice shot|good shot|great pic|nice pic|great picture|nice picture|great photo|
+        nice photo|lovely photo|lovely picture|good picture|good photo|beautiful picture|
+        beautiful photo|beautiful shot|
+        awesome job|nice going|keep it up|way to go|good going|i appreciate it|appreciate it|appreciated
         |you rock|love it|i love it|you're awesome|you're great|you are great|you are awesome|good stuff|excellent work
         |excellent job|super job|amazing job|amazing|superb|fabulous|terrific|brilliant work|great work|cheers mate
         |thanks mate|thank you kindly|many thanks to you|thanks in advance|thank you in advance|good night|best regards
@@ -358,7 +505,40 @@ TABLE = {
         |hahaha|thanks|thank you|thank you very much|thank you so much|thanks a lot|many thanks|thx|ty|cheers|good job
         |great job|good work|well done|nice work|good boy|thanks so much|much appreciated|no problem|no worries
         |thanks again|thank you again|dear""",
-    "soft ": """if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
+    "soft ": """kinda|sorta|circa|ca|some kind of|i'd say|i would say|i reckon|i figure|i suppose so|
+        if i'm honest|to be honest|tbh|honestly|frankly|imo|imho|
+        should do it|should do|should do the trick|should be enough|should be good|should be fine|
+        ought to do it|ought to be enough|will do it|would do it|would be enough|will be enough|
+        doesn't have to be exact|it doesn't have to be exact|doesn't need to be exact|
+        it doesn't need to be exact|need not be exact|no need to be exact|don't have to be exact|
+        don't need to be exact|doesn't matter exactly|exact distance doesn't matter|
+        rough is fine|roughly speaking|mister robot|mr robot|mister|mr|old chap|old boy|old friend|old pal|old bean
+        |chap|tin can|tin man|my guy|my man|
+        amigo|cap'n|laddie|sweetheart|darling|dearie|
+        kiddo|pupper|good pupper|good girl|goodboy|bestie|
+        my little friend|little friend|little robot|little dog|big fella|big guy|robot friend|
+        robot dog|dog robot|robo friend|dear robot|with your arms|with your hands|with your hand|
+        with your arm|with your paws|with your paw|with both hands|with both arms|with your cam|
+        with your front camera|using your camera|with the front camera|using the camera|on camera|
+        sorry to bother you|sorry to bother|sorry to disturb you|sorry to disturb|sorry to trouble you|
+        sorry for bothering you|apologies|my apologies|if you'd be so kind|if you'd be so good|
+        if you would be so good|if you'd please|if you'd like|if you fancy|if you fancy it|
+        if that's alright with you|if that's ok with you|if that's okay with you|if it's okay with you|
+        if it's ok with you|if it's all the same to you|if it's no bother|if it's no trouble|
+        if it isn't a bother|at your convenience|at your earliest convenience|at your leisure|
+        when you get the chance|when you've got a moment|when you've got a sec|when you have a sec|
+        when you get a sec|when you get a minute|real quick|really quick|quickly please|quick one|
+        for real|for now|for the moment|next up|up next|
+        one last thing|one more thing|last but not least|and that's it|and that's all|and that is all|
+        that's the lot|nothing else|nothing more|nothing fancy|no biggie|no bother|no sweat|no fuss|
+        in one go|from where you stand|from where you're standing|right here|over here|in front of everyone|
+        for everyone|for everybody|for the crowd|for all of us|for the folks at home|thanks a bunch|
+        thanks a million|thanks heaps|thanks so very much|ta very much|ta|tah|tyvm|tysm|thanks buddy|
+        thanks pal|thanks robot|thank you robot|thank you sir|grazie|danke|merci|gracias|
+        if you don't mind me asking|if you wouldn't mind|if you would not mind|if you're willing|
+        if you're able to|if you're feeling up to it|if you feel up to it|as best you can|
+        as well as you can|a full on|
+        if that's alright|if that's all right|if that's ok|if that's okay|if that is ok|if that is okay
         |if that's fine|if it's ok|if it's okay|if it is ok|if it's alright|if you like|if you want|if you want to
         |if you wish|if you feel like it|if you're up for it|if it's not too much trouble|if it isn't too much trouble
         |if that works|if that works for you|if you would be so kind|if it pleases you|if you're ready|if you are ready
@@ -465,7 +645,8 @@ def _decimals(said: str) -> float:
 
 #: Base forms of actions, with their gerunds and participles.
 _FORMS = """advance advancing advanced|back backing backed|clap clapping clapped|come coming|crawl crawling crawled
-    |drive driving driven|do doing done|face facing faced|get getting|go going gone|greet greeting greeted
+    |drive driving driven|do doing done|face facing faced|get getting|give giving given|grab grabbing grabbed
+        |go going gone|greet greeting greeted
     |make making made|march marching marched|move moving moved|pivot pivoting pivoted|proceed proceeding proceeded
     |reverse reversing reversed|roll rolling rolled|rotate rotating rotated|run running|send sending sent
     |shake shaking shaken|shift shifting shifted|sit sitting sat|snap snapping snapped|spin spinning spun
@@ -473,8 +654,6 @@ _FORMS = """advance advancing advanced|back backing backed|clap clapping clapped
     |swivel swivelling swiveling|take taking taken|trot trotting trotted|turn turning turned|walk walking walked
     |wave waving waved"""
 _BASE = {form: forms.split()[0] for forms in _FORMS.split("|") for form in forms.split()[1:]}
-_WHOM = r"((?!(?:me|us|it|sure|certain|a|an|one|another|\d)\b)[a-z][a-z'-]*(?: [a-z][a-z'-]*){0,3}?)"
-_KINDLY = "big|little|nice|nice big|quick|friendly|warm|good|great|lovely|huge|firm"
 _ORDER = OrderWords(
     _BASE,
     when="once|as soon as|when|following",
@@ -484,16 +663,9 @@ _ORDER = OrderWords(
         |you finish(?:ed)?|you complete|finishing|having""".replace("\n        ", ""),
     subject="you(?: can)?",
     not_doing="without|instead of|rather than|no",
-    polite="would you mind|do you mind|would you consider|how about|what about|fancy|mind",
+    polite="would you mind|do you mind|would you consider|how about|what about|fancy|mind|start by|begin by|please",
     then="then",
     never="don't",
-    idioms=(
-        (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?wave\b", r"wave to \1"),
-        (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?(?:clap|round of applause|hand)\b", r"clap for \1"),
-        (rf"\b(?:give|show|send|make) {_WHOM} (?:a|your) (?:{_KINDLY} )?heart\b", r"make a heart for \1"),
-        (rf"\bgive {_WHOM} (?:an?|your) (?:{_KINDLY} )?(?:handshake|paw|hand)\b", r"shake hands with \1"),
-        (rf"\b(?:take|snap|send|get) {_WHOM} an? (?:{_KINDLY} )?(photo|picture|pic|shot)\b", r"take a \2 for \1"),
-    ),
 )
 #: Names that people give to robots and dogs, where one is called. Other names may be of people, who are spoken to.
 _PETS = """robodog|robodoggo|robo|robbie|robby|rex|rover|sparky|fido|buster|benny|bella|luna|rusty|scout|bolt|alexa|siri
@@ -518,14 +690,19 @@ LOCALE = Locale(
     waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
         |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
     remark=REMARKS.remark,
+    fragment=REMARKS.fragment,
+    introduction=REMARKS.introduction,
+    aside=REMARKS.aside,
     purpose=REMARKS.purpose,
     weighty=REMARKS.weighty,
     unsettling=REMARKS.unsettling,
     noun_after=REMARKS.noun_after,
     run_on=REMARKS.run_on,
     begins=REMARKS.begins,
+    open_end=REMARKS.open_end,
     never_where=REMARKS.never_where,
     in_order=_ORDER,
+    idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",
     put_first=r"\b(?:but|though|and|then)\b,? (?:please )?first\b|\b(?:but|and) before (?:that|this)\b|\bbeforehand\b"
     r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst"

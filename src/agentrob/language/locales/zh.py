@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from agentrob.language.locale import Locale
 from agentrob.language.locales import en
 from agentrob.language.locales.zh_characters import TWINS
+from agentrob.language.locales.zh_idioms import IDIOMS
 from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
@@ -314,7 +315,8 @@ TABLE = {
         |坐在地上|坐坐|坐一个|坐定
         |坐夏|座下|坐下来吧|坐到地下|坐下坐下|坐好坐好""",
     "op=stand": """站起来|起立|起来|站起|站立|起身|站直|站直了|站好|站起身|站起身来|站起来吧|立起来|爬起来|站一下
-        |企起身|企起来|企起嚟|企返起身|企番起身|企好|企身|企直|立正|站定|站端正|站好了|直起身来|直起身子|站起来站好|起来站好
+        |企起身|企起来|企起嚟|企返起身|企番起身|企好|企身|企直|立正|站定|站端正|站好了|直起身来|直起身子
+        |站起来站好|起来站好
         |占起来|站起莱|站起来站起来|起来起来""",
     "op=stretch": f"""{_separable("伸|抻|撑|打", "懒腰")}|{_separable("伸|抻|撑", "大懒腰")}|伸一个大大的懒腰
         |做拉伸|做个拉伸|做做拉伸
@@ -436,7 +438,7 @@ TABLE = {
     "condition=later": """秒后|秒钟后|分钟后|秒以后|秒钟以后|分钟以后|秒之后|秒钟之后|分钟之后|一会|一会儿|小时后
         |秒后再|秒钟后再|秒之后再|秒以后再""",
     "condition": """偷|偷偷|偷窥|暗中|别让|不要让|别被|不要被|别惊动|别叫醒|别吵醒|别吓|要不然|要不是|如果|要是|假如
-        |假设|万一|直到|除非|的时候|时候|的话|或|或者|还是|当|一旦|只有|否则|不然|等到|以前|前先|之前|若|倘若|不管
+        |假设|万一|直到|除非|的时候|时候|那会儿|那会|那时|那一刻|那一下|的瞬间|的话|或|或者|还是|当|一旦|只有|否则|不然|等到|以前|前先|之前|若|倘若|不管
         |除了|一边""",
     "not=no": "不",
     "not": """千万不要|千万不能|千万别再|别|不要|不用|勿|不许|不准|别再|不要再|没|没有|不必|不能|不可以|不可|未|请勿
@@ -446,7 +448,8 @@ TABLE = {
         |然后停下|然后停下来|然后停住|停住别动了|停下别动了|停下别动|停住别动|停下不动|停住不动""",
     "stop=wait": "等一下|等等|等一等",
     # ---------------------------------------------------------------- wanted, or only talk
-    "request": """替我|替我们|替咱们|不如|记住要|别忘了|别忘|别忘记|不要忘了|不要忘记|勿忘|记得|记住|务必|一定要
+    "request": """求|跪求|敬请|我要它|我想让它|替我|替我们|替咱们|不如|记住要|别忘了|别忘|别忘记|不要忘了
+        |不要忘记|勿忘|记得|记住|务必|一定要
         |千万别忘了|千万别忘记
         |千万不要忘了|千万不要忘记|可别忘了|要不你|要不|请|请你|麻烦|麻烦你|能|能不能|能否|可以|可不可以|可否|帮我
         |帮忙|帮|劳驾|劳烦|拜托|你能|你可以|你能不能|千万记得|切记|记着|可别忘了|别忘咯|别忘啦|别漏了|劳驾你|劳驾您
@@ -567,7 +570,34 @@ def _value(numeral: str) -> float | None:
         return None
 
 
-LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=TWINS, extends=en.LEXICON)
+#: Phrases of the table that are written with a wrong character of the same sound or a like shape.
+_MISREAD = {
+    **{
+        f"{wrong}{side}": f"{right}{side}"
+        for wrong, right in zip("超想网", "朝向往", strict=True)
+        for side in "前后左右"
+    },
+    **{
+        "往钱": "往前",
+        "向钱": "向前",
+        "前近": "前进",
+        "左传": "左转",
+        "右传": "右转",
+        "转一全": "转一圈",
+        "转一卷": "转一圈",
+    },
+    **{
+        "坐夏": "坐下",
+        "座下": "坐下",
+        "占起来": "站起来",
+        "站起莱": "站起来",
+        "打个招乎": "打个招呼",
+        "打招乎": "打招呼",
+    },
+    **{"打个召呼": "打个招呼", "打个找呼": "打个招呼", "怕张照": "拍张照", "怕个照": "拍个照", "拍张找": "拍张照"},
+    **{"拍个找": "拍个照", "照个像": "照个相", "照张像": "照张相"},
+}
+LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=TWINS, misread=_MISREAD, extends=en.LEXICON)
 LOCALE = Locale(
     LEXICON,
     PHRASES,
@@ -576,9 +606,10 @@ LOCALE = Locale(
     stated=remarks.STATED,
     order="""然后|接着|之后|以后|随后|而后|最后|接下来|再|完后|完了|(?<![向往朝背身])后|然後|接著|之後|以後|隨後|最後
         |(?<![向往朝背身])後""",
-    waits="等到|等|当|當|如果|要是|一旦|直到|在|只要|的时候|的時候",
+    waits="等到|等|当|當|如果|要是|一旦|直到|在|只要|的时候|的時候|那会儿|那會兒|那一刻|的瞬间",
     phrases=with_phrases,
     remark=remarks.REMARK,
+    aside=remarks.ASIDE,
     purpose=remarks.PURPOSE,
     weighty=remarks.WEIGHTY,
     unsettling=remarks.UNSETTLING,
@@ -587,4 +618,5 @@ LOCALE = Locale(
     claims=remarks.CLAIMS,
     never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
+    idioms=IDIOMS,
 )

@@ -39,6 +39,7 @@ _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATI
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
+_DO_ALONE = re.compile(r"(?:^|[，,。；;！!\s先再])(做下)(?=$|[，,。；;！!\s]|然后|接着|再)")
 _RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
 _POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
@@ -522,7 +523,14 @@ def _only(tokens: list[Token], said: str) -> list[Token]:
     return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
 
 
+def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
+    """做下，站起来: likely 坐下 with a wrong character, so it must not be passed over as "do"."""
+    found = [match.start(1) for match in _DO_ALONE.finditer(said)]
+    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+
+
 _REWRITES = (
+    (_sits_or_does, frozenset("做")),
     (_enumerated, frozenset("1")),
     (_rather, frozenset("是")),
     (_measured, frozenset("倒行按")),

@@ -331,6 +331,7 @@ PHRASES = {
     "agent.reason.deadline": "It took too long.",
     "agent.reason.stale_state": "The robot's state was too old to trust.",
     "agent.reason.lease_lapsed": "The driver did not hear from me in time.",
+    "agent.reason.fenced": "Another worker has taken over this robot.",
     "agent.reason.stop": "A stop came.",
     "agent.reason.halt": "An emergency stop came; only the owner can release it.",
     "agent.reason.halted": "I am halted; only my owner can release that.",

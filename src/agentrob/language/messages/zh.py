@@ -273,6 +273,7 @@ PHRASES = {
     "agent.reason.deadline": "超时。",
     "agent.reason.stale_state": "机器人状态太旧，不可信。",
     "agent.reason.lease_lapsed": "驱动没有及时收到我的信号。",
+    "agent.reason.fenced": "另一个工作进程已接管这台机器人。",
     "agent.reason.stop": "收到了停止命令。",
     "agent.reason.halt": "收到了急停，只有主人能解除。",
     "agent.reason.halted": "我处于急停状态，只有主人能解除。",

@@ -106,6 +106,8 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
+        if token.kind is TokenKind.OP:
+            self.sentence.denied_ops.add(Op(str(token.value).split("/")[0]))
         if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
             self.sentence.stays = self.denied
         if token.kind in (
@@ -189,6 +191,7 @@ class _Reader(SentenceState):
             cur.vague = True
             return
         if cur is not None and not cur.unknown and token.value is None:
+            cur.again = True
             return  # "turn left 90 degrees again"
         if self.at and self.tokens[self.at - 1].kind is TokenKind.THANKS and token.value is None:
             return  # "hello again"
@@ -303,12 +306,16 @@ class _Reader(SentenceState):
         if cur is None:
             return
         cur.scene = token.start == cur.start
+        if token.value == "every":  # "a photo of every door": one photo does not show them
+            self._unknown(token)
+            self.mode = Mode.SUBJECT
+            return
         if token.value is not None:
             cur.watched = True
             if token.value in ("watch", "others") and cur.joined:
                 self._watch(cur, self.sentence.drafts[-2], token)
                 cur = self.cur or cur
-        if not cur.closed and cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY):
+        if not cur.closed and (cur.bare_picture or cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY)):
             self.mode = Mode.SUBJECT
 
     def _watch(self, cur: Draft, before: Draft, token: Token) -> None:

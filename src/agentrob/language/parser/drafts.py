@@ -48,6 +48,7 @@ class Draft:
     fixes: Token | None = None  # replaces the draft before
     unknown: list[tuple[int, int]] = field(default_factory=list)
     odd_number: bool = False
+    again: bool = False  # "again" stands after it
     stop_word: bool = False
     waits: bool = False  # a stop word that is only valid at the end
     joined: bool = False  # not separated from the draft before
@@ -123,6 +124,7 @@ class Sentence:
     report: bool = False
     condition: Token | None = None
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
+    denied_ops: set[Op] = field(default_factory=set)  # gestures and pictures that are denied
     denial_joined: bool = False  # … because an "and" stands within it
     stays: Token | None = None  # "stay where you are": no walk at all
     fix_unclear: Token | None = None  # "no wait", and nothing after it

@@ -23,7 +23,7 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, Soft, TokenKind, tokens_of, without_statements
-from agentrob.language.parser.order import in_order
+from agentrob.language.parser.order import in_order, in_plain_words, items_of
 from agentrob.language.parser.remarks import names_deed, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
@@ -40,6 +40,9 @@ MAX_CHARS = 2_000
 _WORDLESS = re.compile(r"[\s.,:;!?…。，：；！？]*")
 #: Longer texts are parsed once, as they stand.
 _LONGEST_RESTATED = 500
+_EMOTICON = re.compile(r"(?:(?<=\s)|^)(?:[:;=]['’]?-?[)(DPp3*]|<3+|\^_?\^|[xX]D|T_T|o_o)(?=\s|$|[.!?,])")
+#: Words that rank the items of a list in another order than their numbers.
+_RANKED = re.compile(r"\b(?:first|last|lastly|before|after|afterwards|finally)\b|先|最后|之前|之后", re.IGNORECASE)
 _CLAUSE_END = re.compile(r"(?<!\d)[,.;!](?!\d)|[，。；！\n]")
 _FIRST_JOINT = re.compile(r"[,.;!，。；！]|\b(?:and|but|just)\b", re.IGNORECASE)
 _NOTHING_KNOWN = ParseContext()
@@ -61,7 +64,7 @@ def parse(
     is the context: earlier plans in the thread, the robot's speed and step length. Without `remarks`, a post with a
     remark in words that the grammar does not know is asked back.
     """
-    part = part_for(visible, names, others)
+    part = _EMOTICON.sub(lambda found: " " * len(found[0]), part_for(visible, names, others))
     language = language_of(part)
     if stop := stop_intent(part):
         picture = remarks and stop is Intent.STOP and _picture_at_rest(part, names, language, ops, background)
@@ -70,12 +73,14 @@ def parse(
         return _ask(ParsedSteps([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
     if len(part) > MAX_CHARS:
         return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
-    understood = _understood(part, names, language, ops, background)
+    understood = _understood(part, names, language, ops, background, asks=True)
     unclear = understood.intent in (Intent.ASK_BACK, Intent.NOTHING)
     if remarks and unclear and len(part) <= _LONGEST_RESTATED:
         understood = (
-            _in_order(part, names, language, ops, background)
+            _listed(part, names, language, ops, background)
+            or _in_order(part, names, language, ops, background)
             or _beside_remarks(part, names, language, ops, background)
+            or _in_plain_words(part, names, language, ops, background)
             or (understood.intent is Intent.NOTHING and _command_within(part, names, language, ops, background))
             or understood
         )
@@ -146,12 +151,22 @@ def _picture_at_rest(
 
 
 def _understood(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+    part: str,
+    names: Sequence[str],
+    language: Language,
+    ops: frozenset[Op],
+    background: ParseContext,
+    *,
+    asks: bool = False,
 ) -> Understanding:
+    """Read a text as it stands; with `asks` the question is worded if there is one, which takes time."""
     sentences, mistyped = _sentences(part, names, language)
     reading = read_steps(sentences, part, language, ops, background)
     if reading.problem:
-        return _without_command(sentences, language) or _ask(reading, ops, language, background.can)
+        asked = _without_command(sentences, language)
+        if asked is None and not asks:
+            return Understanding(Intent.ASK_BACK, language)
+        return asked or _ask(reading, ops, language, background.can)
     if reading.steps:
         spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
         return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
@@ -169,6 +184,10 @@ def _beside_remarks(
     steps = understood.plan.steps
     if understood.intent is not Intent.COMMAND or any(a == b and a.direction for a, b in pairwise(steps)):
         return None  # a motion that is said again after a remark may be the same one
+    return _with_left_out(understood, remarks, language)
+
+
+def _with_left_out(understood: Understanding, remarks: Sequence[str], language: Language) -> Understanding:
     told = [say("note.left_out", language, words=quote(words)) for words in remarks]
     notes = (*understood.plan.notes, *told)
     return replace(understood, plan=replace(understood.plan, notes=notes))
@@ -186,6 +205,23 @@ def _command_within(
             problem = say("ask.besides", language, words=quote(beside))
             return _ask(ParsedSteps([], [], problem), ops, language, background.can)
     return None
+
+
+def _listed(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the command of a numbered list on one line, of which each item is complete; None if it is none.
+
+    An item about which something is assumed is not complete: in "turn left 2. wave" the number may be its amount.
+    """
+    items = items_of(part)
+    if not items or _RANKED.search(part):
+        return None
+    plans = [_understood(item, names, language, ops, background).plan for item in items]
+    if not all(plan.steps for plan in plans) or any(plan.notes for plan in plans[:-1]):
+        return None
+    understood = _understood(". ".join(items), names, language, ops, background)
+    return understood if understood.intent is Intent.COMMAND else None
 
 
 def _in_order(
@@ -207,6 +243,20 @@ def _in_order(
     if understood.intent is not Intent.COMMAND:
         understood = _beside_remarks(restated, names, language, ops, background) or understood
     return understood if understood.intent is Intent.COMMAND else None
+
+
+def _in_plain_words(
+    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
+) -> Understanding | None:
+    """Return the command when the idioms of a post are put into plain words; None if it is still none."""
+    plain, left = in_plain_words(part.translate(locale(language).words.twins), locale(language).idioms)
+    if plain == part.translate(locale(language).words.twins) or stop_intent(plain):
+        return None
+    understood: Understanding | None = _understood(plain, names, language, ops, background)
+    if understood is None or understood.intent is not Intent.COMMAND:
+        understood = _in_order(plain, names, language, ops, background)
+        understood = understood or _beside_remarks(plain, names, language, ops, background)
+    return _with_left_out(understood, left, language) if understood else None
 
 
 def _repeats(text: str, language: Language) -> bool:

@@ -135,7 +135,9 @@ class Lexicon:
     """The vocabulary of one language.
 
     `phrases` maps pieces to meanings; `number` reads its numerals, which consist of `numerals`. `misspelt` maps common
-    typing mistakes to the intended words; `twins` maps a character to its standard variant.
+    typing mistakes to the intended words; `misread` maps phrases that are known although they are written with a
+    wrong character (往钱) to the intended ones, so that the reply can say so; `twins` maps a character to
+    its standard variant.
     """
 
     language: Language
@@ -143,6 +145,7 @@ class Lexicon:
     number: NumberReader
     numerals: frozenset[str] = frozenset()
     misspelt: Mapping[str, str] = field(default_factory=dict)
+    misread: Mapping[str, str] = field(default_factory=dict)
     twins: Mapping[int, int] = field(default_factory=dict)
     vocabulary: frozenset[str] = field(init=False)
     #: Beginnings of words that people break off and repeat: "turn ri right", "thir thirty degrees".
@@ -182,6 +185,7 @@ def lexicon(
     *,
     numerals: frozenset[str] = frozenset(),
     twins: Mapping[int, int] | None = None,
+    misread: Mapping[str, str] | None = None,
     extends: Lexicon | None = None,
 ) -> Lexicon:
     """Build a language from its table; phrases are separated by | and written as people write them."""
@@ -197,7 +201,7 @@ def lexicon(
         phrases, mistakes = {**extends.phrases, **phrases}, [*extends.misspelt.items(), *mistakes]
     known = {word for phrase in phrases for word in phrase} | numerals
     misspelt = {wrong: right for wrong, right in mistakes if wrong not in known}
-    return Lexicon(language, phrases, number, numerals, misspelt, twins or {})
+    return Lexicon(language, phrases, number, numerals, misspelt, misread or {}, twins or {})
 
 
 _PLAIN_WORDS, _PLAIN_HAN = re.compile("[a-z ]*"), re.compile(" *([\u3400-\u9fff]*) *")
@@ -301,6 +305,8 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
     """
     found: list[Token] = []
     pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
+    plain = text.translate(words.twins) if words.misread else ""
+    misread = [(wrong, right) for wrong, right in words.misread.items() if wrong in plain]
     at = line = 0  # `line` is where the next line begins
     while at < len(pieces):
         if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
@@ -317,6 +323,7 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             odd = ((TokenKind.WORD, "number" if run else None),)
             length, meaning = (length, ((TokenKind.SOFT, None),)) if length else (run or 1, odd)
         start, end = pieces[at].start, pieces[at + length - 1].end
+        mistyped += [(wrong, right) for wrong, right in misread if wrong in text[start:end].translate(words.twins)]
         found += (Token(kind, value, start, end) for kind, value in meaning)
         at += length
     return found, mistyped

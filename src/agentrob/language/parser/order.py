@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
 
 #: Counts the steps of a text, 0 if it is not a complete command.
 StepCounter = Callable[[str], int]
@@ -18,6 +18,8 @@ StepCounter = Callable[[str], int]
 _LABEL = re.compile(
     r"(?:^|(?<=[\s.,;!]))\s*(?:(?:step|part|number|no\.?)\s*)?(?P<number>\d)\s*[.:)](?!\d)", re.IGNORECASE
 )
+#: Longer sentences are not divided, so that parsing stays fast.
+_MOST_DIVISIONS = 4
 _SENTENCE = re.compile(r"(?:[^.!?\n;]|\.(?=\d))+")
 
 
@@ -38,7 +40,6 @@ class OrderWords:
     polite: str  # before a gerund, requests it: "would you mind"
     then: str  # joins what is done first with what is done later
     never: str  # denies an imperative
-    idioms: Sequence[tuple[str, str]] = ()  # patterns, and what they are in plain words
 
     @cached_property
     def _acting(self) -> str:
@@ -65,6 +66,19 @@ class OrderWords:
         return re.compile(
             rf"^\s*(?:and |then )*{self._finished}(?P<first>[^,]+),(?!\s*and\b)\s*(?P<later>.+)$", re.IGNORECASE
         )
+
+    @cached_property
+    def fronted_open(self) -> re.Pattern[str]:
+        return re.compile(rf"^\s*(?:and |then )*{self._finished}(?P<rest>[^,]+)$", re.IGNORECASE)
+
+    @cached_property
+    def fronted_before_open(self) -> re.Pattern[str]:
+        return re.compile(rf"^\s*(?:and )*{self._coming}(?P<rest>[^,]+)$", re.IGNORECASE)
+
+    @cached_property
+    def beginning(self) -> re.Pattern[str]:
+        """Match where a clause may begin without a pause."""
+        return re.compile(rf"(?<=\w )(?:then )?(?={self._plain_verb}\b)", re.IGNORECASE)
 
     @cached_property
     def behind(self) -> re.Pattern[str]:
@@ -95,11 +109,29 @@ class OrderWords:
 _JOINED = re.compile(r"(?:\b(?:and|then|or)|,)\s*$|\band\b|,", re.IGNORECASE)
 
 
+def in_plain_words(part: str, idioms: Sequence[tuple[str, str]]) -> tuple[str, list[str]]:
+    """Return the text with its idioms in plain words, and what was left out: what has no plain words, or is `left`."""
+    left: list[str] = []
+    part = _without_labels(part)
+
+    def restated(found: re.Match[str], plain: str) -> str:
+        if said := found[0] if not plain else found.groupdict().get("left") or "":
+            left.append(said.strip(" ,.:;!?"))
+        return found.expand(plain)
+
+    for pattern, plain in idioms:
+        part = _compiled(pattern).sub(partial(restated, plain=plain), part)
+    return part, left
+
+
+@cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    return re.compile(pattern, re.IGNORECASE)
+
+
 def in_order(part: str, words: OrderWords, steps: StepCounter) -> str:
     """Return the text restated in the order of doing; unchanged if nothing in it can be."""
     text = _without_labels(part)
-    for pattern, plain in words.idioms:
-        text = re.sub(pattern, plain, text, flags=re.IGNORECASE)
     text = _SENTENCE.sub(lambda sentence: _restated(sentence[0], words, steps), text)
     return text
 
@@ -131,7 +163,36 @@ def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
         later = words.imperative(found["later"])
         if steps(later) == 1:
             return f"{found['first']}, {words.then} {later}"
-    return sentence
+    return _restated_open(sentence, words, steps) or sentence
+
+
+def _restated_open(sentence: str, words: OrderWords, steps: StepCounter) -> str:
+    """Restate a sentence in which no comma divides its two commands; return "" if it is none."""
+    if (found := words.fronted_open.match(sentence)) and (parts := _divided(found["rest"], words, steps)):
+        return f" {parts[0]}, {words.then} {parts[1]}"
+    if (found := words.fronted_before_open.match(sentence)) and (parts := _divided(found["rest"], words, steps)):
+        return f" {parts[1]}, {words.then} {parts[0]}"
+    return ""
+
+
+def _divided(rest: str, words: OrderWords, steps: StepCounter) -> tuple[str, str] | None:
+    """Divide "turned left 45 degrees go forward 1 m" into its two commands; None unless one division works."""
+    found = []
+    for begun in list(words.beginning.finditer(rest))[:_MOST_DIVISIONS]:
+        first, second = words.imperative(rest[: begun.start()]), rest[begun.end() :]
+        if steps(first) == 1 and steps(second):
+            found.append((first, second))
+    return found[0] if len(found) == 1 else None
+
+
+def items_of(part: str) -> list[str]:
+    """Return the items of a list on one line whose first number Markdown has taken: "sit 2. wave 3) stand up"."""
+    found = list(_LABEL.finditer(part))
+    if not found or [int(m["number"]) for m in found] != list(range(2, len(found) + 2)):
+        return []
+    ends = [*(m.start() for m in found), len(part)]
+    starts = [0, *(m.end() for m in found)]
+    return [part[start:end] for start, end in zip(starts, ends, strict=True)]
 
 
 def _without_labels(part: str) -> str:

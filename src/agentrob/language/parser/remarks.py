@@ -20,10 +20,19 @@ from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)[.,:](?=\d)|(?<=\w)\.(?=\w))+")
 _SENTENCE_END = re.compile(r"[.!?;\n]")
 #: After a clause: it is a question, or it introduces what somebody said.
-_LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？:：]")
+_ASKED = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？]")
+_LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[:：]")
+_OPENING, _CLOSING = ("(", "（"), (")", "）")
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.BEYOND, TokenKind.AGAIN)
 #: Tokens with which a command may begin after a statement.
-_BEGINNING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.SHOW, TokenKind.REQUEST)
+_BEGINNING = (
+    TokenKind.MOVE,
+    TokenKind.TURN,
+    TokenKind.OP,
+    TokenKind.SHOW,
+    TokenKind.REQUEST,
+    TokenKind.GO_AHEAD,
+)
 #: Tokens that belong to them: "… and turn", "… slowly walk".
 _BEFORE_BEGINNING = (
     TokenKind.AND,
@@ -34,9 +43,12 @@ _BEFORE_BEGINNING = (
     TokenKind.TURN,
     TokenKind.OP,
 )
+_SIDES = (TokenKind.DIR, TokenKind.BACK, TokenKind.AGREE)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
+#: Of a longer clause only the first verbs are tried.
+_MOST_BEGINNINGS = 4
 #: Tokens that ask for something, or change what is asked.
 _MEANT = (
     TokenKind.REQUEST,
@@ -61,11 +73,17 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     if not locale.remark:
         return part, []
     spans = list(clauses_of(part, locale))
-    found = [(start, end) for start, end in spans if _is_remark(part[start:end], locale)]
+    found = [
+        (start, end)
+        for start, end in spans
+        if _is_remark(part[start:end], locale) or _is_aside(part, start, end, locale)
+    ]
     if any(_says_where(part, end, spans, locale) for _, end in found):
         return part, []
     blanked = part
     for start, end in found:
+        if introduces := _LEADS_ON.match(part, end):
+            blanked = blanked[:start] + " " * (introduces.end() - start) + blanked[introduces.end() :]
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
 
@@ -93,11 +111,13 @@ def unsettles(words: str, locale: Locale) -> bool:
 def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
     """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
     following = next(((start, stop) for start, stop in spans if start >= end), None)
-    if following is None or not locale.run_on:
+    if following is None or not locale.run_on or _LEADS_ON.match(part, end):
         return False
     clause = part[slice(*following)]
-    kinds = [token.kind for token in _tokens(clause, locale)]
-    if _plain(clause, locale).partition(" ")[0] in locale.never_where.split("|"):
+    tokens = _tokens(clause, locale)
+    kinds = [token.kind for token in tokens]
+    sides = [clause[token.start : token.end].lower() for token in tokens if token.kind is TokenKind.DIR]
+    if TokenKind.ANGLE in kinds or any(side in locale.never_where.split("|") for side in sides):
         return False
     verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
     sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
@@ -109,7 +129,9 @@ def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
     and a command meet. Questions and what introduces a quotation are passed over."""
     purpose = _compiled(locale.purpose) if locale.purpose else None
     for match in _CLAUSE.finditer(part):
-        if not match[0].strip() or _LEADS_ON.match(part, match.end()):
+        if not match[0].strip() or _ASKED.match(part, match.end()):
+            continue
+        if _LEADS_ON.match(part, match.end()) and not _introduces(match[0], locale):
             continue
         begun = purpose.search(match[0].lower()) if purpose else None
         at = begun.start() if begun and match[0][: begun.start()].strip() else _meeting(match[0], locale)
@@ -125,25 +147,44 @@ def _meeting(clause: str, locale: Locale) -> int:
     if not locale.run_on or len(clause) > _LONGEST_RUN_ON:
         return 0
     tokens = _tokens(clause, locale)
-    at = next((i for i, t in enumerate(tokens) if t.kind in _BEGINNING and not _is_noun(clause, t, locale)), None)
-    if at is None:
+    first = 0
+    for found in [at for at in range(len(tokens)) if _begins_command(clause, tokens, at, locale)][:_MOST_BEGINNINGS]:
+        first = first or tokens[found].end
+        at = found
+        while at and _belongs(clause, tokens[at - 1], locale):
+            at -= 1
+        if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
+            return 0
+        before = clause[: tokens[at].start]
+        if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
+            return tokens[at].start
+    if not first:
         return 0
-    first = tokens[at]
-    while at and tokens[at - 1].kind in _BEFORE_BEGINNING:
-        at -= 1
-    if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
-        return 0
-    before = clause[: tokens[at].start]
-    place = first.kind is TokenKind.DIR and tokens[at] is not first  # "there is a wall five metres ahead"
-    if before.strip() and not place and _compiled(locale.run_on).search(_plain(before, locale)):
-        return tokens[at].start
-    for begun in _compiled(locale.begins).finditer(clause.lower(), first.end):
+    for begun in _compiled(locale.begins).finditer(clause.lower(), first):
         statement = clause[begun.start() :]
+        if _compiled(locale.open_end).search(_plain(clause[: begun.start()], locale)):
+            continue  # "go forward once the light is green"
         if any(token.kind is TokenKind.DIR for token in _tokens(statement, locale)):
             continue  # "move one metre to the left beforehand"
         if _compiled(locale.run_on).search(_plain(statement, locale)) and _is_remark(statement, locale):
             return begun.start()
     return 0
+
+
+def _belongs(clause: str, token: Token, locale: Locale) -> bool:
+    """Return whether a token before the first word of a command may belong to it: "… and turn", "… slowly walk"."""
+    acts = token.kind in _ACTIONS
+    return token.kind in _BEFORE_BEGINNING and not (acts and _is_noun(clause, token, locale))
+
+
+def _begins_command(clause: str, tokens: Sequence[Token], at: int, locale: Locale) -> bool:
+    """Return whether a command may begin with this token: a verb, or a direction that is never said of a place."""
+    token, following = tokens[at], tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
+    if token.kind is TokenKind.DIR:
+        if at and tokens[at - 1].kind in _ACTIONS:
+            return False
+        return following in _AMOUNTS and clause[token.start : token.end].lower() in locale.never_where.split("|")
+    return token.kind in _BEGINNING and not _is_noun(clause, token, locale)
 
 
 def _tokens(clause: str, locale: Locale) -> list[Token]:
@@ -155,11 +196,38 @@ def _plain(words: str, locale: Locale) -> str:
     return " ".join(words.lower().replace("’", "'").translate(locale.words.twins).split())
 
 
+def _introduces(clause: str, locale: Locale) -> bool:
+    """Return whether a clause before a colon introduces the command, and not the words of somebody else."""
+    return _compiled(locale.introduction).search(_plain(clause, locale)) is not None
+
+
 def _is_remark(clause: str, locale: Locale) -> bool:
     said = _plain(clause, locale)
-    if not _compiled(locale.remark).search(said):
+    if not _compiled(locale.remark).search(said) and not _compiled(locale.introduction).search(said):
         return False
-    return not _compiled(locale.weighty).search(said) and not _commands(clause, locale)
+    aside = _compiled(locale.aside)
+    if _compiled(locale.weighty).search(aside.sub(" ", said)):
+        return False
+    clause = aside.sub(
+        lambda found: " " * len(found[0]), clause.lower().replace("’", "'").translate(locale.words.twins)
+    )
+    fragment = _compiled(locale.fragment).search(said) is not None
+    return not _commands(clause, locale) and not (fragment and _has_side(clause, locale))
+
+
+def _is_aside(part: str, start: int, end: int, locale: Locale) -> bool:
+    """Return whether a clause stands in parentheses and holds only words that ask for nothing: "(much uglier)"."""
+    if part[start - 1 : start] not in _OPENING or part[end : end + 1] not in _CLOSING or not start:
+        return False
+    clause = part[start:end]
+    known = any(token.kind not in (TokenKind.WORD, TokenKind.SOFT) or token.value for token in _tokens(clause, locale))
+    return not known and not _compiled(locale.weighty).search(_plain(clause, locale))
+
+
+def _has_side(clause: str, locale: Locale) -> bool:
+    """Return whether a clause names a direction, other than as its first word: "right, my friends"."""
+    tokens = _tokens(clause, locale)
+    return any(t.kind in _SIDES for t in tokens[1:]) or [t.kind for t in tokens] in ([TokenKind.DIR], [TokenKind.BACK])
 
 
 def _commands(clause: str, locale: Locale) -> bool:

@@ -26,7 +26,9 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
             joined.pop()
         if len(joined) > 1 and _begins_anew(joined[-2], joined[-1], draft):
             del joined[-2:]
-        if draft.op and draft.joined and joined and joined[-1].op is draft.op and not joined[-1].counted:
+        if draft.op and joined and joined[-1].op is draft.op and joined[-1].again:  # "wave again wave"
+            draft.unknown.append((joined[-1].start, draft.end))
+        elif draft.op and draft.joined and joined and joined[-1].op is draft.op and not joined[-1].counted:
             joined[-1].times, joined[-1].counted = draft.times, draft.counted  # 挥手打招呼: one gesture in two words
             joined[-1].each = joined[-1].each or draft.each
             continue
@@ -58,7 +60,9 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     if last.ahead:  # "three times: forward 1 m": that is what is repeated
         return False
     if extra.direction and extra.amount and not extra.hesitant:  # "turn left, left 90 degrees": one turn or two
-        bare = last is drafts[-1] and last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
+        bare = last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
+        if last is not drafts[-1] and extra.joined and extra.amount.start == extra.start:
+            bare = False  # "turn right and take a picture ninety degrees to the right"
         last.vague = last.vague or bare
         if bare or extra.after_and:
             return False
@@ -72,6 +76,8 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
         last.amount = None  # "walk two, er, three metres"
     if extra.direction is not None and last.direction not in (None, extra.direction):
         return False
+    if extra.hesitant and extra.direction is None and _same(extra.amount, last.amount):
+        return True  # "five feet uh five feet"
     if extra.amount is not None and (last.amount is not None or not _belongs(last, extra)):
         return False
     if extra.amount is None and (last.direction is not None or extra.after_and):
@@ -83,6 +89,10 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
     last.slow, last.slower = last.slow or extra.slow, last.slower or extra.slower
     last.speed_mps = extra.speed_mps if last.speed_mps is None else last.speed_mps
     return True
+
+
+def _same(amount: Token | None, other: Token | None) -> bool:
+    return amount is not None and other is not None and (amount.kind, amount.value) == (other.kind, other.value)
 
 
 def _belongs(last: Draft, extra: Draft) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
@@ -148,6 +149,7 @@ class _StepBuilder:
                 reading.object_to(self._say("ask.fix", self.text[sentence.cancelled.start : sentence.cancelled.end]))
             drafts += settled(sentence.drafts)
         drafts = self._corrected(sentences, drafts)
+        self._object_to_contradictions(sentences, drafts)
         self.alone = len(drafts) == 1
         self.gives_units = any(d.verb is None and d.direction and _is_length(d.amount) for d in drafts)
         for at, draft in enumerate(drafts, 1):
@@ -210,6 +212,16 @@ class _StepBuilder:
         if unclear is not None:
             self.reading.object_to(self._say("ask.fix", self.text[unclear.start : unclear.end]))
         return settled_drafts
+
+    def _object_to_contradictions(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> None:
+        """Object to a gesture that is also denied, and to one named after "again": "backflip. again! backflip!"."""
+        denied: set[Op | None] = {op for sentence in sentences for op in sentence.denied_ops}
+        for draft in drafts:
+            if draft.op in denied or (draft.bare_picture and Op.GET_FRONT_IMAGE in denied):
+                self.reading.object_to(self._say("ask.denial", self.text[draft.start : draft.end]))
+        for before, draft in pairwise(drafts):
+            if _turns_again(before, draft) or _repeats_gesture(before, draft, drafts):
+                self.reading.object_to(self._say("ask.again_which", self.text[before.start : draft.end]))
 
     def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
         """Note what is left out because "never mind" stands after it."""
@@ -459,6 +471,23 @@ class _StepBuilder:
 
 def _is_length(amount: Token | None) -> bool:
     return amount is not None and amount.kind is TokenKind.LENGTH
+
+
+def _repeats_gesture(again: Draft, draft: Draft, drafts: Sequence[Draft]) -> bool:
+    """Return whether a bare "again" stands between a gesture and the same gesture."""
+    repeats = again.verb is TokenKind.AGAIN and again.bare and not again.back
+    return repeats and draft.op is not None and any(d.op is draft.op for d in drafts if d.start < again.start)
+
+
+def _turns_again(before: Draft, draft: Draft) -> bool:
+    """Return whether whole turns are named twice in a row, perhaps the same ones: 转圈，转两圈."""
+    turns = [d for d in (before, draft) if d.verb is TokenKind.TURN and not d.direction and _is_whole(d.amount)]
+    return len(turns) == 2 and not draft.after_and
+
+
+def _is_whole(amount: Token | None) -> bool:
+    value = amount.value if amount is not None and amount.kind is TokenKind.ANGLE else None
+    return isinstance(value, float) and value > 0 and value % 360 == 0
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:

@@ -6,52 +6,180 @@ from agentrob.language.remarks.words import RemarkWords
 
 _BE = "is|are|was|were|am|isn't|aren't|wasn't|weren't"
 _HAVE = "has|have|had"
-_PAST = """ate|began|bought|broke|brought|built|came|did|died|drew|drove|fell asleep|felt|flew|forgot|found|gave|got
-   |grew|heard|kept|knew|left|lost|made|met|paid|put|ran|sat|saw|sent|shut|slept|sold|spent|stood|swept|taught|thought
-   |took|went|won|wore|[a-z]{2,}ed"""
-_PRESENT = """believe|believes|deserve|deserves|enjoy|enjoys|feel|feels|hate|hates|hope|hopes|know|knows|like|likes|live
-   |lives|look|looks|love|loves|need|needs|seem|seems|smell|smells|sound|sounds|think|thinks|trust|trusts|want|wants
-   |work|works"""
+_PAST = """ate|became|began|blew|bought|broke|brought|built|came|caught|chose|did|died|drank|drew|drove|fed|felt|flew
+   |forgot|fought|found|froze|gave|got|grew|heard|held|kept|knew|left|lent|lit|lost|made|met|paid|put|ran|rang|rode
+   |sang|sat|saw|sent|shut|slept|sold|spent|spoke|stood|stuck|swam|swept|taught|thought|threw|took|understood|went
+   |woke|won|wore|fell asleep|[a-z]{2,}ed"""
+_PRESENT = """agree|believe|call|crave|dance|deserve|disagree|doubt|drive|eat|enjoy|expect|fear|feel|forget|guess|hate
+   |hope|imagine|know|laugh|learn|like|live|look|love|miss|need|play|prefer|read|remember|seem|sing|smell|smile|sound
+   |speak|study|suppose|talk|taste|think|trust|understand|use|want|watch|wonder|work"""
+#: The third person is a verb only if something follows: "the demo starts at noon", but "the tennis balls".
+_THIRD_PERSON = r"[a-z]{3,}(?<![isu])s(?= (?!(?:of|from|in|on|at|there|here|and|or|with|for|to)\b)\w)"
+_FEELINGS = """adorable|amazing|amused|awesome|awful|bad|beautiful|bored|brilliant|cool|crazy|curious|cute|delighted
+   |excellent|excited|exhausted|fabulous|fantastic|fine|fun|funny|gorgeous|great|happy|hilarious|hungry|impressed
+   |impressive|incredible|interesting|jealous|lovely|lucky|nervous|neat|nice|nostalgic|pleased|proud|sad|shocking
+   |sleepy|smart|sorry|speechless|strange|surprised|sweet|terrible|thirsty|thrilled|tired|typical|weird|wonderful"""
+_WORDS_OF_FEELING = "|".join(word.strip() for word in _FEELINGS.split("|"))
 
 WORDS = RemarkWords(
-    leads="""ok|okay|so|well|and|but|oh|ah|um|uh|hm|hmm|hey|lol|haha|anyway|alright|by the way|btw|fyi|you know|see|look
-       |now""",
+    leads="""tbh|honestly|frankly|seriously|obviously|literally|apparently|sadly|luckily|fortunately|finally|wow|woah
+       |whoa|haha|hahaha|hehe|ha|yay|ugh|argh|phew|hmm|yeah|yes|yep|sure|cool|great|nice|ok so|right|guess what|fun fact
+       |funny|hi|hello|hi all|hi everyone|hi folks|hello everyone|hello all|hey guys|hey all|hey everyone|good morning
+       |good evening|good afternoon|morning|evening|because|cause|since|also|ok|okay|so|well|and|but|oh|ah|um|uh|hm|hey
+       |lol|lmao|omg|ngl|idk|imo|imho|anyway|anyways|alright|by the way|btw|fyi|you know|see|look|now|even though|though
+       |although|whereas|given that|seeing that|considering|considering that|now that|to be honest|to be fair
+       |not gonna lie
+       |as you can see|as you know|as you can tell|for the record|for context|for your information|between you and me
+       |believe it or not|as it happens|as luck would have it|in case you wondered|in case you were wondering|today
+       |yesterday|nowadays|these days|this morning|this week|this year|last night|last week|last year|right now
+       |currently
+       |actually|basically|personally|normally|usually|sometimes|maybe|perhaps|probably|clearly|surely|of course
+       |no wonder|turns out|no kidding|i mean|whatever|in my (?:country|class|town|village|job|opinion|experience|lab)
+       |in our (?:country|class|town|village|opinion|experience|lab|school|office)""",
     subjects="""the|my|our|his|her|their|your|its|this|that|these|those|a|an|some|all|both|most|every|each|no|any
-       |everyone|everybody|everything|nobody|nothing|none|someone|somebody|something|anyone|anybody|anything|no one|i
-       |we|he|she|they|it|there|here|today|yesterday|dad|mum|mom|grandma|grandpa|even my|even the|one of us|one of them
-       |one of my|one of our""",
-    verbs=f"{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|will|would|could|can|might|must|does|[a-z]+'(?:s|re|m|ve|ll)",
+       |everyone|everybody|everything|nobody|nothing|none|someone|somebody|something|anyone|anybody|anything|no one
+       |whoever|i|we|he|she|they|it|there|here|here's|there's|that's|thats|it's|its|today|yesterday|dad|mum|mom|mummy
+       |mommy|daddy|grandma|grandpa|granny|even my|even the|one of us|one of them|one of my|one of our|people|kids
+       |half of us|half the|only my""",
+    verbs=f"""{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|{_THIRD_PERSON}|will|would|could|can|might|must|should|does
+       |[a-z]+'(?:s|re|m|ve|ll)|thats""",
     linking=f"{_BE}|looks|seems|has|have",
-    bare_subjects="i|we|they|he|she",
-    about_robot="you're|you are|you were|you look|you seem|you went|you did|you must be|you must have",
-    exclamations="""no joke|no hurry|no rush|no pressure|no stress|no big deal|no doubt|no offence|no offense|what a
-       |what an|such a|merry|happy|long live|lovely day|nice day|lovely weather|nice weather|just testing|just curious
-       |just checking in|thanks again|thanks for|thank you for|good to see|nice to see|so much fun|purpose
-       |background""",
+    bare_subjects="i|im|ive|we|they|he|she",
+    about_robot="""you're|you are|you were|you look|you seem|you sound|you went|you did|you must be|you must have
+       |you've (?:been|got)|you made|you took|you already (?:did|took|have|had|went|made|know|[a-z]{2,}ed)|you deserve
+       |you remind|you rock|you never|you always|you make (?:me|us|my|everyone|everybody|people) (?:smile|laugh|happy
+       |day)
+       |you have (?:no idea|a lot|lots|many|such|nice|great|lovely|beautiful|good)""",
+    feelings=r"""(?:FEELINGS)(?: (?:to|how|that|what|about|for|with|at|when|because|it|this|the|my|our|his|her|i|we
+       |you|in
+        |of|as|enough|though|though|day|work|idea|view|weather|one|place|room|robot|project|team|people|crowd
+       |show)\b[\w' -]*
+        |(?: [\w'-]+){0,3} (?:today|tonight|here|there|now|outside|btw|lol|again|already|everyone|everybody|guys
+       |folks|all|mate))?$
+       """.replace("FEELINGS", _WORDS_OF_FEELING),
+    musings=r"""assuming|been|bet|can't|cannot|couldn't|didn't|dunno|enjoying|feeling|feels|glad|gotta love
+       |guess (?:i|we|it|that|this|what|so)|guessing|haven't|hope|hopefully|hoping|just (?:curious|got|joined|saying
+       |testing
+        |trying|wanted|wondering|woke|moved|landed|arrived|finished|discovered|found)|knowing|looks|love|loving|missed
+       |never (?:seen|thought|imagined|heard|knew)|no clue|no doubt|no idea|not bad|praying|rumou?r has|seems|sounds
+       |speaking (?:of|as)|still (?:can't|learning|laughing|amazed|waking)|suppose (?:i|we|it|that|this)|thinking
+       |testing(?=$| (?:if|whether|my|this|one two|testing|1))|took (?:me|us|him|her|them|ages|forever|long)
+       |trying (?:this|it|out|to|my)|typing (?:on|from|this|with)|was|wishing|wondering|works|writing (?:from|this|for)
+       |would be (?:an|a|so|nice|great|lovely|cool|fun)""",
+    verbless=r"""(?:hello|hi|hey|greetings|love|cheers|regards|salutations|welcome) (?:again )?(?:from|to) [\w' ]+
+       |back from (?:the )?[a-z]+$|(?:my|our) [\w'-]+(?: [\w'-]+){0,4}$
+       |(?:first|second|third|fourth|another|next|final|last|my first|our first)
+        (?:try|attempt|time|trial|test|run|round|demo|experiment|post|day|visit|lesson|robot)
+       |(?:attempt|test|run|try|trial|round|demo|experiment|session|episode|day|week|lesson|part|exercise|question)
+        (?:number |no )?(?:\d+|one|two|three|four|five|six|seven|eight|nine|ten|twelve)(?: of [\w' ]+)?$
+       |(?:a |just a |only a )?(?:quick|little|small|short|simple) (?:test|check|demo|question|hello|experiment|trial)
+       |as (?:a|an) (?:test|experiment|exercise|demo|treat|reward|joke|thank you|warm up|check|trial)
+       |as (?:agreed|promised|discussed|planned|expected|announced)|according to (?:the|my|our) (?:schedule|plan
+       |calendar)
+       |sorry (?:for|about) |apologies for |excuse (?:the|my|any) |pardon (?:the|my) |forgive (?:the|my) |never mind the
+       |almost there|nearly there|getting there|so close|ah so close|oh so close|good to go|here goes|here we go
+       |let's go$|long time no see|big fan|huge fan|poor (?:thing|you|guy|fellow)|too cute|too funny|no hard feelings
+       |(?:almost |nearly )?(?:lunch|tea|coffee|break|dinner|nap|bed|show|party|play|story|snack) ?time
+       |(?:only )?\d+ (?:percent|%) battery|plenty of (?:room|space|time)|lots of (?:room|space|time)
+       |no (?:joke|hurry|rush|pressure|stress|big deal|offence|offense|pun|worries|problem|complaints)
+       |what a|what an|such a|such an|so much|so many|happy [a-z]+(?: (?:to|from|for|everyone|all|folks|guys
+       |new)\b[\w' ]*)?$|merry|long live|god bless|bless (?:you|them|him|her)|congrat\w*
+       |(?:thanks|thank you|cheers)(?: (?:a|again|for|to|so|very|from|everyone|all|guys|team|folks)\b[\w' ]*)?$
+       |good (?:luck|night|morning|afternoon|evening|job|boy|girl|stuff|to see|to be|thing|point|question|old|news)
+       |my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
+       |rest in peace|case closed|long story|fair enough|true story|same here|me too|us too
+       |first things first|side note|note to self|random thought|quick note|purpose|background
+       |(?:in|from|here in) [a-z]+ (?:with love|today|tonight)$""".replace("FEELINGS", _WORDS_OF_FEELING),
+    introductions=r"""(?:my|our) (?:\w+ )?(?:vote|wish|request|turn|suggestion|pick|choice|bid|exercise|homework|task
+       |entry)
+        (?:is|goes to|would be|for today|for tonight|today|now|of the day|this time)?
+       |(?:here's|here is|here are|here comes) (?:the|my|our|a|an|your)(?: [\w'-]+){1,6}
+       |(?:one|two|three|another|a|my|our|first|last)(?: \w+)? (?:wish|wishes|request|requests|vote|votes)
+        (?:from|by|of|on behalf of)(?: [\w'-]+){1,4}
+       |(?:greetings|hello|hi|a request|a wish|message)(?: \w+)? from(?: [\w'-]+){1,5}
+       |would be (?:an honou?r|a pleasure|a dream|lovely|great|nice|cool|awesome)""",
+    prefaces=r"""if (?:i|we) (?:remember|recall|understand|see|know)(?: (?:it|that|this))?
+        (?: correctly| right| rightly| well)?
+       |if (?:i'm|i am|we're|we are) (?:honest|not mistaken|lucky|being honest)|if memory serves|if i may (?:say|add) so
+       |if you ask me|if you must know|if anyone (?:wonders|cares|asks|is wondering|is curious|is interested)
+       |if (?:my|the|our) [\w' ]+ (?:isn't lying|doesn't lie|is not lying|serves me well|is to be believed)
+       |in case (?:you|anyone|anybody) (?:wondered|were wondering|missed it|cares?|is wondering|wonders|asks)""",
+    asides=r"""(?:test|testing|wonder|wondered|wondering|check|checking|curious|sure|know|knows|idk|dunno|find out
+        |figure out|see) (?:if|whether)(?! you\b)
+       |while (?=(?:i|we|he|she|they|my|our|his|her|their)\b)|when (?=it (?:does|did|walks|moves|dances)\b|you (?:do
+       |did)
+        that\b|(?:i|we|he|she|they) (?:was|were|did|had|saw)\b)
+       |you look(?:ed)? (?:\w+ )?(?=(?:FEELINGS)\b|like (?:a|my|our)\b)
+       |you (?:already |just |nearly |almost |really )?(?:took|made|did|went|had|got|found|showed|gave)
+       |(?:be|am|i'm|is|are|was|were|came|got|welcome) (?:right )?back(?! (?:up|off|away)\b)
+       |back (?=in \d{4}\b|then\b|home\b|at (?:home|work|school)\b|(?:from|to) (?:work|school|lunch|the office)\b)
+       |look(?:ing)? forward(?= to\b)|should be (?:plenty|enough|fine|ok|okay|good|easy|fun|nice|interesting|great)$
+       |the same (?!as\b|way\b|thing\b|again\b|but\b|turn|walk|move|please)(?=[a-z]+)""".replace(
+        "FEELINGS", _WORDS_OF_FEELING
+    ),
     settings="keep (?:the|your )?(?:obstacle|collision) (?:avoidance|detection|sensors?) (?:on|enabled|active)",
-    reasons="so that|because|'?cause|cuz|coz|in order to|so as to",
+    reasons=r"""so that|because|'?cause|cuz|coz|in order to|so as to|while (?=(?:i|we|he|she|they|my|our)\b)
+        |since (?=(?:i|we|he|she|they|it|it's|the|my|our|today|there|everyone)\b)|(?:even )?though (?=(?:i|we|it|the
+       |my)\b)
+        |although|given that|seeing that|now that (?=(?:i|we|the|my|our|everyone)\b)""",
     reason_subjects=r"i|we|he|she|they|it|nobody|no one|everyone|everybody|people|the \w+|my \w+|our \w+",
-    aims="""align|avoid|be|calibrate|celebrate|check|compare|demonstrate|fit|line|make room|measure|practice|practise
-        |prove|see|show|test|warm up|get (?:a|the) (?:better|clearer|closer|full|good|nice|whole|wide|wider)""",
-    occasions="""audience|camera|camera test|class|demo|demonstration|experiment|film|fun|group photo|kids|log
+    aims=r"""align|avoid|be|calibrate|celebrate|check|compare|demonstrate|fit|line|make (?:some |more )?room|measure
+       |practice|practise
+        |prove|see|show|test|warm up|cheer up|help|impress|please|entertain|amuse|surprise|thank|honour|honor|greet
+       |welcome
+        |say (?:thanks|thank you)
+        |give (?:them|him|her|us|me|everyone|everybody|people|others|the|my) (?:\w+ )?(?:room|space|time)
+        |keep|save|verify|validate|confirm|document|record|inspect|centre|center|straighten|balance|position|capture
+        |clear|free up|let|leave|cool down|relax|loosen up|wake up|mark|honou?r|have (?:a|some) fun|face (?:the|my|a|our
+        |that|this|his|her)(?! (?:left|right|other|opposite|back|rear|front|same)\b) \w+
+        |get (?:a|the|some) (?:better|clearer|closer|full|good|nice|whole|wide|wider|different|new|nicer|cleaner)
+        (?:view|look|shot|angle|picture|photo|image|idea|impression)""",
+    occasions="""mum|mom|mummy|mommy|dad|daddy|wife|husband|son|daughter|sister|brother|grandma|grandpa|gran|nan|granny
+       |family|parents|mother|father|cousin|uncle|aunt|niece|nephew|friend|friends|team|teammates|colleagues|albums
+       |crew|guests|customers|clients|client|fans|followers|viewers|subscribers|people|crowd|folks|class|teacher
+       |professor
+       |blog|website|site|page|channel|vlog|album|newsletter|report|records|archive|archives|file|files|docs
+       |documentation
+       |logs|logbook|diary|journal|scrapbook|gallery|forum|thread|post|wiki|poster|flyer|brochure|slides|paper|thesis
+       |homework|project|study|research|insurance|catalogue|calendar|instagram|insta|facebook|youtube|twitter|reddit
+       |tiktok|discord|slack|social media|socials|github|linkedin|whatsapp|fun|laughs|practice|science|luck
+       |old times sake
+       |(?:closer|better|wider|nicer|good|clear|clearer|full|different|quick|proper|second|new)
+        (?:look|view|shot|angle|picture|photo|image)
+       |birthday|wedding|party|anniversary|celebration|occasion|holiday|meeting|lesson|lecture|workshop|exhibition
+       |open day
+       |audience|camera|camera test|class|demo|demonstration|experiment|film|fun|group photo|kids|log
        |measurement|movie|photo|picture|presentation|record|science|show|students|test|video|visitors""",
     meaning={
-        "condition": """only|except|unless|until|instead|rather|ready|enough|wait|waits|waiting|first|later|tomorrow
+        "condition": r"""only(?! (?:my|the|our|a)\b)|except|unless|until|instead|rather|enough
+           |(?<!is )(?<!are )(?<!'s )(?<!'m )(?<!am )ready|wait(?<!can't wait)(?<!cannot wait)|waits|waiting
+           |first(?! (?:time|try|attempt|visit|day|test|trial|run|demo|robot|post|week|ever)\b)|later|tomorrow
            |tonight|yet""",
-        "correction": """wrong|mistake*|misspoke|mix(?:ed)? (?:it |that |them )?up|other way (?:a?round)|backwards|mean
-           |means|meant|too (?:far|much|fast|close|long|near|many)|last one|cancel*""",
+        "correction": r"""(?<!nothing's )(?<!nothing is )(?<!nothing )wrong|mistake*|misspoke|mix(?:ed)? (?:it |that 
+        |them )?up|other way (?:a?round)|backwards|mean
+           |means|meant|too (?:far|much|fast|close|long|near|many)|cancel*
+           |last one(?! (?:was|is|came out|looked|turned out|looks) (?:\w+ )?(?:blurry|dark|great|good|nice|fun|funny
+            |perfect|lovely|fine|cool|amazing|awesome|easy|hard|crooked|grainy|bright|sharp|fuzzy)\b)""",
         "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should*|supposed|ought
            |must (?!be\b|have\b)""",
         "denial": r"""
             (?:don't|doesn't|didn't|do not|does not|did not|not|never) (?:want|need|agree|like|mean|sure|think|care
             |trust|do|go|now|move|moving)
-           |(?:is|are|was|were) not|'(?:s|re) not|i(?:'m| am) not (?!\w+ing\b)
-           |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! wait\b| believe\b)|cannot""",
+           |(?:is|are|was|were) not(?! (?:so|very|that|really|even|bad|easy|my) )|'(?:s|re) not|i(?:'m
+       | am) not (?!\w+ing\b)
+           |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! (?:wait|believe|complain|tell|imagine|remember
+       |resist|sleep|afford|speak|spell|type|cook|sing|swim
+            |draw|count|thank|get over|help it|stop laughing|stop smiling|be happier|agree more|been|had)\b)
+           |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
         "time": r"""
             (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
            |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
            |(?:once|when|after|before) (?:done|finished|you're done|you are done) [a-z]+ing""",
-        "order": r"commands?|orders?(?<!in order)|posts?|example|motion|moving|movements?|more|less",
+        "another": r"""(?:other|another|different|wrong|second) (?:robot|one|dog|bot|machine|unit|left|right|way|side)
+           |too (?:early|late|soon)|(?:bad|terrible|awful|stupid|crazy|risky|silly) (?:idea|plan|move|sign|place
+       |time)""",
+        "order": r"""commands?|orders?(?<!in order)|posts?(?<!first post)(?<!blog post)(?! about\b| here\b)|example
+        |motion|moving|movements?|more|less""",
         "amount": r"""
             (?:(?:centi)?met(?:re|er)s?|(?<!')m|cm|mm|km|ft|feet|foot|inch|inches|yards?|steps?|paces?
             |degrees?)(?! (?:of|long|wide|tall|high|outside|inside|today|in here|celsius)\b)""",
@@ -59,12 +187,17 @@ WORDS = RemarkWords(
            |we would
            |(?:wants?|needs?|likes?|loves?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?
             |have) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
-        "question": r"what (?!a\b|an\b)|which|who|whom|where|how|why|whether",
+        # Within a statement these ask for nothing: "that's where the plant was".
+        "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)
+        |why|whether)
+           |(?:show|tell|see|find|check|know|sure) (?:me |us )?(?:what|which|who|whom|where|how|why|whether)
+           |what (?:about|to)|how (?:about|to)|where to|which (?:way|side|direction|one)""",
         "authority": """owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)
            |developer|programmer""",
         "quotation": r"""
             (?:said|says?|wrote|writes?|told|tells?|asked|shouts?|shouted|yells?|yelled|replie[ds]|answers?|answered
-            |suggest*|claim*|typed?|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello)\b)
+            |suggest*|claim*|typed|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello|thanks|thank you
+       |goodbye|good)\b)
            |quote*|pretend*|asking|telling|kidding|joking|jokes?(?<!no joke)|dream*|story|movie""",
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
     },
@@ -74,6 +207,9 @@ WORDS = RemarkWords(
         "in the way": r"""
             (?:is|are|'s|'re|sits?|sitting|stands?|standing|lies) (?:\w+ ){0,2}?on the (?:floor|ground|carpet|rug)
            |in (?:the|your) way|on the (?:way|path)|block*""",
+        "a place": r"""(?:stand|sit|sleep|nap|doze|play|wait|crouch|kneel|hang|rest|crawl|run|walk|squat|hide|cower)s?
+            (?:\w+ ){0,2}?(?:there|here|behind|under|underneath|near|beside|by|next|close|ahead|in|on|at|around|between)
+           |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)""",
         "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
            |coming|approach*|crossing|falling|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
            |knife|knives|weapons?""",
@@ -86,12 +222,16 @@ WORDS = RemarkWords(
     robot=r"you|yourself|your \w+|the robot",
     unfinished=r"""will|can|could|would|should|must|may|might|cannot|do|does|did|not|going|you|we|i|they|it|he|she|them
        |him|of|in|for|with|at|on|to|from|about|the|my|your|our|a|an|no|just|is|are|was|were|be|been|people|dogs|robots
-       |kids|and|or|but|that|than|as|if|when|\w+'s|\w+'m|\w+'re|\w+n't
+       |kids|first|second|third|last|next|new|own|same|other|and|or|but|that|than|as|if|when|\w+'s|\w+'m|\w+'re|\w+n't
        |(?!(?:morning|evening|building|ceiling|thing)$)\w+ing""",
-    governs_verb="""if|when|who|that(?!')|which|where|what(?!')|how|because|than|or|but|and|see|sees|saw|seen|watch
-       |watches|watched|make|makes|made|let|lets|help|helps|helped|hear|heard|want|wants|wanted|like|likes|liked|love
-       |loves|need|needs|making|letting|helping|seeing|watching|hearing|wanting|told|tell|tells|say|says|said|ask|asks|asked|to""",
+    joins_verb="""if|when|once|until|till|before|after|unless|while|since|as|who|that(?!'| [a-z]+$)|which|where
+       |what(?!')|how|because|than|or|but|and""",
+    governs_verb="""see|sees|saw|seen|watch
+       |watches|watched|make|makes|made|let|lets|help|helps|helped|hear|heard|want|wants|wanted|need
+       |needs|making|letting|helping|seeing|watching|hearing|wanting|told|tell|tells|say|says|said|ask|asks|asked""",
     never_where="forward|forwards|backward|backwards|back",
-    before_noun="""the|a|an|my|our|his|her|their|its|this|that|is|are|was|were|wide|very|still|already|new|last|next
+    before_noun="""closer|better|wider|nicer|clear|clearer|full|different|quick|proper|the|a|an|my|our|his|her|their|its
+       |this|that|is|are|was|were|(?:is|are|was|were|'s) (?:very|still|already)|wide|new|last|next
+       |first|second|third|only|own|same|other|favou?rite
        |your|no|any|of|for|at|on|some|good|great""",
 )

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 _LINE_END = re.compile(r"\s*\n\s*(?=\|)")
-_PHRASE = re.compile(r"(?:[^|()]|\((?:[^()]|\([^()]*\))*\))+")
+_INNER = r"\([^()]*\)"
+for _ in range(3):  # parentheses within parentheses
+    _INNER = rf"\((?:[^()]|{_INNER})*\)"
+_PHRASE = re.compile(rf"(?:[^|()]|{_INNER})+")
 
 
 def one_of(*lists: str) -> str:
@@ -34,7 +37,14 @@ class RemarkWords:
     linking: str  # the few verbs that make a statement also of a noun without an article: "weather is"
     bare_subjects: str  # pronouns with which any verb makes a statement: "I", "they"
     about_robot: str  # harmless statements about the robot: "you are", "you look"
-    exclamations: str  # whole clauses, or their beginning, without a verb: "what a", "no hurry"
+    feelings: str  # adjectives of what somebody feels or finds: "curious"
+    musings: (
+        str  # begin a clause whose subject is left out and cannot be the robot: "hope you are well", "took me ages"
+    )
+    verbless: str  # whole clauses, or their beginning, without a verb: "what a", "no hurry", "my first post"
+    introductions: str  # before a colon, introduce the command itself: "my vote goes to: …"
+    prefaces: str  # conditions in form that are none, and may begin a clause: "if I remember correctly"
+    asides: str  # words that look like a condition or a deed, and are none: "wondering if", "be right back"
     settings: str  # whole clauses: settings that are on anyway
     reasons: str  # begin a reason or purpose, also within a clause: "because", "so that"
     reason_subjects: str  # "so" before one of these, and a verb, begins a purpose
@@ -45,6 +55,7 @@ class RemarkWords:
     near_robot: str  # prepositions: what is there may be hit
     robot: str  # words for the robot after them
     unfinished: str  # a statement cannot end in these: a verb after them belongs to it
+    joins_verb: str  # … within the three words before it: "what happens when dogs walk"
     governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
     never_where: str  # directions that nobody says of a place: "forward"
     before_noun: str  # a word after one of these is a noun or adjective, also if it may be an action: "my turn"
@@ -66,9 +77,29 @@ class RemarkWords:
     def remark(self) -> str:
         """Match a clause in the form of a statement, purpose, reason or exclamation."""
         return (
-            rf"{self._lead}(?:{self._statement}|{self._reason}|to {one_of(self.aims)}\b(?= \w+)|{self._occasion}"
-            rf"|{one_of(self.exclamations)}\b|{one_of(self.settings)}$)"
+            rf"{self._lead}(?:{self._statement}|{self._reason}|to {one_of(self.aims)}\b(?= \w+|$)|{self._occasion}"
+            rf"|{one_of(self.musings)}\b|{one_of(self.verbless, self.feelings)}(?!\w)"
+            rf"|{one_of(self.prefaces)}\b|{one_of(self.settings)}$)|{self._only_leads}"
         )
+
+    @cached_property
+    def fragment(self) -> str:
+        """Match a clause without a verb. With a direction it may belong to a command: "my left"."""
+        return rf"{self._lead}{one_of(self.verbless, self.feelings)}(?!\w)|{self._only_leads}"
+
+    @cached_property
+    def _only_leads(self) -> str:
+        return rf"^{one_of(self.leads)}(?: {one_of(self.leads)})*$"
+
+    @cached_property
+    def introduction(self) -> str:
+        """Match what introduces a command before a colon."""
+        return rf"{self._lead}{one_of(self.introductions)}$"
+
+    @cached_property
+    def aside(self) -> str:
+        """Match words of a condition that sets none."""
+        return rf"\b{one_of(self.prefaces, self.asides)}"
 
     @cached_property
     def _reason(self) -> str:
@@ -81,7 +112,7 @@ class RemarkWords:
     @cached_property
     def purpose(self) -> str:
         """Match where a reason or purpose begins within a clause."""
-        return rf"\b(?:{self._reason}|{self._occasion}|to {one_of(self.aims)}\b(?= \w+ \w+))"
+        return rf"\b(?:{self._reason}|{self._occasion}|to {one_of(self.aims)}\b(?= \w+ \w+|\s*$))"
 
     @cached_property
     def weighty(self) -> str:
@@ -102,15 +133,21 @@ class RemarkWords:
     def run_on(self) -> str:
         """Match a whole statement that a command may follow without punctuation: "the kids are gone move forward"."""
         finished = rf"(?!.*\b{one_of(self.unfinished)}$)"
-        plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)"
+        plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)(?!.*\b{one_of(self.joins_verb)}(?: [\w'-]+){{0,3}}$)"
         words = r"[\w' -]*"
-        whole = rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{one_of(self.exclamations)}\b{words})$"
+        others = one_of(self.musings, self.verbless, self.feelings)
+        whole = rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{others}(?!\w){words})$"
         return rf"{whole}|{self._lead}{one_of(self.settings)}$"
+
+    @cached_property
+    def open_end(self) -> str:
+        """Match words after which a clause goes on: "go forward once", "what happens when"."""
+        return rf"\b(?!(?:and|or|but)$){one_of(self.unfinished, self.joins_verb, self.reasons)}$"
 
     @cached_property
     def begins(self) -> str:
         """Match where a statement may begin after a command without punctuation: "… i think it works"."""
-        return rf"\b{one_of(self.subjects, self.bare_subjects, self.about_robot, self.exclamations)}(?=\b|')"
+        return rf"\b{one_of(self.subjects, self.bare_subjects, self.about_robot, self.verbless)}(?=\b|')"
 
     @cached_property
     def noun_after(self) -> str:

@@ -1,0 +1,142 @@
+"""English idioms in plain words: what a table of phrases cannot hold, since a part of it varies.
+
+Each entry is a pattern and what it means in the words of the table. They apply only to posts that are not understood as
+they stand, and the plain words are understood by the same grammar, which asks about all that it does not know.
+"""
+
+from __future__ import annotations
+
+_WHOM = r"((?!(?:me|us|it|sure|certain|a|an|one|another|\d)\b)[a-z][a-z'-]*(?: [a-z][a-z'-]*){0,3}?)"
+_KINDLY = "big|little|nice|nice big|quick|friendly|warm|good|great|lovely|huge|firm"
+_PICTURE = "photo|picture|pic|image|shot|snapshot|photograph"
+_GESTURE = "wave|heart|backflip|flip|clap|handshake|stretch|sit"
+_NUMBER = (
+    r"(?:\d+|one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|fifteen|twenty|thirty|forty|fifty|sixty"
+    r"|seventy|eighty|ninety|hundred)"
+)
+#: Where a clause begins; group 1 is what stands there.
+_BEGIN = r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|hi|hello|uh|um|please)\s+)"
+_END = r"(?=\s*(?:$|[,.;:!?]|\b(?:and|then|please|pls|plz|thanks|thank)\b))"
+_ANEW = r"(?:sorry|oops|whoops|my mistake|my bad|no|no wait|wait|wait no|actually|uh|er)"
+_OTHER_WAY = r"(?:the )?other (?:way|direction|side)"
+#: Hours of a clock face that a robot can turn to; twelve is ahead.
+_HOURS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven")
+
+
+def _clock() -> tuple[tuple[str, str], ...]:
+    """ "Turn to your three o'clock" is a turn of 90° to the right; "at three o'clock" is a time."""
+    found = []
+    for hour, word in enumerate(_HOURS, 1):
+        side, degrees = ("right", hour * 30) if hour <= 6 else ("left", 360 - hour * 30)
+        plain = "turn around" if degrees == 180 else f"turn {side} {degrees} degrees"
+        found.append(
+            (
+                rf"\b(?:(?:turn|rotate|spin|pivot|swing|swivel|look)(?: around| round)? (?:to|towards?)|face)"
+                rf"(?: your| the| my)? (?:{hour}|{word}) ?o'? ?clock(?: position| direction)?\b",
+                plain,
+            )
+        )
+    return tuple(found)
+
+
+IDIOMS: tuple[tuple[str, str], ...] = (
+    (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?wave\b", r"wave to \1"),
+    (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?(?:clap|round of applause|hand)\b", r"clap for \1"),
+    (rf"\b(?:give|show|send|make) {_WHOM} (?:a|your) (?:{_KINDLY} )?heart\b", r"make a heart for \1"),
+    (rf"\bgive {_WHOM} (?:an?|your) (?:{_KINDLY} )?(?:handshake|paw|hand)\b", r"shake hands with \1"),
+    (rf"\b(?:take|snap|send|get) {_WHOM} an? (?:{_KINDLY} )?(photo|picture|pic|shot)\b", r"take a \2 for \1"),
+    # ---------------------------------------------------------------- amounts
+    *_clock(),
+    (rf"\bturn (left|right) around (?={_NUMBER})", r"turn \1 about "),
+    (r"\b(?:l|lt)-?(\d{2,3})\b(?! ?(?:m|cm|mm|ft|feet|foot|met|in|inch|sec|s|step))", r"turn left \1 degrees"),
+    (r"\b(?:r|rt)-?(\d{2,3})\b(?! ?(?:m|cm|mm|ft|feet|foot|met|in|inch|sec|s|step))", r"turn right \1 degrees"),
+    (r"(?<=[\w ])\s+x ?([2-9])\b", r" \1 times"),
+    (
+        rf"{_BEGIN}((?:\d|two|three|four|five) (?:more )?(?:photos|pictures|pics|images|shots|snapshots)\b)",
+        r"\1take \2",
+    ),
+    (rf"\bthere and back[:,]? ({_NUMBER} \w+)", r"walk \1 and come back"),
+    (rf"\b((?:go|walk|move)) there and back[:,]? ({_NUMBER} \w+)", r"walk \1 and come back"),
+    (r"\b(\d+ ?(?:deg|degrees|degree|°)) l\b(?!')", r"\1 left"),
+    (r"\b(\d+ ?(?:deg|degrees|degree|°)) r\b(?!')", r"\1 right"),
+    (r"\brt (?=\d)", "right "),
+    (
+        rf"\b(turn|swing|spin|rotate|pivot) (?:around|round) (to (?:the|your) (?:left|right)),? "
+        rf"(?=(?:by |about )?{_NUMBER}[\w -]* degrees?\b)",
+        r"\1 \2 ",
+    ),
+    (r"\byoure\b", "you're"),
+    (r"\bur\b", "your"),
+    (r"\bfotos?\b|\bfotograph\b", "photo"),
+    (r"\b(?:tiny|teeny|wee|slight) (?=turn|step|bit of a turn|wave|move)", ""),
+    # ---------------------------------------------------------------- one more of the same
+    (
+        rf"^(.*\b(?:{_PICTURE})s?\b.*?\b(?:take|snap|grab|send|get|shoot)) "
+        rf"(?:it again|(?:another|one more|a second|a new|the next)(?: one)?|one again){_END}",
+        r"\1 a photo",
+    ),
+    (r"\b(sit|stand|wave|stay|backflip),? (?:boy|girl|doggy|doggo),? \1\b", r"\1"),
+    # ---------------------------------------------------------------- corrections
+    (rf"\b({_ANEW}),? {_OTHER_WAY},? (?=(?:turn |rotate |go )?(?:left|right)\b)", r"\1 "),
+    (rf"\bleft\b((?:(?!\bright\b)[^,.;!?])*)[,.;!?—-]+ ?(?:{_ANEW},? )+{_OTHER_WAY}{_END}", r"right\1"),
+    (rf"\bright\b((?:(?!\bleft\b)[^,.;!?])*)[,.;!?—-]+ ?(?:{_ANEW},? )+{_OTHER_WAY}{_END}", r"left\1"),
+    (r"^\s*i (?:said|wrote|typed) (\w+),? but (?:i )?meant (\w+)[:;,. ]+(?=.*\b\2\b)", ""),
+    (rf"(?<=\w),? sorry,? (?=(?:{_NUMBER}|left|right|forwards?|backwards?|back)\b)", " i mean "),
+    (r"\bturn (?:ri|rig|righ|r|le|lef|l) (?=(?:uh |um |er )?turn (?:to the )?(?:left|right)\b)", ""),
+    (r"\bi (?:don't|dont|do not) (?:want|need) you to (.+?),? (?:but )?i (?:want|need) you to ", r"don't \1, "),
+    (
+        rf"^\s*(?:rather than|instead of) (?:an? |the |another )?((?:{_PICTURE}|{_GESTURE})),? ?",
+        r"don't \1, ",
+    ),
+    (rf"\b(?:rather than|instead of) (?:an? |the |another )?((?:{_PICTURE}|{_GESTURE}))$", r", don't \1"),
+    # ---------------------------------------------------------------- order
+    (r"^\s*(?:after|following|having done) an? (.{3,30}?) (?:turn|rotation),? (?=\w)", r"turn \1, then "),
+    (r"^([^,]+?) (?:after|following) an? ([^,]{3,30}?) (?:turn|rotation)$", r"turn \2, then \1"),
+    (r"^\s*(?:start|begin) with (.+?)[, ]+(?:and |then |and then )*(?:end|finish) with (.+)$", r"please \1, then \2"),
+    (r"\b(?:and|then|and then) (?:end|finish)(?: up| off)? with\b", "then"),
+    (r"\bhaving (turned|moved|walked|gone|stepped|backed)\b", r"once you've \1"),
+    (r",? followed by (?=an? |the |\d|your )", ", then "),
+    (
+        r"[,.]? (?:and )?(?:that'll|that will|that would|that'd) be (?:it|all)(?: for now| thanks)?(?=[.!]*$)",
+        "",
+    ),
+    (r",? (?:while )?(?:keeping|maintaining) (?:the|your) (?:same )?(?:heading|orientation|direction)\b", ""),
+    # ---------------------------------------------------------------- requests
+    (rf"{_BEGIN}(?:could|can|would|will) the (?:robot|dog|bot|doggo) (?:please |kindly )?(?=[a-z])", r"\1please "),
+    (
+        rf"{_BEGIN}(?:the )?robot (?:must|should|shall|has to|needs to|is to|can) (?:please )?(?=[a-z]+\b(?<!ing))",
+        r"\1please ",
+    ),
+    (rf"\b(do|perform|show us|show me) its (?=(?:{_GESTURE})\b)", r"\1 your "),
+    (
+        rf"{_BEGIN}(?:may|can|could) (?:i|we) (?:please )?(?:ask for|request|get|have|do) (?=an? [\w -]*\bturn\b)",
+        r"\1do ",
+    ),
+    (rf"{_BEGIN}(?:reposition|relocate) (?:yourself )?(?=[a-z\d])", r"\1move "),
+    (rf"{_BEGIN}oi(?= |,)", r"\1hey"),
+    (rf"{_BEGIN}mind (?=[a-z]+ing\b)", r"\1would you mind "),
+    (rf"{_BEGIN}(?:so )?why (?:not|don't we|don't u) (?=\w)", r"\1please "),
+    (
+        rf"{_BEGIN}(?:is there |there's |there is )?(?:any|some|no) (?:way|chance|possibility) "
+        r"(?:that )?(?:you|u) (?:could|can|would|might) ",
+        r"\1please ",
+    ),
+    (rf"{_BEGIN}would it (?:kill|hurt|be (?:ok|okay|too much)(?: for)?) (?:you )?to ", r"\1please "),
+    (rf"{_BEGIN}(?:can|could|may) (?:we|i) see (?=(?:an?|your|the|that) (?:\w+ )?(?:{_GESTURE})\b)", r"\1do "),
+    (
+        rf"{_BEGIN}(?:let's (?:have|see|get|do|try)|time for|who wants|we want|bust out|pull off|throw in|treat us to"
+        r"|hit us with|how about|ready for|may i request|requesting|request:) "
+        rf"(?=(?:an?|your|the|another|one|one more) (?:\w+ )?(?:{_GESTURE}|{_PICTURE})\b)",
+        r"\1please do ",
+    ),
+    (rf"{_BEGIN}(?:maybe |let's |lets |just |we |we could )?(?:try|attempt) (?:to )?(?=[a-z]+)(?!again)", r"\1please "),
+    (rf"{_BEGIN}(?:let's|lets) (?=(?:\d|{_NUMBER}\b))", r"\1please "),
+    (rf"{_BEGIN}be an? (?:good|nice|dear|kind) (?:\w+ )?(?:and|& ) ?", r"\1please "),
+    (
+        r"^\s*(hello|hi|hey|yo|good (?:morning|evening|afternoon))((?: [a-z]+){0,2}?)[,.!]? "
+        r"(?P<left>how are you(?: doing)?(?: today)?|how's it going|what's up|sup|how do you do)[?!.,]* (?=\w)",
+        r"\1\2, ",
+    ),
+    (r"^\s*((?:er|um|uh|ok|okay|well)[, ]+)?right,? (?=(?:robot|dog|doggo|buddy|mate|so|ok|okay|folks|team)\b)", ""),
+    (r"(?<=\w) (please|pls|plz)\s*([.!]*)$", r", \1\2"),
+)
