@@ -26,7 +26,7 @@ from tests.board.db.postgres_server import open_to_all, postgres_server
 from tests.board.running_board import LIMIT_S, database_for
 
 #: The public address; in production a proxy would be there.
-SEEN_AS = "http://forum.example.org"
+PUBLIC_URL = "http://forum.example.org"
 PEOPLE = {"op": Role.OPERATOR, "member": Role.MEMBER, "admin": Role.ADMIN}
 
 
@@ -38,7 +38,7 @@ def free_ports(count: int) -> list[int]:
 
 @contextmanager
 def fresh_postgres() -> Iterator[str]:
-    """Return the URL of a separate PostgreSQL server."""
+    """Run a separate PostgreSQL server; yield its URL."""
     with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # socket paths must be short
         folder = Path(made)
         open_to_all(folder)
@@ -47,7 +47,7 @@ def fresh_postgres() -> Iterator[str]:
 
 
 class BoardProcess:
-    """One `agentrob board serve`. Its start begins in the constructor; `wait` until it serves."""
+    """One `agentrob board serve`. The constructor starts it and does not wait; `wait` returns when it serves."""
 
     def __init__(self, config: Path, port: int, environment: Mapping[str, str]) -> None:
         self.port, self.log = port, config.with_suffix(".log")
@@ -69,17 +69,17 @@ class BoardProcess:
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
         assert line, self.logged[-3000:]
-        assert json.loads(line)["url"] == SEEN_AS
+        assert json.loads(line)["url"] == PUBLIC_URL
 
     def client(self, token: str | None = None) -> httpx2.Client:
-        """Paths are below `/api/v1`."""
+        """Return a client whose paths are below `/api/v1`."""
         headers = {"Authorization": f"Bearer {token}"} if token else {}
         made = httpx2.Client(base_url=self.url + "/api/v1", headers=headers, timeout=LIMIT_S)
         self._clients.append(made)
         return made
 
     def kill(self) -> None:
-        """Kill it with SIGKILL."""
+        """Kill the process with SIGKILL."""
         self.process.kill()
         self.process.wait(LIMIT_S)
 
@@ -101,19 +101,19 @@ class Forum:
 
     def __init__(self, folder: Path, server_url: str, stack: ExitStack) -> None:
         self.folder, self._stack, self._server_url = folder, stack, server_url
-        config = BoardConfig(base_url=SEEN_AS, database=database_for(server_url, folder))
+        config = BoardConfig(base_url=PUBLIC_URL, database=database_for(server_url, folder))
         self.settings = replace(BoardSettings.from_config(config, folder), busy_timeout_s=2.0)
         self.tokens: dict[str, str] = {}
         self.processes: list[BoardProcess] = []
 
     def begin(self, hooks: Mapping[str, tuple[str, str]] | None = None) -> BoardProcess:
-        """Start one more process; it may not serve yet."""
+        """Start one more process, without waiting until it serves."""
         number, (port,) = len(self.processes), free_ports(1)
         config = self.folder / f"board-{number}.toml"
         lines = [
             f'data = "{self.folder}"',
             "[board]",
-            *(f'listen = "127.0.0.1:{port}"', f'base_url = "{SEEN_AS}"', f'database = "{self.settings.database}"'),
+            *(f'listen = "127.0.0.1:{port}"', f'base_url = "{PUBLIC_URL}"', f'database = "{self.settings.database}"'),
             *("[board.limits]", "posts = 0", "commands = 0", "uploads = 0", "sign_ups = 5"),
         ]
         secrets = {}
@@ -135,7 +135,7 @@ class Forum:
         return self.processes[1]
 
     def people(self) -> None:
-        """`op`, `member`, `admin` and the robot agent `quadruped`."""
+        """Create `op`, `member`, `admin` and the robot agent `quadruped`."""
         for name, role in PEOPLE.items():
             self.add(name, role=role)
         self.add("quadruped", kind=AccountKind.ROBOT_AGENT)
@@ -150,8 +150,8 @@ class Forum:
         return on.client(self.tokens[name])
 
     @contextmanager
-    def database_gone(self) -> Iterator[None]:
-        """Block all access to the forum's database, as when the database or a network is down."""
+    def database_blocked(self) -> Iterator[None]:
+        """Block all access to the forum's database, like a failed server or network."""
         name = self.settings.database.partition("?")[0].rsplit("/", 1)[1]
         engine = create_engine(self._server_url, isolation_level="AUTOCOMMIT")
         with engine.connect() as connection:
@@ -167,7 +167,7 @@ class Forum:
 
 @contextmanager
 def forum_of(server_url: str, folder: Path, processes: int = 2, **options: Any) -> Iterator[Forum]:
-    """A forum on an empty database; its processes are started at the same time."""
+    """Serve a forum on an empty database; all processes start at the same time."""
     folder.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         forum = Forum(folder, server_url, stack)

@@ -31,11 +31,11 @@ from agentrob.model import Account, AccountKind, Role
 from agentrob.process.http_server import HttpServer
 
 T = TypeVar("T")
-#: The timeout for everything in these tests.
+#: The timeout of every wait in these tests.
 LIMIT_S = 60.0
 
 
-#: Passwords of tests protect nothing, so hashing them is as cheap as possible.
+#: Passwords in tests protect nothing, so hashing them is as cheap as possible.
 accounts._hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
 accounts._NOBODY = accounts._hasher.hash("nobody's")
 #: The accounts that every board has from the beginning.
@@ -51,7 +51,7 @@ POSTGRES = "AGENTROB_TEST_POSTGRES"
 
 
 def database_for(server_url: str, folder: Path) -> str:
-    """Return the URL of a folder's own database on that server; create it if it does not exist."""
+    """Return the URL of the database for this folder; create it if it does not exist."""
     name = "board_" + hashlib.sha256(str(folder).encode()).hexdigest()[:16]
     server = create_engine(server_url, isolation_level="AUTOCOMMIT")
     with server.connect() as connection:
@@ -63,18 +63,17 @@ def database_for(server_url: str, folder: Path) -> str:
 
 @cache
 def fresh_database() -> tuple[bytes, dict[str, str]]:
-    """Return a database with the first boards and accounts, made once for all boards of this process, and their
-    tokens."""
+    """Return a database with the first boards and accounts, and the tokens; created once for each test process."""
     with TemporaryDirectory() as folder:
         settings = BoardSettings.from_config(BoardConfig(), Path(folder))
         local_admin.bootstrap(settings)
-        tokens = {name: had(settings, name, **options) for name, options in FIRST.items()}
+        tokens = {name: token_of(settings, name, **options) for name, options in FIRST.items()}
         assert settings.database_path is not None
         return settings.database_path.read_bytes(), tokens
 
 
-def had(settings: BoardSettings, name: str, **options: Any) -> str:
-    """Return a new token of an account, which is created if it does not exist."""
+def token_of(settings: BoardSettings, name: str, **options: Any) -> str:
+    """Create an account if it does not exist; return a new token of it."""
     try:
         account = local_admin.find_account(settings, name)
     except BoardError:
@@ -83,8 +82,8 @@ def had(settings: BoardSettings, name: str, **options: Any) -> str:
     return local_admin.issue_token(settings, account, scopes=scopes)
 
 
-def prepared(settings: BoardSettings) -> dict[str, str]:
-    """Return the tokens of the first accounts on a board, which is created if it does not exist."""
+def first_tokens(settings: BoardSettings) -> dict[str, str]:
+    """Create a board with its first accounts if it does not exist; return their tokens."""
     path = settings.database_path
     if path is not None and not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -92,11 +91,11 @@ def prepared(settings: BoardSettings) -> dict[str, str]:
         path.write_bytes(content)
         return dict(tokens)
     local_admin.bootstrap(settings)
-    return {name: had(settings, name, **options) for name, options in FIRST.items()}
+    return {name: token_of(settings, name, **options) for name, options in FIRST.items()}
 
 
 class RunningBoard:
-    """A served board. `op`, `member`, `admin` and the robot agent `quadruped` have accounts from the beginning."""
+    """A served board with the accounts `op`, `member` and `admin` and the robot agent `quadruped`."""
 
     def __init__(
         self, settings: BoardSettings, server: HttpServer, loop: asyncio.AbstractEventLoop, tokens: dict[str, str]
@@ -118,7 +117,7 @@ class RunningBoard:
 
     @property
     def services(self) -> Services:
-        """The server's own parts; they belong to its thread."""
+        """The server's own services; use them only on its event loop (see `run`)."""
         parts: Services = self.app.state.services
         return parts
 
@@ -128,18 +127,18 @@ class RunningBoard:
         return account
 
     def have(self, name: str, **options: Any) -> None:
-        """Create an account; if it exists already, on a board that is served again, it only gets a new token."""
-        self.tokens[name] = had(self.settings, name, **options)
+        """Create an account, or only a new token if it exists (when a board is served again)."""
+        self.tokens[name] = token_of(self.settings, name, **options)
 
     def client(self, name: str | None = None) -> httpx2.Client:
-        """Return the client of a program signed in by token (or of an anonymous browser); paths are below `/api/v1`."""
+        """Return an API client that is signed in by token, or an anonymous one; paths are below `/api/v1`."""
         headers = {"Authorization": f"Bearer {self.tokens[name]}"} if name else {}
         client = httpx2.Client(base_url=self.url + "/api/v1", headers=headers, timeout=LIMIT_S)
         self._clients.append(client)
         return client
 
     def browser(self, name: str | None = None) -> httpx2.Client:
-        """Return a browser, signed in by a one-time link if a name is given. Paths are below `/`."""
+        """Return a browser that is signed in by a one-time link, or an anonymous one; paths are below `/`."""
         client = httpx2.Client(base_url=self.url, timeout=LIMIT_S)
         self._clients.append(client)
         if name is not None:
@@ -171,7 +170,7 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
     settings = replace(BoardSettings.from_config(config, folder), **options)
     if (server_url := os.environ.get(POSTGRES)) and "database" not in options:
         settings = replace(settings, database=database_for(server_url, folder))
-    tokens = prepared(settings)
+    tokens = first_tokens(settings)
     ready = threading.Event()
     loops: list[asyncio.AbstractEventLoop] = []
 

@@ -32,7 +32,7 @@ READS = ["/me", "/boards", "/boards/robots/topics", "/posts?key=x", "/changes", 
 
 
 @pytest.mark.parametrize("path", READS)
-def test_nothing_is_open_to_the_world(board: RunningBoard, path: str) -> None:
+def test_every_read_requires_sign_in(board: RunningBoard, path: str) -> None:
     answer = board.client().get(path)
     assert (answer.status_code, answer.json()["code"]) == (401, "not_signed_in")
     assert answer.headers["www-authenticate"] == "Bearer"
@@ -54,12 +54,12 @@ def test_a_bad_token_is_never_an_anonymous_reader(fresh_board: Callable[..., Run
     assert (answer.status_code, answer.json()["code"]) == (401, "bad_token")
 
 
-def test_me_tells_who_asks(board: RunningBoard) -> None:
+def test_me_returns_the_caller(board: RunningBoard) -> None:
     me = board.client("quadruped").get("/me").json()
     assert (me["name"], me["kind"], me["role"], me["suspended"]) == ("quadruped", "robot_agent", "member", False)
 
 
-def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
+def test_a_suspended_account_may_only_read_its_own_state(board: RunningBoard) -> None:
     account = board.add("rowdy", role=Role.OPERATOR)
     rowdy = board.client("rowdy")
     browser = board.browser("rowdy")
@@ -71,7 +71,7 @@ def test_the_suspended_may_nothing_but_know_it(board: RunningBoard) -> None:
     assert browser.get("/api/v1/me").status_code == 401
 
 
-def test_a_suspension_can_be_taken_back(board: RunningBoard) -> None:
+def test_a_suspension_can_be_lifted(board: RunningBoard) -> None:
     account = board.add("forgiven")
     client = board.client("forgiven")
     local_admin.change_account(board.settings, account, suspended=True)
@@ -80,7 +80,7 @@ def test_a_suspension_can_be_taken_back(board: RunningBoard) -> None:
     assert client.get("/boards").status_code == 200
 
 
-def test_revoked_tokens_open_nothing_and_other_tokens_stay(board: RunningBoard) -> None:
+def test_revoked_tokens_are_refused_and_other_tokens_stay_valid(board: RunningBoard) -> None:
     account = board.add("program")
     tokens = {"": board.tokens["program"]}
     tokens |= {label: local_admin.issue_token(board.settings, account, label) for label in ("lost", "kept")}
@@ -97,7 +97,7 @@ def test_revoked_tokens_open_nothing_and_other_tokens_stay(board: RunningBoard) 
     assert board.client("op").get("/me").status_code == 200, "those of others stay"
 
 
-def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
+def test_writing_with_a_cookie_requires_the_csrf_token(board: RunningBoard) -> None:
     browser = board.browser("op")
     (secret,) = browser.cookies.jar
     fields = {"board_id": "talk", "title": "x", "body": "y"}
@@ -109,7 +109,7 @@ def test_a_cookie_needs_the_csrf_token_to_write(board: RunningBoard) -> None:
     assert browser.post(path, json=fields, headers={"X-CSRF-Token": token}).status_code == 201
 
 
-def test_a_token_needs_no_csrf_token_but_must_be_right(board: RunningBoard) -> None:
+def test_a_bearer_token_needs_no_csrf_token(board: RunningBoard) -> None:
     client = board.client("op")
     assert client.post("/topics", json={"board_id": "talk", "title": "x", "body": "y"}).status_code == 201
 
@@ -125,7 +125,7 @@ def test_another_site_cannot_write(board: RunningBoard, headers: dict[str, str])
     assert (answer.status_code, answer.json()["code"]) == (403, "foreign_origin")
 
 
-def test_under_https_only_the_https_pages_write(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_under_https_requests_from_http_pages_are_refused(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board(base_url="https://localhost")
     path = f"http://127.0.0.1:{board.settings.port}/api/v1/topics"
     headers = {"Host": "localhost", "Origin": "http://localhost"}
@@ -135,16 +135,16 @@ def test_under_https_only_the_https_pages_write(fresh_board: Callable[..., Runni
 
 
 @pytest.mark.parametrize("host", ["evil.example", "", "127.0.0.1.evil.example", "[", "x:y"])
-def test_a_name_that_is_not_ours_is_refused(board: RunningBoard, host: str) -> None:
+def test_an_unknown_host_name_is_refused(board: RunningBoard, host: str) -> None:
     answer = board.client("op").get("/boards", headers={"Host": host})
     assert answer.status_code in (400, 421)
 
 
-def test_localhost_is_ours(board: RunningBoard) -> None:
+def test_localhost_is_accepted(board: RunningBoard) -> None:
     assert board.client("op").get("/boards", headers={"Host": f"localhost:{board.settings.port}"}).status_code == 200
 
 
-def test_browsers_are_told_to_be_careful(board: RunningBoard) -> None:
+def test_security_headers_are_sent(board: RunningBoard) -> None:
     for path in ("/api/v1/boards", "/nothing", "/sign-in"):
         headers = board.browser().get(path).headers
         assert "unsafe-inline" not in headers["content-security-policy"]
@@ -165,7 +165,7 @@ def test_signing_in_by_password(board: RunningBoard) -> None:
 @pytest.mark.parametrize(
     ("name", "password"), [("bob", "wrong"), ("nobody", "x"), ("quadruped", ""), ("bob", "\ud800")]
 )
-def test_a_wrong_name_and_a_wrong_password_look_the_same(board: RunningBoard, name: str, password: str) -> None:
+def test_a_wrong_name_and_a_wrong_password_get_the_same_answer(board: RunningBoard, name: str, password: str) -> None:
     if board.services.store.reader.account("bob") is None:
         board.add("bob", password="right password")
     with pytest.raises(BoardError) as caught:
@@ -180,7 +180,9 @@ def tried(board: RunningBoard, name: str, address: str, times: int = 1) -> None:
             attempts.record(connection, name, address)
 
 
-def test_guessing_is_stopped_with_the_time_to_wait(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_guesses_are_refused_with_the_time_to_wait(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
     now = [accounts.now_us()]
     monkeypatch.setattr(attempts, "now_us", lambda: now[0])
     tried(board, " Guessed", "1.1.1.1", PER_NAME)
@@ -193,8 +195,8 @@ def test_guessing_is_stopped_with_the_time_to_wait(board: RunningBoard, monkeypa
     tried(board, "guessed", "1.1.1.1")
 
 
-def test_whoever_guesses_a_password_does_not_lock_its_owner_out(board: RunningBoard) -> None:
-    """From 50 addresses, each up to its limit: the owner signs in from another address shortly afterwards."""
+def test_password_guesses_do_not_lock_the_owner_out(board: RunningBoard) -> None:
+    """After guesses from 50 addresses, each up to its limit, the owner can sign in from another address."""
     board.add("owner", password="correct horse")
     for n in range(50):
         tried(board, "owner", f"10.1.{n}.1", PER_NAME)
@@ -209,8 +211,8 @@ def test_whoever_guesses_a_password_does_not_lock_its_owner_out(board: RunningBo
     assert time.monotonic() - begun_s < SLOWEST_S, "others are not slowed"
 
 
-def test_whoever_has_a_whole_network_has_one_address(board: RunningBoard) -> None:
-    """Providers give each customer 2^64 IPv6 addresses."""
+def test_an_ipv6_network_counts_as_one_address(board: RunningBoard) -> None:
+    """Providers give each customer 2^64 IPv6 addresses, so a /64 network counts as one address."""
     for n in range(PER_NAME):
         tried(board, "netted", f"2001:db8:1:2::{n + 1:x}")
     with pytest.raises(BoardError):
@@ -218,7 +220,7 @@ def test_whoever_has_a_whole_network_has_one_address(board: RunningBoard) -> Non
     tried(board, "netted", "2001:db8:1:3::1")
 
 
-def test_guessing_names_from_one_address_is_stopped(board: RunningBoard) -> None:
+def test_guessing_names_from_one_address_is_limited(board: RunningBoard) -> None:
     for n in range(PER_ADDRESS):
         tried(board, f"name{n}", "3.3.3.3")
     with pytest.raises(BoardError):
@@ -226,7 +228,7 @@ def test_guessing_names_from_one_address_is_stopped(board: RunningBoard) -> None
     tried(board, "one-more", "4.4.4.4")
 
 
-def test_newcomers_do_not_shut_out_each_other(board: RunningBoard) -> None:
+def test_sign_ups_do_not_block_each_other(board: RunningBoard) -> None:
     for n in range(PER_NAME * 2):
         tried(board, "", f"10.9.0.{n}")
     tried(board, "", "5.5.5.5", PER_ADDRESS)
@@ -234,14 +236,14 @@ def test_newcomers_do_not_shut_out_each_other(board: RunningBoard) -> None:
         tried(board, "", "5.5.5.5")
 
 
-def test_a_right_password_starts_the_count_anew(board: RunningBoard) -> None:
+def test_a_correct_password_resets_the_count(board: RunningBoard) -> None:
     board.add("forgetting", password="correct horse")
     for _ in range(2):
         tried(board, "forgetting", "10.8.0.1", PER_NAME - 1)
         assert board.run(access.sign_in(board.services, "forgetting", "correct horse", "10.8.0.1"))
 
 
-def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
+def test_attempts_are_stored_for_an_hour_without_names_and_addresses(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tried(board, "somebody", "6.6.6.6")
@@ -255,7 +257,7 @@ def test_attempts_are_kept_for_an_hour_only_and_without_names_and_addresses(
     assert left.isdisjoint(row.key for row in rows)
 
 
-def test_a_link_signs_in_once(board: RunningBoard) -> None:
+def test_a_one_time_link_signs_in_once(board: RunningBoard) -> None:
     account = local_admin.find_account(board.settings, "member")
     secret = local_admin.issue_link(board.settings, account).removeprefix("/enter/")
     assert board.run(access.enter(board.services, secret))
@@ -265,7 +267,7 @@ def test_a_link_signs_in_once(board: RunningBoard) -> None:
 
 
 @pytest.mark.sqlite
-def test_a_link_expires(board: RunningBoard) -> None:
+def test_a_one_time_link_expires(board: RunningBoard) -> None:
     account = local_admin.find_account(board.settings, "member")
     secret = local_admin.issue_link(board.settings, account).removeprefix("/enter/")
     with sqlite3.connect(str(board.settings.database_path)) as database:
@@ -294,7 +296,7 @@ def test_cookies_are_secure_under_https(board: RunningBoard) -> None:
     assert all(word in cookie for word in ("Secure", "HttpOnly", "SameSite=lax", "Path=/"))
 
 
-def test_sign_up_makes_members_only_and_can_be_off(
+def test_sign_up_creates_members_and_can_be_disabled(
     board: RunningBoard, fresh_board: Callable[..., RunningBoard]
 ) -> None:
     assert board.run(access.sign_up(board.services, "Newcomer", "long enough", "10.0.0.3"))
@@ -309,7 +311,7 @@ def test_sign_up_makes_members_only_and_can_be_off(
 
 # -------------------------------------------------------------------- names and settings
 @given(st.text(max_size=40))
-def test_a_name_is_ascii_or_refused(name: str) -> None:
+def test_a_name_must_be_ascii(name: str) -> None:
     try:
         taken = accounts.checked_name(name)
     except BoardError as e:
@@ -318,7 +320,7 @@ def test_a_name_is_ascii_or_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["оp", "ｏｐ", "o", "1op", "op op", "a" * 33, "op\u200b", "\u212aelvin", ""])
-def test_look_alikes_are_refused(name: str) -> None:
+def test_look_alike_names_are_refused(name: str) -> None:
     with pytest.raises(BoardError):
         accounts.checked_name(name)
 
@@ -333,7 +335,7 @@ def sign_up_by_itself(folder: Path, **config: str) -> bool:
     return BoardSettings.from_config(BoardConfig(**config), folder).sign_up
 
 
-def test_sign_up_is_on_by_itself_only_on_loopback(tmp_path: Path) -> None:
+def test_sign_up_is_on_by_default_only_on_loopback(tmp_path: Path) -> None:
     found = [sign_up_by_itself(tmp_path, listen=x) for x in ("127.0.0.1:1", "[::1]:1", "0.0.0.0:1", "192.168.1.2:1")]
     assert found == [True, True, False, False]
 
@@ -345,7 +347,7 @@ def test_sign_up_is_on_by_itself_only_on_loopback(tmp_path: Path) -> None:
         *[("http://localhost:8088", True), ("http://[::1]:8088", True), ("https://127.0.0.1", True)],
     ],
 )
-def test_sign_up_is_off_by_itself_behind_a_reverse_proxy(tmp_path: Path, base_url: str, on: bool) -> None:
+def test_sign_up_is_off_by_default_behind_a_reverse_proxy(tmp_path: Path, base_url: str, on: bool) -> None:
     assert sign_up_by_itself(tmp_path, listen="127.0.0.1:8088", base_url=base_url) is on
     config = BoardConfig(listen="127.0.0.1:8088", base_url=base_url, sign_up=True)
     assert BoardSettings.from_config(config, tmp_path).sign_up, "who says so, gets it"

@@ -1,5 +1,4 @@
-"""Cached responses of hot topics are never older than the forum: no cache outlives an edit, a hiding or a lost
-right."""
+"""Cached responses of hot topics are never stale: no cache outlives an edit, a hidden post or a revoked right."""
 
 from __future__ import annotations
 
@@ -22,10 +21,10 @@ from agentrob.board.db.reader import Reader
 from agentrob.board.db.writer import Transaction
 from agentrob.board.response_cache import TopicCache
 from agentrob.model import AccountKind, Role
-from tests.board.auth.test_rights import chief, jpeg, new_board, topic_on
+from tests.board.auth.test_rights import admin_api, jpeg, new_board, topic_on
 from tests.board.events.test_streams import now, stream, until
 from tests.board.running_board import LIMIT_S, RunningBoard
-from tests.board.security.test_every_endpoint import bearer
+from tests.board.security.test_endpoint_rights import bearer
 
 
 def elsewhere(board: RunningBoard, job: Callable[[Transaction], Any]) -> Any:
@@ -46,9 +45,9 @@ def fresh(board: RunningBoard, topic: str, viewer: str) -> dict[str, Any]:
     return made
 
 
-def test_whatever_changes_what_a_topic_shows_is_shown_at_once(board: RunningBoard) -> None:
-    """Each deed by the server and by another process, after the topic was read by API and page until it was hot."""
-    boss = chief(board)
+def test_every_change_of_a_topic_is_shown_at_once(board: RunningBoard) -> None:
+    """Make each change through this server and through another process, after reads have made the topic hot."""
+    boss = admin_api(board)
     topic, first = topic_on(board, "talk", "as it was")
     author = board.client("author")
     robot = board.client("quadruped")
@@ -95,7 +94,7 @@ def test_whatever_changes_what_a_topic_shows_is_shown_at_once(board: RunningBoar
     assert unchanged == [11], "each deed but the setting of the days changes what is shown"
 
 
-def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: RunningBoard) -> None:
+def test_a_hot_page_is_current_and_personal(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk", "first words")
     page = lambda name: board.browser(name).get(f"/t/{topic}").text  # noqa: E731
     for name in ("op", "author", "op", "author"):
@@ -111,12 +110,12 @@ def test_a_hot_page_shows_what_changed_and_to_each_only_what_is_theirs(board: Ru
     assert not [n for n in ("op", "author") if "<p>second words" in page(n)]
 
 
-def test_a_robot_s_posts_say_whose_it_is_also_after_it_changed_hands(board: RunningBoard) -> None:
+def test_a_robots_posts_show_its_current_owner(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk", "whose is it?")
     board.client("quadruped").post(f"/topics/{topic}/posts", json={"body": "mine"}).raise_for_status()
     browser = board.browser("op")
     for owner in ("op", "member"):
-        chief(board).patch("/admin/robots/quadruped", json={"owner": owner}).raise_for_status()
+        admin_api(board).patch("/admin/robots/quadruped", json={"owner": owner}).raise_for_status()
         assert f'class="owner">of <a class="quiet" href="/u/{owner}">' in browser.get(f"/t/{topic}").text
 
 
@@ -132,7 +131,7 @@ def test_the_stop_buttons_of_a_hot_page_are_each_viewer_s_own(board: RunningBoar
 
 @pytest.mark.parametrize("by_page", [False, True], ids=["api", "page"])
 @pytest.mark.parametrize("lost", ["suspended", "closed board", "moved away", "revoked", "signed out"])
-def test_a_lost_right_is_lost_at_once_on_the_hottest_topic(board: RunningBoard, lost: str, by_page: bool) -> None:
+def test_a_revoked_right_takes_effect_at_once_on_a_hot_topic(board: RunningBoard, lost: str, by_page: bool) -> None:
     name = f"{lost.replace(' ', '-')}-{'page' if by_page else 'api'}"
     account = board.add(name, role=Role.OPERATOR)
     where = new_board(board, f"hot-{len(name)}", read_role="operator", post_role="operator")
@@ -163,7 +162,7 @@ def test_a_lost_right_is_lost_at_once_on_the_hottest_topic(board: RunningBoard, 
         assert "not for everybody" not in answer.text
 
 
-def test_a_session_that_has_run_out_shows_no_hot_topic(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_expired_session_shows_no_hot_topic(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     topic, _ = topic_on(board, "talk")
     browser = board.browser("op")
     assert browser.get(f"/api/v1/topics/{topic}/posts").status_code == 200
@@ -175,7 +174,7 @@ def test_a_session_that_has_run_out_shows_no_hot_topic(board: RunningBoard, monk
     assert browser.get(f"/api/v1/topics/{topic}/posts").status_code == 401
 
 
-def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard) -> None:
+def test_responses_are_never_shared_between_accounts(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk", "for those inside")
     path, good = f"/topics/{topic}/posts", board.client("op")
     assert [good.get(path).status_code for _ in range(3)] == [200] * 3
@@ -189,9 +188,11 @@ def test_nobody_gets_the_answer_to_somebody_else_s_question(board: RunningBoard)
     assert len(good.get(path, params={"limit": 1}).json()["items"]) == 1
 
 
-def test_what_is_kept_has_a_bound(board: RunningBoard) -> None:
+def test_the_topic_cache_has_a_size_limit(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
-    kept = TopicCache(max_kept=100 + 3 * response_cache.ENTRY_BYTES)  # three of 30, and what it takes to find them
+    kept = TopicCache(
+        max_kept=100 + 3 * response_cache.ENTRY_BYTES
+    )  # three entries of 30 bytes, and the overhead of each
     reader = board.services.store.everything  # read on the board's own loop
     made: list[int] = []
 
@@ -211,8 +212,8 @@ async def _of(kept: TopicCache, reader: Reader, topic: str, asked: int, make: An
     return kept.of(reader, topic, asked, make)
 
 
-def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard) -> None:
-    """Law 4: a robot's agent hears of a command that was hidden at the shell, without anything else happening."""
+def test_writes_of_another_process_reach_open_streams(board: RunningBoard) -> None:
+    """Law 4: a robot's agent hears of a command that an admin hid on the command line, before any other event."""
     _topic, post = topic_on(board, "talk", "hidden soon")
     client: httpx2.Client = board.client("op")
     account = local_admin.find_account(board.settings, "admin")
@@ -226,12 +227,13 @@ def test_what_another_process_writes_is_told_to_open_streams(board: RunningBoard
 
 
 @pytest.mark.sqlite  # where several processes may serve the database, no answers are kept
-def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board: Callable[..., RunningBoard]) -> None:
-    """Cookies, queries and sessions of any size and number: cache keys take memory too, and count."""
+def test_the_response_cache_has_a_size_limit_for_any_requests(fresh_board: Callable[..., RunningBoard]) -> None:
+    """Cookies, queries and sessions may have any size and number: cache keys take memory too, so the limit counts
+    them."""
     board = fresh_board(public_read=True)
     topic, _ = topic_on(board, "talk")
     stranger, path = httpx2.Client(base_url=board.url, timeout=60), f"/api/v1/topics/{topic}/posts"
-    kept = kept_answers(board)
+    kept = response_cache_of(board)
 
     def ask(n: int, **headers: str) -> None:
         assert stranger.get(path, params={"limit": 1, "x": f"{n}" * 500}, headers=headers).status_code == 200
@@ -250,26 +252,26 @@ def test_what_is_kept_of_answers_has_a_bound_whatever_is_asked_with(fresh_board:
 
 
 @pytest.mark.parametrize("cursor", ["0" * 60_000 + "1", " 1", "+1", "0x1", "1_0", "A"])
-def test_a_cursor_that_was_never_given_out_is_none(board: RunningBoard, cursor: str) -> None:
-    """It is part of what pages are kept by, and would take as much memory as somebody likes."""
+def test_a_cursor_that_was_never_issued_is_refused(board: RunningBoard, cursor: str) -> None:
+    """The cursor is part of a cache key, so an arbitrary one could take any amount of memory."""
     topic, _ = topic_on(board, "talk")
     assert board.browser("op").get(f"/t/{topic}", params={"after": cursor}).status_code == 422
 
 
 @pytest.mark.sqlite  # where several processes may serve the database, responses are not cached
-def test_another_cookie_beside_the_session_is_the_same_question(board: RunningBoard) -> None:
+def test_other_cookies_do_not_change_the_cache_key(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
     browser, path = board.browser("op"), f"/api/v1/topics/{topic}/posts"
     session = browser.cookies[board.settings.cookie]
-    kept = kept_answers(board)
+    kept = response_cache_of(board)
     for n in range(3):
         cookie = f"{board.settings.cookie}={session}; other={n}"
         assert httpx2.get(board.url + path, headers={"Cookie": cookie}, timeout=60).status_code == 200
     assert len(kept._answers) == 1
 
 
-def kept_answers(board: RunningBoard) -> response_cache.ResponseCache:
-    """What the running server keeps before its app, empty."""
+def response_cache_of(board: RunningBoard) -> response_cache.ResponseCache:
+    """Return the running server's response cache, emptied."""
     layer: Any = board.app.middleware_stack
     while not isinstance(layer, response_cache.ResponseCache):
         layer = layer.app

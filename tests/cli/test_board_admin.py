@@ -1,4 +1,4 @@
-"""The words that begin and administer a forum, typed one after the other; each test has a new forum of its own."""
+"""The commands that create and administer a forum; each test has its own forum."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from agentrob.model import AccountKind, EventKind, Role
 
 
 class Shell:
-    """A folder in which `agentrob init` was typed."""
+    """A folder in which `agentrob init` was run."""
 
     def __init__(self, folder: Path) -> None:
         self.config = folder / "agentrob.toml"
@@ -47,8 +47,8 @@ class Shell:
 
 
 @pytest.fixture(scope="module")
-def begun(tmp_path_factory: pytest.TempPathFactory) -> Shell:
-    """A forum that has just begun. Tests change copies of it."""
+def new_forum(tmp_path_factory: pytest.TempPathFactory) -> Shell:
+    """Create a new forum. Tests change copies of it."""
     shell = Shell(tmp_path_factory.mktemp("begun"))
     options = ["--url", "https://forum.example.org", "--data", str(shell.folder / "data"), "--invites", "20"]
     said = shell.run("init", "--admin", "chief", *options)
@@ -60,14 +60,14 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Shell:
 
 
 @pytest.fixture
-def shell(begun: Shell, tmp_path: Path) -> Shell:
-    shell = Shell(Path(shutil.copytree(begun.folder, tmp_path / "lab")))
-    shell.config.write_text(begun.config.read_text().replace(str(begun.folder), str(shell.folder)))
+def shell(new_forum: Shell, tmp_path: Path) -> Shell:
+    shell = Shell(Path(shutil.copytree(new_forum.folder, tmp_path / "lab")))
+    shell.config.write_text(new_forum.config.read_text().replace(str(new_forum.folder), str(shell.folder)))
     return shell
 
 
 def post(shell: Shell, body: str) -> tuple[str, str]:
-    """A new topic of ann's; its id and its post's."""
+    """Start a topic as ann; return the ids of the topic and its post."""
     ann = local_admin.find_account(shell.settings, "ann")
     with local_admin.writing(shell.settings) as connection:
         made = writes.create_topic(
@@ -76,7 +76,7 @@ def post(shell: Shell, body: str) -> tuple[str, str]:
     return made.topic.id, made.post.id
 
 
-def test_a_forum_that_has_begun_is_safe_by_default_and_is_not_begun_again(shell: Shell) -> None:
+def test_a_new_forum_is_safe_by_default_and_cannot_be_created_twice(shell: Shell) -> None:
     assert (shell.settings.sign_up, shell.settings.public_read, shell.settings.secure) == (False, False, True)
     assert shell.settings.limits.posts > 0
     chief = local_admin.find_account(shell.settings, "chief")
@@ -122,7 +122,7 @@ def test_boards_robots_and_invites(shell: Shell) -> None:
     assert "operator" not in shell.board("invite", "list")
 
 
-def test_moderation_loses_nothing_and_all_is_in_the_log(shell: Shell) -> None:
+def test_moderation_loses_nothing_and_is_in_the_audit_log(shell: Shell) -> None:
     topic, number = post(shell, "rude words")
     shell.board("moderate", "hide", number, "--reason", "rude")
     assert shell.board("moderate", "read", number).startswith("ann: rude words")
@@ -142,10 +142,8 @@ def test_moderation_loses_nothing_and_all_is_in_the_log(shell: Shell) -> None:
 
 
 @pytest.mark.parametrize("words", ["audit", "account list", "account tokens chief", "boards list", "invite list"])
-def test_whoever_reads_a_list_slowly_holds_up_nobody_who_writes(
-    shell: Shell, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A pipe that is full blocks whoever prints: meanwhile the forum takes posts, and stops."""
+def test_a_list_that_is_read_slowly_blocks_no_writes(shell: Shell, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A full pipe blocks the command that prints; meanwhile the forum accepts posts and stops."""
     post(shell, "something to read")
     shell.board("invite", "add")
     shell.board("account", "token", "chief")
@@ -161,7 +159,7 @@ def test_whoever_reads_a_list_slowly_holds_up_nobody_who_writes(
     assert printed
 
 
-def test_a_backup_goes_into_an_empty_forum_and_an_export_has_no_secrets(shell: Shell, tmp_path: Path) -> None:
+def test_a_backup_is_restored_into_an_empty_forum_and_an_export_has_no_secrets(shell: Shell, tmp_path: Path) -> None:
     _, number = post(shell, "to be kept")
     shell.board("boards", "add", "lab", "--name", "Lab", "--read", "operator", "--post", "operator")
     assert "accounts" in shell.board("backup", str(tmp_path / "forum.tar.gz"))
@@ -179,7 +177,7 @@ def test_a_backup_goes_into_an_empty_forum_and_an_export_has_no_secrets(shell: S
     assert "head" in other.board("migrate")
 
 
-def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
+def test_erasing_is_announced_before_it_is_done(shell: Shell) -> None:
     shell.board("account", "add", "leaver")
     leaver = local_admin.find_account(shell.settings, "leaver")
     with local_admin.writing(shell.settings) as connection:
@@ -199,8 +197,8 @@ def test_erasing_is_said_before_it_is_done(shell: Shell) -> None:
 @pytest.mark.parametrize(
     "words", ["account list", "boards list", "invite list", "audit", "backup {}/x.tar", "account add late"]
 )
-def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Path, words: str) -> None:
-    """An older server may be running on them."""
+def test_only_migrate_changes_the_tables_of_another_version(tmp_path: Path, words: str) -> None:
+    """An older server may still be using them."""
     shell = Shell(tmp_path)
     shell.config.write_text(f'data = "{tmp_path / "data"}"\n[board]\nlisten = "127.0.0.1:0"\n')
     asked, path = words.format(tmp_path).split(), shell.settings.database_path
@@ -211,7 +209,7 @@ def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Pat
         assert not path.exists(), "looking makes no database"
     local_admin.bootstrap(shell.settings)
     migrate(shell.settings, "0005_processes")
-    with serving_lock(shell.settings):  # as an older server holds it
+    with serving_lock(shell.settings):  # as an older server would hold it
         for _ in range(2):
             with pytest.raises(BoardError, match="are at 0005_processes, and this version of AgentRob needs") as caught:
                 shell.board(*asked)
@@ -224,13 +222,13 @@ def test_no_word_but_migrate_changes_the_tables_of_another_version(tmp_path: Pat
     shell.board(*asked)
 
 
-def test_lists_wait_for_no_writer_and_create_nothing(shell: Shell, tmp_path: Path) -> None:
+def test_listing_does_not_wait_for_writers_and_creates_nothing(shell: Shell, tmp_path: Path) -> None:
     _, made = post(shell, "some words")
     lists = [
         ["account", "list"], ["account", "tokens", "quadruped"], ["boards", "list"], ["robot", "show", "quadruped"],
         ["invite", "list"], ["audit"], ["moderate", "read", made],
     ]  # fmt: skip
-    with local_admin.writing(shell.settings):  # holds the write lock, as a server that writes does
+    with local_admin.writing(shell.settings):  # holds the write lock, like a server that is writing
         for words in lists:
             shell.board(*words)
     missing = Shell(tmp_path / "none")

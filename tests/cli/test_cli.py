@@ -1,4 +1,4 @@
-"""The command line, as a lab would use it without a simulated world: forum, fake robot, agent, each its own process."""
+"""The command line without a simulated world: forum, fake robot and agent, each in its own process."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def agentrob(folder: Path, *args: str, **env: str) -> subprocess.CompletedProces
 
 @dataclass
 class Lab:
-    """A folder with an `agentrob.toml`, a board and a driver that run, and clients of the board."""
+    """A folder with an `agentrob.toml`, a running board and driver, and clients of the board."""
 
     folder: Path
     url: str
@@ -62,7 +62,7 @@ class Lab:
 
     @property
     def env(self) -> dict[str, str]:
-        """What an agent of this lab is given."""
+        """The environment of an agent in this lab."""
         return {"AGENTROB_TOKEN": self.robot_token, "AGENTROB_RUNTIME": self.runtime}
 
     def post(self, text: str) -> str:
@@ -98,8 +98,8 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     terminate_all([driver, board])
 
 
-def test_a_single_run_answers_what_is_there_and_ends(lab: Lab) -> None:
-    # Sets the watermark: nothing of before is ever done.
+def test_a_single_run_answers_the_waiting_posts_and_ends(lab: Lab) -> None:
+    # The first run sets the watermark; older posts are never carried out.
     first = forked_process.agentrob(lab.folder, "agent", "once", **lab.env)
     assert first.returncode == 0, first.stderr
     topic = lab.post("@rex walk forward 1 m and take a photo")
@@ -132,20 +132,20 @@ def test_stop_reaches_every_driver_without_a_configuration(lab: Lab, tmp_path: P
         assert f"{lock}: zero velocity commanded after" in done.stdout, args
 
 
-def test_stop_of_one_robot_of_the_configuration(lab: Lab) -> None:
+def test_stop_names_one_robot_of_the_configuration(lab: Lab) -> None:
     one = in_process.agentrob(lab.folder, "stop", "rex")
     assert one.returncode == 0, one.stdout + one.stderr
     assert one.stdout.startswith("rex: zero velocity commanded after")
 
 
-def test_a_credential_is_never_given_out_for_another_account(lab: Lab) -> None:
+def test_a_credential_is_never_issued_for_another_account(lab: Lab) -> None:
     taken = in_process.agentrob(lab.folder, "board", "account", "add", "ann", "--kind", "robot_agent")
     assert taken.returncode == 1
     assert taken.stdout == ""
     assert "is there already, as human with the role operator" in taken.stderr
 
 
-def test_an_account_is_changed_suspended_and_its_tokens_made_void(lab: Lab) -> None:
+def test_an_account_can_be_changed_and_suspended_and_its_tokens_revoked(lab: Lab) -> None:
     token = in_process.agentrob(
         lab.folder, "board", "account", "add", "eve", "--kind", "commanding_agent"
     ).stdout.strip()
@@ -188,13 +188,13 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["board", "migrate", "--to", "0000"], "there is no revision '0000'; 0006_tags, 0005_processes"),
     ],
 )
-def test_what_cannot_be_is_answered_with_what_can(tmp_path: Path, args: list[str], says: str) -> None:
+def test_invalid_arguments_are_answered_with_the_valid_ones(tmp_path: Path, args: list[str], says: str) -> None:
     done = in_process.agentrob(tmp_path, *args)
     assert done.returncode != 0
     assert says in done.stderr
 
 
-def test_plan_says_what_would_be_done_and_moves_nothing(tmp_path: Path) -> None:
+def test_plan_shows_the_steps_and_moves_nothing(tmp_path: Path) -> None:
     done = in_process.agentrob(tmp_path, "plan", "walk forward 2 m, turn left and take a photo", "--json")
     told = json.loads(done.stdout)
     assert told["intent"] == "command"
@@ -204,13 +204,13 @@ def test_plan_says_what_would_be_done_and_moves_nothing(tmp_path: Path) -> None:
     assert json.loads(refused.stdout)["verdict"]["decision"] == "refuse"
 
 
-def test_plan_reads_the_part_of_the_first_robot_that_is_named() -> None:
+def test_plan_reads_the_part_of_the_first_mentioned_robot() -> None:
     told = app.plan_text("@quadruped walk 1 m @humanoid wave", "go2")
     assert (told["intent"], [step["op"] for step in told["plan"]]) == ("command", ["move"])
 
 
-def test_plan_compiles_no_words_of_harm_for_a_plain_command() -> None:
-    """All of them take most of a second."""
+def test_plan_does_not_compile_harm_rules_for_a_plain_command() -> None:
+    """Compiling all of them would take most of a second."""
     code = (
         "import sys\nsys.argv = ['agentrob', 'plan', 'walk forward 2 m']\n"
         "from agentrob.screening.text import patterns\n"
@@ -224,7 +224,7 @@ def test_plan_compiles_no_words_of_harm_for_a_plain_command() -> None:
     assert int(done.stdout.splitlines()[-1]) < 10
 
 
-def test_help_answers_quickly_since_rooms_are_opened_when_needed(tmp_path: Path) -> None:
+def test_help_is_fast_because_imports_are_lazy(tmp_path: Path) -> None:
     heavy = ("mujoco", "numpy", "sqlalchemy", "matplotlib", "cyclonedds", "fastapi", "httpx2")
     code = (
         "import sys\nsys.argv = ['agentrob', '--help']\nfrom agentrob.cli.main import main\n"

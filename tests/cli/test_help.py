@@ -1,4 +1,4 @@
-"""The help of every command: what it does, and what each of its options and arguments means."""
+"""The help of every command describes the command and each of its options and arguments."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_every_command_option_and_argument_has_help(words: tuple[str, ...]) -> N
         assert getattr(parameter, "help", ""), f"{' '.join(words)} {parameter.name}"
 
 
-def test_what_a_newcomer_needs_stands_apart_from_processes_that_others_start(tmp_path: object) -> None:
+def test_help_separates_commands_for_newcomers_from_internal_processes(tmp_path: object) -> None:
     said = agentrob(tmp_path, "--help").stdout  # type: ignore[arg-type]
     assert said.index("First steps") < said.index("demo ") < said.index("Processes that others start")
     assert said.index("Processes that others start") < said.index("driver ") < said.index("sim ")

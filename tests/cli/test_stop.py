@@ -1,5 +1,5 @@
-"""`agentrob stop` as a person types it while board and agent are dead and something else moves the robot (laws 13, 15
-and 17): the words, the exit code, and what the robots do."""
+"""`agentrob stop` while board and agent are dead and another program moves the robot (laws 13, 15 and 17): the output,
+the exit code, and what the robots do."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ from tests.forked_process import ForkedCommand, ForkedProcess, end_all
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
 LIMIT_S = 60.0
-#: A robot that stands keeps so close to its mean place for so long, and the mean places of both halves differ by less:
-#: it may sway, but goes nowhere.
+#: A robot is at rest if it stays this close to its mean position for this long, and if the mean positions of the first
+#: and second half differ by less. So it may sway, but it does not go anywhere.
 REST_M, REST_S = 0.02, 0.8
-#: Longer than `agentrob stop` takes to start on a busy machine.
+#: Takes longer than `agentrob stop` needs to start on a busy machine.
 LONG = "walk forward 2 metres, walk backward 2 metres, walk forward 2 metres"
 STOPPED = r"zero velocity commanded after \d+ ms; stands still"
 CONFIG = """
@@ -57,8 +57,8 @@ options = {{ room = [-1000, 1000, -1000, 1000] }}
 
 
 @dataclass
-class Field:
-    """A folder with an `agentrob.toml`, drivers of two fake robots, and a board and an agent that were killed."""
+class Lab:
+    """A folder with an `agentrob.toml`, the drivers of two fake robots, and a killed board and agent."""
 
     folder: Path
     runtime: Path
@@ -91,14 +91,14 @@ def shell(folder: Path, runtime: Path, *args: str) -> subprocess.Popen[str]:
     return subprocess.Popen([AGENTROB, *args], cwd=folder, env=env, stdout=pipe, stderr=pipe, text=True)
 
 
-def said(process: subprocess.Popen[str] | ForkedCommand) -> tuple[str, str, int | None]:
+def output_of(process: subprocess.Popen[str] | ForkedCommand) -> tuple[str, str, int | None]:
     out, errors = process.communicate(timeout=LIMIT_S)
     return out, errors, process.returncode
 
 
 @pytest.fixture(scope="module")
-def ground(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
-    """Everything was started and works; then board and agent are killed, and stay dead for the rest of this file."""
+def killed_lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    """Start everything and check that it works; then kill board and agent for all tests of this file."""
     names = f"a{uuid4().hex[:6]}", f"b{uuid4().hex[:6]}"
     folder, runtime = tmp_path_factory.mktemp("field"), tmp_path_factory.mktemp("r")
     config, domain = folder / "agentrob.toml", int(os.environ["AGENTROB_TEST_DOMAIN"])
@@ -110,31 +110,31 @@ def ground(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
     write(0)
     env = {"AGENTROB_RUNTIME": str(runtime)}
     processes = [ForkedCommand(folder, "board", "serve", log=folder / "board.log")]
-    field = Field(folder, runtime, names, domain, {})
+    lab = Lab(folder, runtime, names, domain, {})
     try:
         write(int(processes[0].ready["url"].rsplit(":", 1)[1]))
         for name in names:
-            field.start(name)
+            lab.start(name)
         added = in_process.agentrob(folder, "board", "account", "add", names[0], "--kind", "robot_agent")
         assert added.returncode == 0, added.stderr
         env["AGENTROB_TOKEN"] = added.stdout.strip()
         processes.append(ForkedCommand(folder, "agent", "run", names[0], log=folder / "agent.log", **env))
-        for process in (*field.drivers.values(), *processes):
+        for process in (*lab.drivers.values(), *processes):
             assert process.ready
         kill(*processes)
-        yield field
+        yield lab
     finally:
-        end_all([*processes, *field.drivers.values()])
+        end_all([*processes, *lab.drivers.values()])
 
 
 @pytest.fixture
-def field(ground: Field) -> Iterator[Field]:
-    """With two drivers that live, whatever the test before did to them."""
-    for name, driver in ground.drivers.items():
+def lab(killed_lab: Lab) -> Iterator[Lab]:
+    """Yield the lab with two running drivers, whatever the previous test did to them."""
+    for name, driver in killed_lab.drivers.items():
         if not driver.alive:
-            assert ground.start(name).ready
-    yield ground
-    for driver in ground.drivers.values():
+            assert killed_lab.start(name).ready
+    yield killed_lab
+    for driver in killed_lab.drivers.values():
         driver.send_signal(signal.SIGCONT)
 
 
@@ -159,7 +159,7 @@ def until_it_walks(robot: DriverClient) -> None:
 
 
 def at_rest(robot: DriverClient) -> bool:
-    """Nobody holds it any more, and it stays where it is: a body that stands still sways, but goes nowhere."""
+    """Wait until the robot is released and at rest; a standing robot may sway, but it does not go anywhere."""
 
     async def look() -> bool:
         if await robot.holder() is not None:
@@ -184,71 +184,71 @@ async def _with(robot: DriverClient, work: Any) -> Any:
         return await work
 
 
-def ours(out: str, *starts: str) -> list[str]:
-    """The lines about our robots: `--all` stops those of others too."""
+def our_lines(out: str, *starts: str) -> list[str]:
+    """Return the lines about the robots of this test, because `--all` also stops other robots."""
     return [line for line in out.splitlines() if line.startswith(starts)]
 
 
 @pytest.mark.parametrize("how", ["name", "all"])
-def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(field: Field, how: str) -> None:
-    name = field.names[0]
-    drive = field.command("drive", name, "walk forward 5 metres, then walk forward 5 metres")
-    until_it_walks(field.robot(name))
-    out, errors, code = said(field.command("stop", *([name] if how == "name" else ["--all"])))
-    (line,) = ours(out, f"{name}: ", f"{field.lock(name)}: ")
+def test_law_13_a_robot_that_drive_moves_is_stopped_with_board_and_agent_dead(lab: Lab, how: str) -> None:
+    name = lab.names[0]
+    drive = lab.command("drive", name, "walk forward 5 metres, then walk forward 5 metres")
+    until_it_walks(lab.robot(name))
+    out, errors, code = output_of(lab.command("stop", *([name] if how == "name" else ["--all"])))
+    (line,) = our_lines(out, f"{name}: ", f"{lab.lock(name)}: ")
     assert re.search(STOPPED, line), out
     assert errors == ""
-    assert code == 0 or len(out.splitlines()) > len(ours(out, *(field.lock(n) for n in field.names))), out
-    assert at_rest(field.robot(name))
-    told, _, ended = said(drive)
-    assert ended == 1  # not done, and the second step did not begin
+    assert code == 0 or len(out.splitlines()) > len(our_lines(out, *(lab.lock(n) for n in lab.names))), out
+    assert at_rest(lab.robot(name))
+    told, _, ended = output_of(drive)
+    assert ended == 1  # stopped, and the second step did not start
     assert "stopped" in told
     assert "skipped" in told
-    assert at_rest(field.robot(name))
+    assert at_rest(lab.robot(name))
 
 
-def test_law_15_a_driver_that_hangs_is_said_so_and_the_other_robot_is_stopped_all_the_same(field: Field) -> None:
-    hung, good = field.names
-    drives = [field.command("drive", name, "walk forward 5 metres") for name in field.names]
-    for name in field.names:
-        until_it_walks(field.robot(name))
-    field.drivers[hung].send_signal(signal.SIGSTOP)
-    stopping = field.command("stop", "--all")
-    asyncio.run(_with(robot := field.robot(good), until(robot, lambda state: speed(state) < 0.05)))
+def test_law_15_a_hanging_driver_is_reported_and_the_other_robot_is_still_stopped(lab: Lab) -> None:
+    hung, good = lab.names
+    drives = [lab.command("drive", name, "walk forward 5 metres") for name in lab.names]
+    for name in lab.names:
+        until_it_walks(lab.robot(name))
+    lab.drivers[hung].send_signal(signal.SIGSTOP)
+    stopping = lab.command("stop", "--all")
+    asyncio.run(_with(robot := lab.robot(good), until(robot, lambda state: speed(state) < 0.05)))
     assert stopping.poll() is None, "the good robot is stopped before the hung one is given up"
-    out, _, code = said(stopping)
+    out, _, code = output_of(stopping)
     assert code == 1
-    (line,) = ours(out, field.lock(hung))
+    (line,) = our_lines(out, lab.lock(hung))
     assert "NOT STOPPED: no driver answers" in line
     assert "use the robot's own stop" in line
-    (line,) = ours(out, field.lock(good))
+    (line,) = our_lines(out, lab.lock(good))
     assert re.search(STOPPED, line)
-    field.drivers[hung].send_signal(signal.SIGCONT)
-    assert [said(drive)[2] for drive in drives] == [1, 1]
-    asyncio.run(_with(robot := field.robot(hung), until(robot, lambda state: speed(state) < 0.05)))
+    lab.drivers[hung].send_signal(signal.SIGCONT)
+    assert [output_of(drive)[2] for drive in drives] == [1, 1]
+    asyncio.run(_with(robot := lab.robot(hung), until(robot, lambda state: speed(state) < 0.05)))
 
 
-def test_law_17_one_robot_whose_driver_hangs_is_said_so_within_its_time(field: Field) -> None:
-    hung = field.names[0]
-    field.drivers[hung].send_signal(signal.SIGSTOP)
-    out, errors, code = said(field.command("stop", hung))
+def test_law_17_a_hanging_driver_is_reported_in_time(lab: Lab) -> None:
+    hung = lab.names[0]
+    lab.drivers[hung].send_signal(signal.SIGSTOP)
+    out, errors, code = output_of(lab.command("stop", hung))
     assert code == 1
-    assert f"{hung}: NOT STOPPED: no driver answers at {field.lock(hung)} (TimeoutError)" in out
+    assert f"{hung}: NOT STOPPED: no driver answers at {lab.lock(hung)} (TimeoutError)" in out
     assert errors == ""
 
 
-def test_law_17_a_robot_without_a_driver_is_said_so(field: Field) -> None:
-    gone = field.names[0]
-    kill(field.drivers[gone])
-    out, errors, code = said(field.command("stop", gone))
+def test_law_17_a_robot_without_a_driver_is_reported(lab: Lab) -> None:
+    gone = lab.names[0]
+    kill(lab.drivers[gone])
+    out, errors, code = output_of(lab.command("stop", gone))
     assert code == 1
     assert f"{gone}: NOT STOPPED: no driver answers" in out
     assert "use the robot's own stop" in out
     assert errors == ""
 
 
-def test_law_17_no_driver_at_all_is_said_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    # As on a machine of our own: others may run drivers on this one.
+def test_law_17_the_absence_of_any_driver_is_reported(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    # With its own runtime folder, because other tests may run drivers on this machine.
     monkeypatch.setattr(host_lock, "held", lambda prefix="": [])
     monkeypatch.chdir(tmp_path)
     for args in (["stop"], ["stop", "--all"]):
@@ -258,8 +258,8 @@ def test_law_17_no_driver_at_all_is_said_so(monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.fixture(scope="module")
-def headless(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    """A demo whose board and Go2's agent were killed."""
+def orphaned_demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
+    """Start a demo and kill its board and the Go2's agent."""
     with Demo(DemoSettings(tmp_path_factory.mktemp("headless") / "demo", port=None)) as demo:
         demo.start()
         child = {child.name: child for child in demo.children}
@@ -267,8 +267,8 @@ def headless(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
         yield demo
 
 
-async def put_back(demo: Demo, robot: DriverClient) -> None:
-    """To its start, as seen by its driver for longer than a state is on its way."""
+async def reset_room(demo: Demo, robot: DriverClient) -> None:
+    """Reset the room; wait until the driver has seen the robot at its start for longer than a state's delay."""
     httpx2.post(f"{demo.room_url}/reset", timeout=LIMIT_S).raise_for_status()
     since_s = math.inf
 
@@ -283,18 +283,20 @@ async def put_back(demo: Demo, robot: DriverClient) -> None:
 
 @pytest.mark.sim
 @pytest.mark.parametrize("how", ["all", pytest.param("name", marks=pytest.mark.slow)])
-def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(headless: Demo, tmp_path: Path, how: str) -> None:
-    assert headless.runtime is not None
-    config = str(headless.data / "agentrob.toml")
-    driver = next(child for child in headless.children if child.name == f"driver-{ROBOT}")
-    asyncio.run(_with(robot := client_of(ROBOT, driver.wait_ready()), put_back(headless, robot)))
-    drive = shell(tmp_path, headless.runtime, "drive", ROBOT, LONG, "--config", config)
+def test_law_13_a_simulated_go2_is_stopped_with_board_and_agent_dead(
+    orphaned_demo: Demo, tmp_path: Path, how: str
+) -> None:
+    assert orphaned_demo.runtime is not None
+    config = str(orphaned_demo.data / "agentrob.toml")
+    driver = next(child for child in orphaned_demo.children if child.name == f"driver-{ROBOT}")
+    asyncio.run(_with(robot := client_of(ROBOT, driver.wait_ready()), reset_room(orphaned_demo, robot)))
+    drive = shell(tmp_path, orphaned_demo.runtime, "drive", ROBOT, LONG, "--config", config)
     until_it_walks(client_of(ROBOT, driver.wait_ready()))
     aim = [ROBOT] if how == "name" else ["--all"]
-    out, errors, code = said(shell(tmp_path, headless.runtime, "stop", *aim, "--config", config))
-    (line,) = ours(out, f"{ROBOT}: ", f"{driver.wait_ready()['lock']}: ")
+    out, errors, code = output_of(shell(tmp_path, orphaned_demo.runtime, "stop", *aim, "--config", config))
+    (line,) = our_lines(out, f"{ROBOT}: ", f"{driver.wait_ready()['lock']}: ")
     assert re.search(STOPPED, line), out
     assert errors == ""
     assert code == 0 or len(out.splitlines()) > 1, out
     assert at_rest(client_of(ROBOT, driver.wait_ready()))
-    assert said(drive)[2] == 1
+    assert output_of(drive)[2] == 1

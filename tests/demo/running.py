@@ -1,4 +1,4 @@
-"""Runs the demo as a user does: a process of its own, on free ports, in a folder of its own."""
+"""Run the demo as a user does: a separate process, on free ports, with its own data folder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 START_S = 100.0
-#: Every demo that was started; `end_left` ends those that a failed test left behind.
+#: All demos that were started; `end_left` ends those that a failed test left running.
 RUNNING: list[RunningDemo] = []
 ROOT = Path(__file__).parents[2]
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
@@ -21,7 +21,7 @@ AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 
 @dataclass
 class RunningDemo:
-    """`said` is what it printed so far; `link` the one-time link of its welcome."""
+    """A demo process. `said` is its output so far, `link` the one-time link in its welcome."""
 
     process: subprocess.Popen[str]
     data: Path
@@ -52,7 +52,7 @@ class RunningDemo:
 
 
 def start_demo(data: Path, *, through_make: bool = False) -> RunningDemo:
-    """Start and wait for the welcome; the caller ends it."""
+    """Start a demo and wait for its welcome; the caller must end it."""
     arguments = ["--port", "0", "--data", str(data)]
     make = ["make", "--silent", "-C", str(ROOT), "demo", f"ARGS={shlex.join(arguments)}"]
     process = subprocess.Popen(
@@ -70,9 +70,9 @@ def start_demo(data: Path, *, through_make: bool = False) -> RunningDemo:
     return demo
 
 
-def end_left(since: int = 0) -> None:
-    """End the demos that were started after the first `since` ones and still run."""
+def end_leftovers(since: int = 0) -> None:
+    """End all demos but the first `since` ones that are still running."""
     for demo in RUNNING[since:]:
         if demo.process.poll() is None:
-            os.killpg(demo.process.pid, signal.SIGTERM)  # a Ctrl-C is ignored by what a shell began in the background
+            os.killpg(demo.process.pid, signal.SIGTERM)  # processes that a shell starts in the background ignore Ctrl-C
             demo.process.wait(60)

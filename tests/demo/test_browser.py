@@ -1,4 +1,4 @@
-"""What the README promises, in a real browser: open the address, write a post, watch the robot, read the report."""
+"""The README's walk-through in a real browser: open the link, write a post, watch the robot, read the report."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, 
 
 from agentrob.demo.visitor import LIMIT_S
 from agentrob.model import CommandState
-from tests.demo.running import ROOT, RUNNING, RunningDemo, end_left, start_demo
+from tests.demo.running import ROOT, RUNNING, RunningDemo, end_leftovers, start_demo
 
 pytestmark = [pytest.mark.sim, pytest.mark.browser]
 
@@ -33,7 +33,7 @@ SCREENSHOTS = Path(os.environ.get("AGENTROB_SCREENSHOTS") or ROOT / "var/screens
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
     before = len(RUNNING)
     yield start_demo(tmp_path_factory.mktemp("demo") / "data", through_make=True)
-    end_left(before)
+    end_leftovers(before)
 
 
 @pytest.fixture(scope="module")
@@ -63,13 +63,13 @@ def visitor(browser: Browser, demo: RunningDemo) -> Iterator[BrowserContext]:
 
 @pytest.fixture
 def page(visitor: BrowserContext) -> Iterator[Page]:
-    """Closed at the end: a browser has six connections to a server, and each page that is live holds one."""
+    """Open a page and close it after the test, because each live page holds one of a browser's six connections."""
     page = visitor.new_page()
     yield page
     page.close()
 
 
-def shot(page: Page, name: str, element: str | None = None) -> None:
+def screenshot(page: Page, name: str, element: str | None = None) -> None:
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     page.evaluate("window.scrollTo(0, 0)")
     path = SCREENSHOTS / f"{name}.png"
@@ -87,7 +87,7 @@ def listen_for_errors(page: Page) -> list[str]:
 
 
 def write_post(page: Page, url: str, title: str, body: str) -> None:
-    """From the home page to the new thread, as a person goes."""
+    """Navigate from the home page and post a new thread, like a person."""
     page.goto(url)
     page.get_by_role("main").get_by_role("link", name="Robots", exact=True).first.click()
     page.get_by_role("link", name="New topic").first.click()
@@ -97,18 +97,18 @@ def write_post(page: Page, url: str, title: str, body: str) -> None:
     page.wait_for_url(re.compile("/t/"))
 
 
-#: What the chip of a command says once it has ended.
+#: The labels of a status chip in a final state.
 FINAL_CHIP = re.compile("|".join(rf"^\s*{s.label}\s*$" for s in CommandState if s.is_final), re.IGNORECASE)
 
 
 def wait_for(answer: Locator, chip: str) -> None:
-    """Wait until the answer's chip is final; where it is not this one, fail with the robot's words."""
+    """Wait until the chip of the robot's reply is final; if it is another one, fail with the text of the reply."""
     expect(answer.locator(".status .chip")).to_have_text(FINAL_CHIP, timeout=1000 * LIMIT_S)
     found = answer.locator(".status .chip").inner_text().strip().lower()
     assert found == chip, f"expected {chip!r}; the robot answered:\n{answer.inner_text()}"
 
 
-#: Collects each text that the newest status chip shows, as it changes.
+#: Records every text of the newest status chip.
 WATCH_CHIP = """() => {
   window.chips = [];
   const look = () => {
@@ -121,7 +121,7 @@ WATCH_CHIP = """() => {
 }"""
 
 
-def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(page: Page, demo: RunningDemo) -> None:
+def test_a_post_moves_the_robot_and_the_thread_gets_a_report(page: Page, demo: RunningDemo) -> None:
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "First steps", SENTENCE)
     page.evaluate(WATCH_CHIP)
@@ -141,12 +141,12 @@ def test_a_post_makes_the_robot_walk_and_the_thread_gets_a_report(page: Page, de
     )
     assert len(widths) >= 2, "a photo and the plot of the path"
     assert min(widths) >= 400
-    shot(page, "thread")
+    screenshot(page, "thread")
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
-    shot(page, "thread-phone")
+    screenshot(page, "thread-phone")
     page.emulate_media(color_scheme="dark")
-    shot(page, "thread-phone-dark")
+    screenshot(page, "thread-phone-dark")
     assert not wrong
 
 
@@ -164,12 +164,12 @@ def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_r
         "async (i) => { while (!i.naturalWidth) await new Promise(requestAnimationFrame); return i.naturalWidth; }"
     )
     assert width >= 320
-    shot(page, "robot")
+    screenshot(page, "robot")
     page.get_by_role("button", name=re.compile("Stop")).first.click()
     page.goto(thread)
     wait_for(page.locator("article.by-robot").last, "stopped")
     expect(page.locator("article.by-robot").last).to_contain_text("ms")
-    shot(page, "thread-stopped")
+    screenshot(page, "thread-stopped")
     assert not wrong
 
 
@@ -187,7 +187,7 @@ def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page
         answer = answers.filter(has_text=re.compile(name, re.IGNORECASE))
         wait_for(answer, "done")
         expect(answer).to_contain_text(deed)
-    shot(page, "thread-both")
+    screenshot(page, "thread-both")
     assert not wrong
 
 
@@ -195,10 +195,10 @@ def test_a_question_is_asked_back_in_chinese(page: Page, demo: RunningDemo) -> N
     write_post(page, demo.url, "向前走", "@quadruped 向前走")
     wait_for(page.locator("article.by-robot").last, "asks back")
     expect(page.locator("article.by-robot").last).to_contain_text(re.compile("[\u4e00-\u9fff]"))
-    shot(page, "thread-chinese")
+    screenshot(page, "thread-chinese")
 
 
-def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, demo: RunningDemo) -> None:
+def test_after_a_reset_of_the_room_the_robot_continues_from_the_start(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Away from the start", "@quadruped walk backward 50 cm")
     wait_for(page.locator("article.by-robot").last, "done")
     truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
@@ -214,19 +214,19 @@ def test_the_room_can_be_put_back_and_the_robot_goes_on_from_there(page: Page, d
 
 
 def position(truth: str) -> tuple[float, float]:
-    """Where the world says that the robot stands, in metres."""
+    """Return the robot's true position in the simulated world, in metres."""
     robot = httpx2.get(truth, timeout=60).json()["robots"]["go2"]
     return robot["x_m"], robot["y_m"]
 
 
-def test_law_17_the_visitor_releases_on_the_page_what_an_emergency_stop_locked(page: Page, demo: RunningDemo) -> None:
+def test_law_17_the_visitor_can_release_a_locked_robot_on_its_page(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Emergency", "@quadruped emergency stop")
     answer = page.locator("article.by-robot").last
     expect(answer).to_contain_text("It refuses all motion until its owner releases it.", timeout=MOTION_MS)
     expect(answer).to_contain_text("agentrob release quadruped")
     answer.get_by_role("link", name="my page").click()
     expect(page.locator(".lock")).to_contain_text("Locked by visitor since")
-    shot(page, "locked")
+    screenshot(page, "locked")
     page.get_by_role("link", name="Release @quadruped").click()
     page.get_by_role("button", name="Release @quadruped").click()
     expect(page.get_by_text("Released (visitor, ")).to_be_visible()

@@ -1,4 +1,4 @@
-"""Programs that choose a DDS domain at the same moment choose different ones."""
+"""Programs that choose a DDS domain at the same time get different ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from agentrob.process import dds_domain, host_lock
 from agentrob.process.dds_domain import PrivateDomain
 
 
-def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_it_back() -> None:
+def test_concurrent_programs_get_different_domains_until_they_release_them() -> None:
     with ThreadPoolExecutor(8) as pool, contextlib.ExitStack() as kept:
         chosen = list(pool.map(lambda _: PrivateDomain(), range(16)))
         for domain in chosen:
@@ -23,8 +23,8 @@ def test_all_who_choose_a_domain_at_once_have_one_of_their_own_until_they_give_i
 
 
 @pytest.mark.parametrize("who", ["world/lo", "driver/lo", "domain/lo"])
-def test_a_domain_that_somebody_uses_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
-    monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond those of DDS: nobody is there
+def test_a_domain_in_use_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
+    monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond the valid DDS domains: unused
     with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(PrivateDomain()) as domain:
         assert domain.number == 232
         with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are in use"):

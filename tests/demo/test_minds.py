@@ -1,4 +1,4 @@
-"""`agentrob demo --mind`: the models of a configuration read posts in the demo, also at its next start."""
+"""`agentrob demo --mind`: the demo uses the minds of a configuration, also at its next start."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def demo(data: Path, folder: Path, *args: str) -> subprocess.CompletedProcess[st
     return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False, cwd=folder, env=env)
 
 
-def written(data: Path, mind: str | None = None) -> Config:
-    """The configuration that a start of the demo writes, without the start."""
+def written_config(data: Path, mind: str | None = None) -> Config:
+    """Return the configuration that a start of the demo would write, without starting it."""
     with Demo(DemoSettings(data, mind=mind)) as demo:
         data.mkdir(exist_ok=True)
         demo._domains = {name: PrivateDomain() for name in demo.robots}
@@ -41,7 +41,7 @@ def minds_of(config: Config) -> set[str]:
     return {robot.mind for robot in config.robots.values()}
 
 
-def test_the_mind_of_the_last_start_is_that_of_the_next(
+def test_the_next_start_uses_the_mind_of_the_last_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     data, with_minds, without = tmp_path / "demo", tmp_path / "a", tmp_path / "b"
@@ -50,19 +50,19 @@ def test_the_mind_of_the_last_start_is_that_of_the_next(
     (with_minds / "agentrob.toml").write_text(MIND)
     monkeypatch.chdir(with_minds)
     with pytest.raises(ConfigError, match="unknown mind 'cleverer'; valid: rules, clever"):
-        written(data, "cleverer")
-    assert minds_of(written(data, "clever")) == {"clever"}
+        written_config(data, "cleverer")
+    assert minds_of(written_config(data, "clever")) == {"clever"}
     monkeypatch.chdir(without)
-    kept = written(data)
+    kept = written_config(data)
     assert minds_of(kept) == {"clever"}
     assert kept.minds["clever"].base_url == "http://127.0.0.1:9/v1"
     (data / "agentrob.toml").write_text("broken [")
-    assert minds_of(written(data)) == {"rules"}
+    assert minds_of(written_config(data)) == {"rules"}
     assert "is not valid TOML" in capsys.readouterr().err
     assert (data / "agentrob.toml.broken").read_text() == "broken ["
 
 
-def test_an_unknown_mind_is_said_before_anything_starts(tmp_path: Path) -> None:
+def test_an_unknown_mind_is_reported_before_anything_starts(tmp_path: Path) -> None:
     unknown = demo(tmp_path / "demo", tmp_path / "a", "--mind", "cleverer")
     assert unknown.returncode == 1
     assert unknown.stderr.splitlines()[-1].endswith(
@@ -73,7 +73,7 @@ def test_an_unknown_mind_is_said_before_anything_starts(tmp_path: Path) -> None:
 
 @pytest.mark.sim
 @pytest.mark.slow
-def test_a_mind_that_is_chosen_once_is_kept_by_the_next_starts(tmp_path: Path) -> None:
+def test_a_chosen_mind_is_kept_by_later_starts(tmp_path: Path) -> None:
     data, with_minds, without = tmp_path / "demo", tmp_path / "a", tmp_path / "b"
     with_minds.mkdir()
     (with_minds / "agentrob.toml").write_text(MIND)

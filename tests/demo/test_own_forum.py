@@ -1,4 +1,4 @@
-"""The page that leads from nothing to an own forum with an own moving robot, followed to the letter."""
+"""docs/own-forum.md, followed to the letter: from an empty folder to a forum of one's own with a moving robot."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LIMIT_S = 100
 
 @pytest.mark.sim
 @pytest.mark.slow
-def test_its_commands_lead_to_a_robot_that_walks(tmp_path: Path) -> None:
+def test_the_commands_of_the_page_lead_to_a_walking_robot(tmp_path: Path) -> None:
     setup, *blocks = BLOCKS
     assert setup == "make setup\n. .venv/bin/activate\n", "what the tests run in already"
     domain, port = PrivateDomain(), free_port()
@@ -63,7 +63,7 @@ def test_its_commands_lead_to_a_robot_that_walks(tmp_path: Path) -> None:
 
 
 async def final_report(config: Config, token: str, topic_id: str) -> Post:
-    """The robot's post in that topic once its card tells an end."""
+    """Wait for the robot's post with a final state in this topic; return it."""
     states = {"done", "failed", "refused", "asks_back", "expired", "interrupted"}
     forum = app.make_forum(config, token)
     try:
@@ -77,8 +77,8 @@ async def final_report(config: Config, token: str, topic_id: str) -> Post:
     raise AssertionError("the forum ended the stream")
 
 
-def test_every_page_that_types_agentrob_says_where_the_command_comes_from() -> None:
-    """Only `.venv/bin/agentrob` exists after `make setup`; a reader who starts on any page must find that out."""
+def test_every_page_that_uses_agentrob_says_where_the_command_is() -> None:
+    """`make setup` only creates `.venv/bin/agentrob`, so every page must say where the command comes from."""
     typed = re.compile(r"^(?: {4}|```sh\n)agentrob ", re.MULTILINE)
     pages = [page for page in sorted((ROOT / "docs").glob("*.md")) if typed.search(page.read_text(encoding="utf-8"))]
     assert len(pages) > 3

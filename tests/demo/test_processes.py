@@ -1,4 +1,4 @@
-"""The demo as a process: it starts once, says clearly why not, and leaves nothing behind."""
+"""The demo as a process: it starts only once, gives a clear reason otherwise, and leaves no process behind."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ import pytest
 from agentrob.demo.visitor import LIMIT_S
 from agentrob.process import host_lock
 from tests import in_process
-from tests.demo.running import AGENTROB, RUNNING, START_S, RunningDemo, end_left, start_demo
+from tests.demo.running import AGENTROB, RUNNING, START_S, RunningDemo, end_leftovers, start_demo
 
 pytestmark = pytest.mark.sim
 
 
 def descendants(pid: int) -> set[int]:
-    """All processes below `pid`."""
+    """Return all descendants of a process."""
     found = set()
     for task in Path(f"/proc/{pid}/task").iterdir():
         for child in (task / "children").read_text().split():
@@ -36,27 +36,27 @@ def descendants(pid: int) -> set[int]:
 
 
 def abstract_sockets() -> dict[str, str]:
-    """Inode and name of each host lock on this machine."""
+    """Return inode and name of each host lock on this machine."""
     lines = [line.split(maxsplit=7) for line in Path("/proc/net/unix").read_text().splitlines()[1:]]
     start = "@" + host_lock.PREFIX
     return {line[6]: line[7].removeprefix(start) for line in lines if len(line) == 8 and line[7].startswith(start)}
 
 
 def locks_of(processes: set[int]) -> dict[str, str]:
-    """Inode and name of each host lock that these processes hold."""
+    """Return inode and name of each host lock that these processes hold."""
     files = [file for pid in processes for file in Path(f"/proc/{pid}/fd").iterdir()]
     open_now = {str(file.readlink()) for file in files if file.is_symlink()}
     return {inode: name for inode, name in abstract_sockets().items() if f"socket:[{inode}]" in open_now}
 
 
 def ledger_of(data: Path, robot: str) -> list[dict[str, Any]]:
-    """What a robot really did, by the world's own record."""
+    """Return the simulated world's own record of what a robot did."""
     events = map(json.loads, (data / "world.jsonl").read_text().splitlines())
     return [event for event in events if event["robot"] == robot]
 
 
-def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
-    """Metres and degrees from each motion's begin to its stop."""
+def true_motions(data: Path, robot: str) -> list[tuple[float, float]]:
+    """Return the true distance and rotation of each motion, in metres and degrees."""
     ways, start = [], None
     for event in ledger_of(data, robot):
         if event["event"] == "move_begin" and start is None:
@@ -69,22 +69,22 @@ def true_ways(data: Path, robot: str) -> list[tuple[float, float]]:
     return ways
 
 
-#: The data folder of a demo, and what `agentrob demo --post` said there.
+#: The data folder of a demo, and the result of `agentrob demo --post` there.
 Posted = tuple[Path, subprocess.CompletedProcess[str]]
 SENTENCE = "@quadruped walk forward 1 metre, turn left, wave and take a photo"
 
 
 @pytest.fixture(scope="module")
-def posted(tmp_path_factory: pytest.TempPathFactory) -> Posted:
-    data = tmp_path_factory.mktemp("demos") / "demo"  # found by the commands of a user whose data is there
+def first_demo(tmp_path_factory: pytest.TempPathFactory) -> Posted:
+    data = tmp_path_factory.mktemp("demos") / "demo"  # where the commands of a user with this data folder look
     command = [AGENTROB, "demo", "--post", SENTENCE, "--json", "--data", str(data)]
     return data, subprocess.run(command, capture_output=True, text=True, timeout=START_S + LIMIT_S, check=False)
 
 
 @pytest.fixture(scope="module")
-def demo(posted: Posted) -> Iterator[RunningDemo]:
-    """The next demo with that data folder, in which somebody has changed accounts and robots."""
-    data, before = posted[0], len(RUNNING)
+def demo(first_demo: Posted) -> Iterator[RunningDemo]:
+    """Start another demo with this data folder, after accounts and robots were changed."""
+    data, before = first_demo[0], len(RUNNING)
     for change in (
         ("board", "account", "add", "olga", "--role", "operator"),
         ("board", "account", "change", "visitor", "--role", "member", "--suspend"),
@@ -94,15 +94,15 @@ def demo(posted: Posted) -> Iterator[RunningDemo]:
         changed = board(data, *change)
         assert changed.returncode == 0, changed.stderr
     yield start_demo(data)
-    end_left(before)
+    end_leftovers(before)
 
 
 def board(data: Path, *words: str) -> in_process.Said:
     return in_process.agentrob(data.parent, *words, "--config", str(data / "agentrob.toml"))
 
 
-def test_one_post_is_done_and_told_as_json(posted: Posted) -> None:
-    data, done = posted
+def test_one_post_is_executed_and_reported_as_json(first_demo: Posted) -> None:
+    data, done = first_demo
     assert done.returncode == 0, done.stdout + done.stderr
     told = json.loads(done.stdout.splitlines()[-1])
     assert told["status"] == "done"
@@ -113,7 +113,7 @@ def test_one_post_is_done_and_told_as_json(posted: Posted) -> None:
     assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
     assert turn["asked"]["degrees"] == 90
     assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
-    ways = true_ways(data, "go2")
+    ways = true_motions(data, "go2")
     assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
     assert ways[1][1] == pytest.approx(90, abs=4)
     assert {"seen", "first_motion", "done"} <= set(told["timings_ms"])
@@ -123,14 +123,14 @@ def test_one_post_is_done_and_told_as_json(posted: Posted) -> None:
     assert [Path(p).read_bytes()[:2] for p in told["images"]].count(b"\xff\xd8") >= 1
 
 
-def test_the_visitor_owns_the_demo(posted: Posted) -> None:
-    data = posted[0]
+def test_the_visitor_owns_the_demo(first_demo: Posted) -> None:
+    data = first_demo[0]
     assert "visitor\thuman\tadmin\n" in board(data, "board", "account", "list").stdout
     for robot in ("quadruped", "humanoid"):
         assert "owner: visitor\n" in board(data, "board", "robot", "show", robot).stdout
 
 
-def test_a_restart_works_whatever_was_changed(demo: RunningDemo) -> None:
+def test_a_restart_works_after_changes_of_accounts_and_robots(demo: RunningDemo) -> None:
     accounts = board(demo.data, "board", "account", "list").stdout
     assert "visitor\thuman\tadmin\n" in accounts
     assert "suspended" not in accounts
@@ -171,13 +171,13 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
     assert f"port {port} is in use; choose another with --port" in refused.stderr.splitlines()[-1]
 
 
-def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
+def test_a_new_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
     printed = demo.agentrob("demo", "link", "--data", str(demo.data))
     assert printed.returncode == 0, printed.stderr
     link = printed.stdout.strip()
     assert link.startswith(demo.url + "/enter/")
     with httpx2.Client(timeout=60) as browser, httpx2.Client(timeout=60) as thief:
-        for _ in range(2):  # a prefetch does not spend it
+        for _ in range(2):  # a prefetch does not use it up
             page = browser.get(link)
             assert page.status_code == 200
         assert browser.post(link, data={"csrf": form_token(page.text)}).status_code == 303
@@ -186,7 +186,7 @@ def test_another_link_can_be_printed_and_works_once(demo: RunningDemo) -> None:
         assert stolen.status_code == 404
 
 
-def test_the_doctor_knows_the_robots_of_the_demo_that_runs_beside_it(demo: RunningDemo) -> None:
+def test_the_doctor_finds_the_robots_of_a_running_demo(demo: RunningDemo) -> None:
     found = demo.agentrob("doctor", "quadruped", "--json")
     assert found.returncode == 0, found.stdout + found.stderr
     told = json.loads(found.stdout)
@@ -203,7 +203,7 @@ def form_token(page: str) -> str:
 
 
 @pytest.mark.slow
-def test_a_demo_that_was_killed_leaves_no_process_and_gives_no_link(tmp_path: Path) -> None:
+def test_a_killed_demo_leaves_no_process_and_no_link(tmp_path: Path) -> None:
     demo = start_demo(tmp_path / "data")
     children = descendants(demo.process.pid)
     demo.process.kill()
@@ -279,7 +279,7 @@ def test_a_post_that_mentions_both_robots_makes_each_do_its_own_part(tmp_path: P
 
 
 @pytest.mark.slow
-def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
+def test_a_question_back_ends_with_exit_code_one(tmp_path: Path) -> None:
     done = subprocess.run(
         [AGENTROB, "demo", "--post", "@quadruped walk forward", "--json", "--data", str(tmp_path / "data")],
         capture_output=True,
@@ -292,7 +292,7 @@ def test_what_is_asked_back_ends_with_exit_code_one(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(demo: RunningDemo) -> None:
-    """The last of this file: the demo that the others use ends."""
+    """This is the last test of the file, because it ends the demo that the others use."""
     children = descendants(demo.process.pid)
     assert len(children) >= 6, "the forum, the world, and a driver and an agent for each robot"
     locks = locks_of({demo.process.pid, *children})
@@ -300,7 +300,7 @@ def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_
     assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]
     port = urlsplit(demo.url).port
     began = time.monotonic()
-    os.killpg(demo.process.pid, signal.SIGINT)  # as a terminal does: to the whole group
+    os.killpg(demo.process.pid, signal.SIGINT)  # to the whole process group, like a terminal
     assert demo.process.wait(60) == 0
     assert time.monotonic() - began < 3.0
     assert not [c for c in children if Path(f"/proc/{c}").exists()]

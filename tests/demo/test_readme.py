@@ -1,4 +1,4 @@
-"""Every command of the README works as it stands there."""
+"""Every command in the README works as written."""
 
 import os
 import re
@@ -36,7 +36,7 @@ def test_the_readme_has_the_two_commands_and_they_are_targets() -> None:
     "command",
     [pytest.param(c, marks=[mark for words, mark in MARKS.items() if re.search(words, c)]) for c in SHELL],
 )
-def test_a_shell_command_of_the_readme_runs(command: str, tmp_path: Path) -> None:
+def test_a_shell_command_in_the_readme_runs(command: str, tmp_path: Path) -> None:
     program, *args = shlex.split(command)
     assert program == ".venv/bin/agentrob", "the README calls the program where make puts it"
     done = subprocess.run(
@@ -53,7 +53,7 @@ def test_a_shell_command_of_the_readme_runs(command: str, tmp_path: Path) -> Non
 
 @pytest.mark.sim
 @pytest.mark.parametrize("code", PYTHON)
-def test_the_python_of_the_readme_drives_a_robot(code: str, tmp_path: Path) -> None:
+def test_the_python_example_in_the_readme_drives_a_robot(code: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", code],
         cwd=tmp_path,
@@ -68,7 +68,7 @@ def test_the_python_of_the_readme_drives_a_robot(code: str, tmp_path: Path) -> N
     assert "done" in done.stdout
 
 
-def test_links_of_the_readme_lead_somewhere() -> None:
+def test_links_in_the_readme_have_targets() -> None:
     targets = re.findall(r"\]\(((?!https?:)[^)#]+)\)", README)
     missing = [t for t in targets if not (ROOT / t).exists()]
     assert not missing

@@ -1,5 +1,4 @@
-"""Forums for a test: recorded responses of a real NodeBB (see the contract's test) or a real one, and a double of
-Discourse."""
+"""Forums for tests: NodeBB (a recording or a real server; see the contract test) and the double of Discourse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a hostile account, or a defective forum, may put into a post, its mark, its card or an event."""
+"""Hostile or malformed content of posts, marks, cards and events, as from a hostile account or a defective forum."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ HOSTILE_JSON = (
 )  # fmt: skip
 
 
-def code(told: str) -> str:
-    return base64.urlsafe_b64encode(told.encode("utf-8", "surrogatepass")).decode()
+def code(data: str) -> str:
+    return base64.urlsafe_b64encode(data.encode("utf-8", "surrogatepass")).decode()
 
 
 CODES = st.one_of(
-    st.sampled_from([code(told) for told in HOSTILE_JSON]),
+    st.sampled_from([code(data) for data in HOSTILE_JSON]),
     st.binary(max_size=300).map(lambda b: base64.urlsafe_b64encode(b).decode()),
     st.text("abcXYZ019_=-", min_size=1, max_size=200),
 )
-#: Whatever JSON may contain, and what Python's JSON parser accepts besides.
+#: Any JSON value, and values that Python's JSON parser accepts beyond the standard.
 ANYTHING: st.SearchStrategy[Any] = st.recursive(
     st.none()
     | st.booleans()
@@ -52,8 +52,8 @@ def discourse_mark(word: str) -> str:
 
 #: Bodies that take too long to parse or crash a parser.
 BODIES = (
-    *(nodebb_mark(code(told)) for told in HOSTILE_JSON if len(code(told)) < 8_000),
-    *(discourse_mark(code(told)) for told in HOSTILE_JSON if len(code(told)) < 8_000),
+    *(nodebb_mark(code(data)) for data in HOSTILE_JSON if len(code(data)) < 8_000),
+    *(discourse_mark(code(data)) for data in HOSTILE_JSON if len(code(data)) < 8_000),
     "\n" * 9_000 + "x", " \n" * 4_000 + "[//]: # (agentrob:", "![](" * 2_000, "<![", "<!DOCTYPE [",
     "\ud800 @quadruped walk",
     "[" * 9_000, "> " * 4_000, "`" * 9_000, "\x00\x01\x02", "@" * 9_000, "&#" * 4_000, "\u202e" * 1_000, "",
@@ -61,9 +61,9 @@ BODIES = (
 
 
 @st.composite
-def spoilt(draw: st.DrawFn, told: dict[str, Any]) -> dict[str, Any]:
-    """Return a forum's response in which some fields, also nested ones, are missing or have other values."""
-    made = json.loads(json.dumps(told))
+def malformed(draw: st.DrawFn, data: dict[str, Any]) -> dict[str, Any]:
+    """Draw a forum's response in which some fields, also nested ones, are missing or have other values."""
+    made = json.loads(json.dumps(data))
     for _ in range(draw(st.integers(1, 3))):
         place, names = made, [*made]
         while names:

@@ -94,7 +94,7 @@ async def test_the_robot_page_shows_card_and_picture_and_counts_viewers(world: B
     assert frame.content == picture.getvalue()
 
 
-async def test_buttons_become_events_with_who_pressed_them(world: BoardWorld) -> None:
+async def test_buttons_become_events_with_the_account_that_pressed(world: BoardWorld) -> None:
     robot, op = await world.sign_in("quadruped"), await world.sign_in("op")
     await robot.publish_robot("quadruped", {"model": "fake", "can_reset": True})
     after, _ = await robot.now()
@@ -134,7 +134,7 @@ async def test_a_picture_is_fetched_from_this_board_only(world: BoardWorld) -> N
         (b"nonsense\r\n\r\n", ForumUnreachable),
     ],
 )
-async def test_every_answer_of_a_sick_server_becomes_one_of_our_errors(
+async def test_every_response_of_a_defective_server_becomes_a_forum_error(
     answer: bytes, error: type[ForumError], world: BoardWorld
 ) -> None:
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -152,7 +152,7 @@ async def test_every_answer_of_a_sick_server_becomes_one_of_our_errors(
     server.close()
 
 
-async def test_the_stream_ends_with_unreachable_when_the_board_goes_away(tmp_path: Path) -> None:
+async def test_the_stream_ends_with_unreachable_when_the_board_stops(tmp_path: Path) -> None:
     with running_board(tmp_path) as board:
         forum = BoardForum(ForumConfig(url=board.url), board.tokens["op"])
         stream = forum.stream((await forum.now())[0], 0.25)

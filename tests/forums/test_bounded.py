@@ -25,13 +25,13 @@ KEPT = 3
 
 
 def too_many(*parts: object) -> dict[str, int]:
-    """Return the containers of these objects that hold too much, with their sizes; boards are not counted."""
+    """Return the containers of these objects that hold too many entries, with their sizes; boards are not counted."""
     held = {(type(part).__name__, name): value for part in parts for name, value in vars(part).items()}
     containers = {name: v for name, v in held.items() if isinstance(v, dict | list | set | BoundedDict)}
     return {".".join(name): len(v) for name, v in containers.items() if len(v) > KEPT and name[1] != "_boards"}
 
 
-def test_of_a_bounded_dictionary_the_entry_that_was_set_longest_ago_is_dropped() -> None:
+def test_a_bounded_dictionary_drops_the_oldest_entry() -> None:
     kept = BoundedDict[str, int](2)
     kept["a"], kept["b"] = 1, 2
     assert kept["a"] == 1  # a read does not renew an entry
@@ -42,7 +42,7 @@ def test_of_a_bounded_dictionary_the_entry_that_was_set_longest_ago_is_dropped()
     assert dict(kept) == {"b": 4, "d": 5}
 
 
-def test_of_the_posts_that_were_read_the_oldest_of_a_key_stands_until_it_is_dropped() -> None:
+def test_the_oldest_post_of_a_key_is_kept_until_it_is_dropped() -> None:
     read = writer.ReadPosts(KEPT)
     read[8] = "k"
     read[5] = "k"
@@ -53,7 +53,7 @@ def test_of_the_posts_that_were_read_the_oldest_of_a_key_stands_until_it_is_drop
 
 
 @pytest.fixture
-def few(monkeypatch: pytest.MonkeyPatch) -> None:
+def small_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(discourse, "_KEPT", KEPT)
     monkeypatch.setattr(discourse, "MOST_KNOWN", KEPT)
     monkeypatch.setattr(mapping, "_KEPT", KEPT)
@@ -61,8 +61,8 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(writer, "_KEPT_TURNS", KEPT)
 
 
-@pytest.mark.usefixtures("few")
-async def test_law_6_what_a_discourse_adapter_forgot_of_its_own_posts_it_finds_again(
+@pytest.mark.usefixtures("small_limits")
+async def test_law_6_a_discourse_adapter_finds_posts_it_no_longer_remembers(
     world: DiscourseWorld, double: Double
 ) -> None:
     robot = await world.sign_in("quadruped")
@@ -77,8 +77,8 @@ async def test_law_6_what_a_discourse_adapter_forgot_of_its_own_posts_it_finds_a
 
 
 # ---------------------------------------------------------------------- NodeBB
-class DiscourseClient:
-    """The parts of a NodeBB that the test needs; it counts requests and writes."""
+class NodeBBClientDouble:
+    """A NodeBB client that answers without a server and counts requests."""
 
     url, credentials, clock = "http://127.0.0.1", Credentials.of("login:quadruped:secret"), HeaderClock()
 
@@ -99,12 +99,12 @@ class DiscourseClient:
         return httpx2.Response(200, json={"response": {"images": [{"url": f"/assets/uploads/{self.asked[path]}.png"}]}})
 
 
-async def test_what_a_nodebb_adapter_remembers_of_accounts_keys_posts_and_pictures_is_bounded(
+async def test_a_nodebb_adapters_caches_are_bounded(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for module in (nodebb, accounts, nodebb_posts):
         monkeypatch.setattr(module, "MOST_KNOWN", KEPT)
-    client, many = DiscourseClient(), range(3 * KEPT)
+    client, many = NodeBBClientDouble(), range(3 * KEPT)
     monkeypatch.setattr(nodebb, "NodeBBClient", lambda url, credentials: client)
     forum = nodebb.NodeBBForum(ForumConfig(kind="nodebb"), "login:quadruped:secret")
     monkeypatch.setattr(forum, "post", lambda pid: asyncio.sleep(0, pid))

@@ -32,7 +32,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, AccountKind, EventKind, Post, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, make_scene, robot_settings, serving
 from tests.forums.discourse.discourse_world import Double, double_world
-from tests.forums.hostile_posts import BODIES, CODES, HOSTILE_JSON, code, discourse_mark, nodebb_mark, spoilt
+from tests.forums.hostile_posts import BODIES, CODES, HOSTILE_JSON, code, discourse_mark, malformed, nodebb_mark
 
 FUZZ = settings(
     max_examples=60,
@@ -43,7 +43,7 @@ NOW = datetime.now(UTC)
 
 
 async def hears_a_stop(forum: Forum, cursor: str) -> None:
-    """Check that an agent's listener on that forum receives the stop that comes after everything else."""
+    """Assert that an agent's listener on this forum receives the stop that comes after everything else."""
     me = Account("1", ROBOT, AccountKind.ROBOT_AGENT)
     async with asyncio.timeout(60):
         async for event in EventStream(forum, cursor, poll_s=0.1).events():
@@ -69,7 +69,7 @@ def test_a_hostile_mark_is_text_and_no_key_or_card(told: str) -> None:
 
 
 @given(CODES, st.booleans())
-def test_whatever_a_mark_says_the_text_is_read(word: str, ours: bool) -> None:
+def test_the_text_is_read_whatever_the_mark_contains(word: str, ours: bool) -> None:
     for module, made in ((nodebb_markers, nodebb_mark), (discourse_markers, discourse_mark)):
         assert module.unmark(made(word), ours).text.startswith("words")
 
@@ -82,7 +82,7 @@ def test_the_mark_of_a_stranger_is_never_decoded() -> None:
 
 
 @pytest.mark.parametrize("body", ["\n" * 32_000 + "x", "![](" * 8_000, "[//]: # (agentrob:a)\n" * 1_500, "`" * 32_000])
-def test_no_body_takes_long_to_be_searched_for_a_mark(body: str) -> None:
+def test_searching_any_body_for_a_mark_is_fast(body: str) -> None:
     began = time.process_time()
     for module in (nodebb_markers, discourse_markers):
         module.unmark(body)
@@ -93,11 +93,11 @@ def test_no_body_takes_long_to_be_searched_for_a_mark(body: str) -> None:
 
 # ---------------------------------------------------------------------- NodeBB
 async def _known() -> None:
-    """The test controls the double's clock."""
+    """Use a clock that is already set, so that the adapter does not ask for the server's time."""
 
 
 class NodeBBDouble:
-    """The parts of a NodeBB that a listener uses; `spoil` changes what it reports about one post."""
+    """The endpoints of a NodeBB that a listener uses; `spoil` changes its data about one post."""
 
     def __init__(self, bodies: list[str]) -> None:
         at_ms = int(datetime.now(UTC).timestamp() * 1000)
@@ -159,11 +159,11 @@ async def test_law_15_on_nodebb_a_stop_is_heard_after_posts_with_every_hostile_b
 
 @FUZZ
 @given(st.data())
-def test_law_15_on_nodebb_a_stop_is_heard_whatever_the_forum_tells_of_another_post(data: st.DataObject) -> None:
+def test_law_15_on_nodebb_a_stop_is_heard_after_malformed_data_about_another_post(data: st.DataObject) -> None:
     double = NodeBBDouble(["hello", "again", f"@{ROBOT} stop"])
     for rows in (double.stored, double.shown, double.listed):
         if data.draw(st.booleans()):
-            rows[2] = data.draw(spoilt(rows[2]))
+            rows[2] = data.draw(malformed(rows[2]))
     asyncio.run(_nodebb_hears(double))
 
 
@@ -187,7 +187,7 @@ def _final(double: Double, text: str) -> str:
 
 
 async def _until(reader: DiscourseForum, found: Callable[[], str]) -> str:
-    """Wait until a condition on the forum holds; the forum notifies of each write."""
+    """Wait until a condition on the forum holds, checking it after each write."""
     after, _ = await reader.now()
     async with asyncio.timeout(60):
         async for _ in reader.stream(after, 0.25):
@@ -196,7 +196,7 @@ async def _until(reader: DiscourseForum, found: Callable[[], str]) -> str:
     raise AssertionError("the stream ended")
 
 
-async def test_law_15_on_discourse_an_agent_stops_its_robot_after_hostile_posts_and_starts_again_over_them(
+async def test_law_15_on_discourse_an_agent_stops_its_robot_and_restarts_despite_hostile_posts(
     driver: Driver, tmp_path: Path
 ) -> None:
     async with double_world() as (world, double):
@@ -256,10 +256,10 @@ def _board(events: list[Any], streamed: bool) -> BoardForum:
 
 
 @FUZZ
-@given(spoilt(_event(1, _POST)), st.booleans())
+@given(malformed(_event(1, _POST)), st.booleans())
 @example(_event(1, {**_POST, "card": {"step": float("inf")}}), True)
 @example(_event(1, {**_POST, "raw": "\ud800"}), False)
-def test_law_15_on_our_board_a_stop_is_heard_after_whatever_event(event: dict[str, Any], streamed: bool) -> None:
+def test_law_15_on_our_board_a_stop_is_heard_after_any_event(event: dict[str, Any], streamed: bool) -> None:
     stop = _event(2, {**_POST, "id": "3", "raw": f"@{ROBOT} stop", "card": None})
     asyncio.run(hears_a_stop(_board([event, stop], streamed), "0"))
 
@@ -284,17 +284,17 @@ class _Server:
 
 
 @FUZZ
-@given(spoilt(_event(1, {**_POST, "body": "hello"})), st.booleans())
+@given(malformed(_event(1, {**_POST, "body": "hello"})), st.booleans())
 @example(_event(1, {**_POST, "body": "\ud800"}), True)
 @example(_event(1, {**_POST, "body": "x", "card": {"robot": 1, "state": float("inf")}}), True)
-def test_law_15_behind_mcp_a_stop_is_heard_after_whatever_event(event: dict[str, Any], live: bool) -> None:
+def test_law_15_behind_mcp_a_stop_is_heard_after_any_event(event: dict[str, Any], live: bool) -> None:
     stop = _event(2, {**_POST, "id": "3", "body": f"@{ROBOT} stop", "card": None})
     forum = McpForum.from_client(_Server([event, stop]).client())
     forum.live = live
     asyncio.run(hears_a_stop(forum, "0"))
 
 
-# ---------------------------------------------------------------------- in memory, and an adapter of somebody else
+# ---------------------------------------------------------------------- in memory, and third-party adapters
 async def test_law_15_an_agent_hears_a_stop_after_posts_with_every_hostile_body(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
     async with scene.agent():
@@ -308,7 +308,7 @@ async def test_law_15_an_agent_hears_a_stop_after_posts_with_every_hostile_body(
         assert (await scene.final(again)).card.state == "done"  # type: ignore[union-attr]
 
 
-class _Moody(MemoryForum):
+class _UnreliableForum(MemoryForum):
     """A third party's adapter that sometimes raises arbitrary errors and delivers values that are not posts."""
 
     moods: Iterator[Exception]
@@ -324,9 +324,9 @@ class _Moody(MemoryForum):
                 yield event
 
 
-async def test_law_15_whatever_an_adapter_raises_the_agent_listens_on(driver: Driver, tmp_path: Path) -> None:
+async def test_law_15_the_agent_keeps_listening_whatever_an_adapter_raises(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
-    forum = _Moody(scene.world, ROBOT)
+    forum = _UnreliableForum(scene.world, ROBOT)
     forum.moods = iter([RecursionError("deep"), OverflowError("infinity"), RuntimeError("bug")])
     async with scene.agent(forum=forum):
         walk = await scene.post("alice", "@quadruped walk forward 5 m, then back")
@@ -336,8 +336,8 @@ async def test_law_15_whatever_an_adapter_raises_the_agent_listens_on(driver: Dr
 
 
 # ---------------------------------------------------------------------- cards
-def test_law_1_a_card_of_another_robot_is_no_card_on_a_board_of_before_and_behind_mcp() -> None:
-    """The board refuses such a card, but an earlier version or another server may deliver it."""
+def test_law_1_a_card_of_another_robot_is_ignored_on_an_old_board_and_behind_mcp() -> None:
+    """The board refuses such a card, but an earlier version or another server may deliver one."""
     for kind, card, counts in (
         ("robot_agent", {"robot": ROBOT, "state": "done"}, True),
         ("robot_agent", {"robot": "humanoid", "state": "done"}, False),

@@ -57,11 +57,11 @@ def _answer(retry_after: str | None, date: bool = True) -> httpx2.Response:
         ("Tue, 99 May 2031 07:08:51 GMT", 1.0),
     ],
 )
-def test_a_wait_is_a_number_or_a_date_by_the_forums_clock_and_it_ends(told: str | None, wait_s: float) -> None:
+def test_retry_after_is_a_number_or_a_date_by_the_forums_clock(told: str | None, wait_s: float) -> None:
     assert wire.retry_after_s(_answer(told)) == wait_s
 
 
-def test_without_a_clock_of_the_forum_a_date_is_held_against_ours() -> None:
+def test_without_the_forums_clock_a_date_is_compared_with_ours() -> None:
     ends = format_datetime(datetime.now(UTC) + timedelta(seconds=60), usegmt=True)
     assert 55 < wire.retry_after_s(_answer(ends, date=False)) <= 60
 
@@ -69,7 +69,7 @@ def test_without_a_clock_of_the_forum_a_date_is_held_against_ours() -> None:
 # ---------------------------------------------------------------------- certificates
 @pytest.fixture
 def fresh_certificates() -> Iterator[None]:
-    """The certificates are read once per process; read them again before and after these tests."""
+    """Certificates are cached per process; clear the cache before and after each of these tests."""
     tls.cache_clear()
     yield
     tls.cache_clear()
@@ -98,7 +98,7 @@ def _authority(folder: Path) -> Path:
 
 @asynccontextmanager
 async def _limiting(pem: Path) -> AsyncIterator[str]:
-    """A server behind TLS that always answers "later"."""
+    """Run a TLS server that answers every request with "try again later"."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readuntil(b"\r\n\r\n")
@@ -115,7 +115,7 @@ async def _limiting(pem: Path) -> AsyncIterator[str]:
 
 @pytest.mark.usefixtures("fresh_certificates")
 @pytest.mark.parametrize("kind", [BoardForum, NodeBBForum, DiscourseForum])
-async def test_a_forum_with_a_certificate_of_its_own_is_believed_where_ssl_cert_file_names_it(
+async def test_a_self_signed_certificate_named_by_ssl_cert_file_is_trusted(
     kind: Callable[[ForumConfig, str], Forum], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pem = _authority(tmp_path)

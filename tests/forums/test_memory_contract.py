@@ -38,5 +38,5 @@ class TestMemoryForum(ForumContract):
         return MemoryContractWorld(**request.param)
 
 
-def test_the_memory_forum_is_a_stage_too() -> None:
+def test_the_memory_forum_has_robot_presence_too() -> None:
     assert isinstance(MemoryForum.world().sign_in("quadruped"), RobotPages)

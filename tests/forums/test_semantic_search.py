@@ -1,4 +1,4 @@
-"""Search by meaning through the adapters, on forums with and without it."""
+"""Search by meaning through the adapters, on forums that support it and on forums that do not."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def at(board: RunningBoard) -> BoardForum:
     return BoardForum(ForumConfig(kind="board", url=board.url), board.tokens["op"])
 
 
-async def test_our_board_finds_by_meaning_page_by_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_our_board_pages_search_by_meaning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(embeddings, "POLL_S", 0.02)
     with running_board(tmp_path, encoder=Concepts) as board:
         forum = at(board)
@@ -41,7 +41,7 @@ async def test_our_board_finds_by_meaning_page_by_page(tmp_path: Path, monkeypat
         await forum.close()
 
 
-async def test_a_board_without_it_says_so(tmp_path: Path) -> None:
+async def test_a_board_without_search_by_meaning_says_so(tmp_path: Path) -> None:
     with running_board(tmp_path) as board:
         forum = at(board)
         assert not await forum.has_semantic_search()
@@ -50,7 +50,7 @@ async def test_a_board_without_it_says_so(tmp_path: Path) -> None:
         await forum.close()
 
 
-async def test_the_forum_in_memory_finds_by_meaning_when_it_is_given_a_model() -> None:
+async def test_the_memory_forum_searches_by_meaning_with_an_encoder() -> None:
     alice = MemoryForum.world(encoder=Concepts()).sign_in("alice")
     assert isinstance(alice, SemanticSearcher)
     assert await alice.has_semantic_search()

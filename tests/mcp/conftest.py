@@ -1,4 +1,4 @@
-"""A board for the tests of MCP, once a module; each test has names of its own for what it writes."""
+"""A board for the MCP tests, one per module; each test uses unique names for its content."""
 
 from __future__ import annotations
 

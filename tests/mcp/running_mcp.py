@@ -1,4 +1,4 @@
-"""A forum's MCP server for tests: real processes before a real board, over stdio or HTTP."""
+"""A forum's MCP server for tests: real processes in front of a real board, over stdio or HTTP."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from agentrob.mcp.client import ForumClient
 from tests.board.running_board import RunningBoard
 from tests.forked_process import ForkedCommand, end_all
 
-#: A server must have started within this.
+#: The time limit for a server to start.
 LIMIT_S = 60.0
 
 
 @dataclass
 class McpSetup:
-    """A configuration before a board, for servers of either kind."""
+    """A configuration for stdio and HTTP servers in front of a board."""
 
     board: RunningBoard
     folder: Path
@@ -28,7 +28,7 @@ class McpSetup:
     env: dict[str, str] = field(default_factory=dict)
 
     def user(self, name: str, **settings: Any) -> None:
-        """Let an account of the board in, with the token `mcp-token-for-user-<name>`."""
+        """Allow an account of the board to use the server, with the token `mcp-token-for-user-<name>`."""
         forum, token = f"FORUM_OF_{name.upper()}", f"MCP_OF_{name.upper()}"
         self.env |= {forum: self.board.tokens[name], token: f"mcp-token-for-user-{name}"}
         users = self.mcp.setdefault("users", {})
@@ -42,7 +42,7 @@ class McpSetup:
         return path
 
     def words(self, *more: str) -> list[str]:
-        """What `agentrob` is given to serve."""
+        """The arguments of `agentrob` that start the server."""
         return ["mcp", "forum", "--config", str(self.file()), *more]
 
     def command(self, *more: str) -> list[str]:
@@ -52,18 +52,18 @@ class McpSetup:
         return {**os.environ, **self.env, "AGENTROB_TOKEN": self.board.tokens[name]}
 
     def client(self, name: str) -> ForumClient:
-        """A client with a stdio server of its own, signed in as an account of the board."""
+        """Return a client with its own stdio server, signed in as an account of the board."""
         command, *args = self.command()
         return ForumClient.spawn(command, *args, env=self.environment(name))
 
     def stdio(self, name: str, log: Path | None = None, **env: str) -> ForkedCommand:
-        """A stdio server of an account, whose standard streams are pipes, but for standard error with a `log`."""
+        """Start an account's stdio server with pipes as standard streams; standard error goes to `log` if given."""
         given = {**self.env, "AGENTROB_TOKEN": self.board.tokens[name], **env}
         return ForkedCommand(self.folder, *self.words(), log=log, feed=True, **given)
 
     @contextmanager
     def http(self) -> Iterator[str]:
-        """A served HTTP server; its address."""
+        """Serve over HTTP; yield the URL."""
         process = ForkedCommand(self.folder, *self.words("--http"), log=self.folder / "mcp-http.log", **self.env)
         try:
             yield process.ready["url"]

@@ -1,4 +1,4 @@
-"""Serve the product's MCP servers in a thread, adding the bearer token for test suites that cannot send one."""
+"""Serve the product's MCP servers in a thread, and add the bearer token for test suites that cannot send one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from agentrob.mcp.robots import http as over_http
 from agentrob.mcp.robots.server import RobotServer
 from agentrob.mcp.robots.service_client import Robots, Service
 from agentrob.mcp.robots.tools import allowed
-from tests.mcp.forum.inside import ALL, a_world
+from tests.mcp.forum.inside import ALL, memory_world
 
 TOKEN = "mcp-token-for-conformance"
 
@@ -43,7 +43,7 @@ def serving(app: Any, listener: socket.socket) -> Iterator[None]:
 
 @contextmanager
 def fixture_server() -> Iterator[str]:
-    """The SDK's conformance server, which has all fixtures, on the SDK and HTTP middleware that our servers use."""
+    """Serve the SDK's conformance server, which has all fixtures, with our servers' SDK version and HTTP middleware."""
     path = Path(__file__).parent / f"node/node_modules/everything-server-{version('mcp')}.py"
     assert path.is_file(), "the SDK's conformance server is not installed: run scripts/mcp-peers"
     spec = importlib.util.spec_from_file_location("everything_server", path)
@@ -59,10 +59,10 @@ def fixture_server() -> Iterator[str]:
 
 @contextmanager
 def forum_server() -> Iterator[str]:
-    """The forum's MCP server over HTTP with everything allowed; yields its address."""
+    """Serve the forum's MCP server over HTTP with all rights; yield its URL."""
     listener = socket.create_server(("127.0.0.1", 0))
     port = listener.getsockname()[1]
-    world = a_world()
+    world = memory_world()
     users = {"admin": (Identity("admin", world.sign_in("admin"), Rights(True, ALL)), TOKEN, "")}
     app, _ = make_app(McpConfig(listen=f"127.0.0.1:{port}"), users, port)
 
@@ -72,7 +72,7 @@ def forum_server() -> Iterator[str]:
 
 @contextmanager
 def robot_server() -> Iterator[str]:
-    """The robots' MCP server over HTTP with everything allowed; its robot's service does not exist."""
+    """Serve the robots' MCP server over HTTP with all rights; the service of its robot does not exist."""
     listener = socket.create_server(("127.0.0.1", 0))
     port = listener.getsockname()[1]
     robots = Robots({"quadruped": Service("quadruped", "http://127.0.0.1:9", "token-of-nobody")}, 20)

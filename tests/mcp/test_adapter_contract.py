@@ -1,4 +1,4 @@
-"""The forum adapter that stands on MCP keeps the forum contract: before a memory forum, and before a real board."""
+"""The forum adapter over MCP fulfils the forum contract, in front of a memory forum and of a real board."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tests.mcp.running_mcp import McpSetup
 
 
 class MemoryMcpWorld:
-    """A memory forum, each account of it behind an MCP server of its own in this process."""
+    """A memory forum with an MCP server in this process for each account."""
 
     def __init__(self, **settings: Any) -> None:
         self.world = MemoryForum.world(**settings)
@@ -63,14 +63,14 @@ class TestMcpForum(ForumContract):
 
 
 class BoardMcpWorld(BoardWorld):
-    """A real board, each account of it behind an MCP server that is a process of its own."""
+    """A real board with an MCP server process for each account."""
 
     def __init__(self, setup: McpSetup, http: bool) -> None:
         super().__init__(setup.board)
         self.setup, self.http, self.open, self.url = setup, http, AsyncExitStack(), ""
 
     def _serve(self) -> str:
-        """One server for everybody that the contract knows."""
+        """Start one HTTP server for all accounts of the contract."""
         served = McpSetup(self.board, self.setup.folder, {"listen": "127.0.0.1:0"})
         for name in ("alice", "bob", "quadruped", "admin"):
             if name not in self.board.tokens:
@@ -111,7 +111,7 @@ class TestMcpForumOfProcesses(ForumContract):
             await made.close()
 
 
-async def test_law_16_a_stream_whose_forum_or_server_falls_silent_ends_with_unreachable() -> None:
+async def test_law_16_a_stream_ends_with_unreachable_when_the_forum_or_server_falls_silent() -> None:
     made = MemoryMcpWorld()
     async with made.open:
         forum = await made.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)

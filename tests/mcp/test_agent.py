@@ -1,4 +1,4 @@
-"""An agent takes part through MCP instead of the forum's own API, by configuration alone."""
+"""An agent uses the forum over MCP instead of the forum's own API, by configuration alone."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 @asynccontextmanager
 async def agent_on_mcp(driver: Driver, folder: Path, **world: Any) -> AsyncIterator[Scene]:
-    """An agent that runs; what its forum can do it learns, as in the field, only when it first asks."""
+    """Run an agent that, as in production, learns the forum's features only with its first request."""
     scene = make_scene(driver, folder, MemoryForum.world(**world), poll_s=0.5)
     server, accounts = server_of(scene.world, ROBOT, Rights(True, ALL))
     forum = McpForum.from_client(ForumClient(lambda: Client(server.engine, cache=None)))
@@ -51,7 +51,7 @@ async def agent_on_mcp(driver: Driver, folder: Path, **world: Any) -> AsyncItera
 
 
 @pytest.mark.parametrize("world", [{}, {"live": False}, {"max_edits": 0}], ids=str)
-async def test_a_post_moves_the_robot_and_is_answered_whatever_the_forum_behind_can_do(
+async def test_a_post_moves_the_robot_and_is_answered_on_any_kind_of_forum(
     driver: Driver, tmp_path: Path, world: dict[str, Any]
 ) -> None:
     async with agent_on_mcp(driver, tmp_path, **world) as scene:
@@ -64,7 +64,7 @@ async def test_a_post_moves_the_robot_and_is_answered_whatever_the_forum_behind_
 
 
 @pytest.mark.parametrize("live", [True, False])
-async def test_law_13_and_16_a_stop_is_heard_through_mcp_also_where_the_forum_is_polled(
+async def test_law_13_and_16_a_stop_is_heard_through_mcp_by_push_and_by_polling(
     driver: Driver, tmp_path: Path, live: bool
 ) -> None:
     async with agent_on_mcp(driver, tmp_path, live=live) as scene:
@@ -90,9 +90,7 @@ async def test_law_16_a_forum_behind_mcp_that_falls_silent_stops_the_robot(drive
     assert reply.card.state == "interrupted"
 
 
-async def test_the_trace_of_an_agent_that_asked_is_in_the_log_of_the_robots_agent(
-    driver: Driver, tmp_path: Path
-) -> None:
+async def test_the_trace_id_of_the_asking_agent_is_in_the_robot_agents_log(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
     scene.person("planner", kind=AccountKind.COMMANDING_AGENT)
     with capture_logs() as logs:
@@ -104,8 +102,8 @@ async def test_the_trace_of_an_agent_that_asked_is_in_the_log_of_the_robots_agen
 
 
 @pytest.mark.slow
-def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, tmp_path: Path) -> None:
-    """A board, the MCP server over HTTP, a driver and the agent are processes of their own."""
+def test_agent_run_uses_mcp_by_configuration_alone(setup: McpSetup, tmp_path: Path) -> None:
+    """Board, MCP server over HTTP, driver and agent are separate processes."""
     setup.user("quadruped", write=True)
     facts = {
         "data": str(tmp_path / "data"),
@@ -139,7 +137,7 @@ def test_agent_run_stands_on_the_tools_by_configuration_alone(setup: McpSetup, t
 
 
 def ask_for_a_photo(setup: McpSetup, picture: Path) -> str:
-    """What the example prints: another agent, on a stdio server of its own."""
+    """Run the example, an agent with its own stdio server; return its output."""
     config = setup.folder / "asker.toml"
     config.write_text(f'[forum]\nurl = "{setup.board.url}"\n')
     setup.board.add("planner", kind=AccountKind.COMMANDING_AGENT, role=Role.OPERATOR)
@@ -152,7 +150,7 @@ def ask_for_a_photo(setup: McpSetup, picture: Path) -> str:
 
 
 async def _ended(asker: Any, topic: str) -> list[Any]:
-    """The posts of the topic when the robot's answer has ended."""
+    """Wait until the robot's reply is final; return the posts of the topic."""
     async with asyncio.timeout(60):
         while True:
             said: list[Any] = asker.get(f"/topics/{topic}/posts").json()["items"]

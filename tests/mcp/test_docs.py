@@ -1,4 +1,5 @@
-"""What the pages give to paste is true: each command starts, each address answers, each table is a configuration."""
+"""The snippets in the docs work: each command starts a server, each URL is served, each table is valid
+configuration."""
 
 from __future__ import annotations
 
@@ -22,13 +23,13 @@ from tests.mcp.running_mcp import LIMIT_S, McpSetup
 
 ROOT = Path(__file__).parents[2]
 DOCS, SERVICE, README = ((ROOT / p).read_text("utf-8") for p in ("docs/mcp.md", "docs/service.md", "README.md"))
-#: What a person puts in for these words.
+#: The values that a reader inserts for the placeholders.
 CONFIG = "/path/to/agentrob.toml"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """How a client is told to start a server: its command line, and the variables that it is given."""
+    """A client's entry for a server: the command line and the environment variables."""
 
     command: tuple[str, ...]
     variables: tuple[str, ...]
@@ -43,7 +44,7 @@ def blocks(kind: str, text: str = DOCS) -> list[str]:
 
 
 def entries() -> list[Entry]:
-    """Every one that a page has."""
+    """Return the entries on all pages."""
     servers = [server for text in (DOCS, SERVICE, README) for block in blocks("json", text)
                for server in json.loads(block).get("mcpServers", {}).values()]  # fmt: skip
     servers += [s for block in blocks("toml") for s in tomllib.loads(block).get("mcp_servers", {}).values()]
@@ -54,13 +55,13 @@ def entries() -> list[Entry]:
     return found
 
 
-def test_there_is_something_to_paste() -> None:
+def test_the_docs_have_entries() -> None:
     assert [entry.kind for entry in entries()] == ["forum", "robot", "forum", "forum", "forum"]
 
 
 @pytest.mark.parametrize("entry", sorted(set(entries()), key=str), ids=lambda entry: " ".join(entry.command[1:4]))
-async def test_what_is_pasted_starts_a_server_that_lists_its_tools(setup: McpSetup, entry: Entry) -> None:
-    """With the variables that it names and no others, beside the configuration that the pages give."""
+async def test_an_entry_starts_a_server_that_lists_its_tools(setup: McpSetup, entry: Entry) -> None:
+    """Only the named environment variables are set, and the configuration is the one in the docs."""
     robots = next(t for t in map(tomllib.loads, blocks("toml", SERVICE)) if "mcp_robot" in t)
     (setup.folder / "agentrob.toml").write_text(tomli_w.dumps({"forum": {"url": setup.board.url}, **robots}))
     program, *arguments = (word.replace(CONFIG, str(setup.folder / "agentrob.toml")) for word in entry.command)
@@ -78,7 +79,7 @@ async def test_what_is_pasted_starts_a_server_that_lists_its_tools(setup: McpSet
     assert ({"stop", "list_robots"} if entry.kind == "robot" else {"list_boards", "create_topic"}) <= names
 
 
-def test_every_table_is_a_configuration_and_the_addresses_are_those_that_are_served() -> None:
+def test_every_table_is_valid_and_the_urls_are_served() -> None:
     tables = [tomllib.loads(block) for block in blocks("toml")]
     configs = [Config.model_validate(table) for table in tables if "mcp_servers" not in table]
     served = next(c for c in configs if c.mcp.users)
@@ -89,7 +90,7 @@ def test_every_table_is_a_configuration_and_the_addresses_are_those_that_are_ser
     assert vscode["url"] == address
 
 
-def test_the_python_of_the_page_is_the_clients() -> None:
+def test_the_python_example_uses_the_real_client() -> None:
     (code,) = blocks("python")
     called = set(re.findall(r"forum\.(\w+)\(", code))
     assert called

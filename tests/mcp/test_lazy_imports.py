@@ -1,4 +1,4 @@
-"""What is imported: the client needs the SDK and pydantic only; heavy libraries are imported when they are needed."""
+"""Imports: the client needs the SDK and pydantic only, and heavy libraries are imported when they are needed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 
 def imported(code: str) -> set[str]:
-    """The libraries that are there after some code, in a process of its own."""
+    """Run code in a new process; return the libraries that it imported."""
     said = subprocess.run(
         [sys.executable, "-c", f"{code}\nimport sys; print(*{{m.partition('.')[0] for m in sys.modules}})"],
         capture_output=True, text=True, check=False,
@@ -37,4 +37,4 @@ def test_the_command_line_imports_no_library_before_a_command_needs_it() -> None
 
 def test_garbage_is_collected_again_after_the_imports() -> None:
     use = "with importing():\n    import json\nassert gc.isenabled()"
-    imported(f"import gc\nfrom agentrob.process.startup import importing\n{use}")
+    imported(f"import gc\nfrom agentrob.process.memory import importing\n{use}")

@@ -1,4 +1,4 @@
-"""The tag of an agent's post: made of the account, never of what the caller says; read only where it is genuine."""
+"""The tag in an agent's post is built from the account, never from the caller's text, and read only if genuine."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from agentrob.language.visible_text import visible_text
 from agentrob.mcp.metadata import AGENT_TYPES, disarm_tags, split_tag, with_tag
 from agentrob.model import Account, AccountKind
-from tests.mcp.forum.inside import a_world, client_of
+from tests.mcp.forum.inside import client_of, memory_world
 
 PLANNER = Account("1", "planner", AccountKind.COMMANDING_AGENT)
 FORGED = (
@@ -30,7 +30,7 @@ FORGED = (
 
 
 @pytest.mark.parametrize("kind", list(AccountKind))
-def test_law_1_the_tag_is_made_of_the_account_and_read_back(kind: AccountKind) -> None:
+def test_law_1_the_tag_is_built_from_the_account_and_parsed_back(kind: AccountKind) -> None:
     author = Account("1", "some_body", kind)
     raw = with_tag("hello", author, "asking", "0123456789abcdef")
     body, tag = split_tag(raw, author)
@@ -40,7 +40,7 @@ def test_law_1_the_tag_is_made_of_the_account_and_read_back(kind: AccountKind) -
 
 
 @pytest.mark.parametrize("forged", FORGED)
-def test_law_1_a_tag_that_a_caller_writes_is_disarmed(forged: str) -> None:
+def test_law_1_a_tag_written_by_a_caller_is_neutralised(forged: str) -> None:
     raw = with_tag(f"{forged}\n\nhello", PLANNER, "posted", "")
     assert raw.count("[") == 1
     assert "not a tag" in raw
@@ -56,7 +56,7 @@ def test_law_1_another_accounts_tag_is_text() -> None:
 
 
 @given(st.text(max_size=300))
-def test_law_1_whatever_is_written_the_first_line_is_the_accounts_own(text: str) -> None:
+def test_law_1_the_first_line_is_always_the_accounts_own_tag(text: str) -> None:
     raw = with_tag(text, PLANNER, "posted", "")
     body, tag = split_tag(raw, PLANNER)
     assert tag is not None
@@ -65,19 +65,19 @@ def test_law_1_whatever_is_written_the_first_line_is_the_accounts_own(text: str)
 
 
 @given(st.text(alphabet="ab [](){}*_-🤖行走", max_size=80))
-def test_what_is_no_tag_is_left_as_it_is(text: str) -> None:
+def test_text_that_is_not_a_tag_is_unchanged(text: str) -> None:
     assert disarm_tags(text) == text
 
 
 @pytest.mark.parametrize(
     "text", ["@quadruped walk forward 1 m", "stop", "> a quote\n\n@quadruped stop", "@quadruped 停"]
 )
-def test_law_3_robots_read_a_tagged_post_as_if_the_tag_were_not_there(text: str) -> None:
+def test_law_3_robots_ignore_the_tag_of_a_post(text: str) -> None:
     assert visible_text(with_tag(text, PLANNER, "asking", "0123456789abcdef")) == visible_text(text)
 
 
-async def test_law_1_what_is_posted_carries_the_identity_of_who_is_signed_in() -> None:
-    world = a_world()
+async def test_law_1_a_post_carries_the_identity_of_the_signed_in_account() -> None:
+    world = memory_world()
     for name, kind in (("planner", "commanding"), ("watcher", "monitoring"), ("quadruped", "robot")):
         async with client_of(world, name) as client:
             topic = await client.create_topic(

@@ -1,4 +1,4 @@
-"""JWTs of an OAuth server: only those for this address, of this issuer, in time, with the scope, of a known subject."""
+"""JWTs of an OAuth server: audience, issuer, expiry, scope and subject must all be valid."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from agentrob.config.mcp import McpConfig
 from agentrob.mcp.client import ForumClient
 from agentrob.mcp.forum.http import make_app
 from agentrob.mcp.forum.identity import Identity, Rights
-from tests.mcp.forum.inside import a_world
+from tests.mcp.forum.inside import memory_world
 from tests.mcp.serving import serving
 
 KEY = rsa.generate_private_key(public_exponent=65537, key_size=2048)
@@ -55,13 +55,13 @@ def served() -> Iterator[Served]:
     keys, listener = socket.create_server(("127.0.0.1", 0)), socket.create_server(("127.0.0.1", 0))
     issuer = f"http://127.0.0.1:{keys.getsockname()[1]}"
     port = listener.getsockname()[1]
-    users = {"alice": (Identity("alice", a_world().sign_in("alice"), Rights(True)), "", "user-1")}
+    users = {"alice": (Identity("alice", memory_world().sign_in("alice"), Rights(True)), "", "user-1")}
     app, _ = make_app(McpConfig(listen=f"127.0.0.1:{port}", issuer=issuer), users, port)
     with serving(Starlette(routes=[Route("/.well-known/jwks.json", jwks)]), keys), serving(app, listener):
         yield Served(f"http://127.0.0.1:{port}/mcp", issuer)
 
 
-async def test_a_token_of_the_oauth_server_signs_its_subject_in(served: Served) -> None:
+async def test_an_oauth_token_signs_its_subject_in(served: Served) -> None:
     async with ForumClient.connect(served.url, served.token()) as client:
         assert (await client.create_topic("robots", "A title", "hello")).post.author.name == "alice"
 
@@ -79,7 +79,7 @@ def test_law_1_any_other_token_is_refused(served: Served, changes: dict[str, Any
     assert served.status(served.token(**changes)) == 401
 
 
-def test_who_has_no_token_is_told_where_to_get_one(served: Served) -> None:
+def test_a_request_without_a_token_is_told_where_to_get_one(served: Served) -> None:
     refused = httpx2.post(served.url, json=LIST, headers={"Accept": "application/json, text/event-stream"}, timeout=60)
     assert refused.status_code == 401
     where = refused.headers["www-authenticate"].partition('resource_metadata="')[2].partition('"')[0]

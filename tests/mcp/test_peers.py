@@ -65,7 +65,7 @@ def inspect(*args: str, env: dict[str, str]) -> subprocess.CompletedProcess[str]
 
 def test_the_inspector_lists_and_calls_over_stdio(setup: McpSetup) -> None:
     env, script = setup.environment("op"), setup.folder / "server"
-    # A script, since the inspector takes options for its own and hands on little of the environment.
+    # A script, because the inspector parses all options itself and passes on few environment variables.
     given = [f"{name}={env[name]}" for name in ("AGENTROB_TOKEN", "PYTHONPATH") if name in env]
     script.write_text(f"#!/bin/sh\nexec env {shlex.join([*given, *setup.command()])}\n")
     script.chmod(0o700)
@@ -109,7 +109,7 @@ FIXTURE_FREE = {
 
 
 def failures(output: str) -> set[str]:
-    """The names of the failed checks in the suite's output."""
+    """Return the names of the failed checks in the suite's output."""
     return set(re.findall(r"^ {2}- (\w+):", output.partition("=== Failed Checks ===")[2], re.MULTILINE))
 
 

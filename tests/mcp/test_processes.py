@@ -1,4 +1,4 @@
-"""Real servers as processes before a real board: stdio and HTTP, several users at once, clients that behave badly."""
+"""Server processes in front of a real board: stdio and HTTP, several concurrent users, misbehaving clients."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ ACCEPT = {"Accept": "application/json, text/event-stream", "Content-Type": "appl
 
 @pytest.fixture(scope="module")
 def served(board: RunningBoard, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """One HTTP server, started as people start it: `op` may write, `member` only reads."""
+    """Serve over HTTP with the real command: `op` may write, `member` may only read."""
     setup = McpSetup(board, tmp_path_factory.mktemp("http"), {"listen": "127.0.0.1:0"})
     setup.user("op", write=True)
     setup.user("member")
@@ -51,7 +51,7 @@ def as_user(url: str, name: str) -> ForumClient:
 
 
 # ---------------------------------------------------------------------- stdio
-async def test_a_client_lives_a_whole_life_with_a_stdio_server(setup: McpSetup) -> None:
+async def test_a_client_uses_a_stdio_server_from_start_to_end(setup: McpSetup) -> None:
     async with setup.client("op") as client:
         assert [b.id for b in (await client.list_boards()).boards] == ["robots", "talk"]
         post = (await client.create_topic("talk", "A title", "hello", status="greeting", key="life")).post
@@ -59,7 +59,7 @@ async def test_a_client_lives_a_whole_life_with_a_stdio_server(setup: McpSetup) 
         assert (await client.get_topic(post.topic_id)).posts[0].body == "hello"
 
 
-def test_what_no_event_loop_can_wait_for_is_read_and_written_too(setup: McpSetup, tmp_path: Path) -> None:
+def test_standard_streams_may_be_regular_files(setup: McpSetup, tmp_path: Path) -> None:
     asked, answered = tmp_path / "asked.jsonl", tmp_path / "answered.jsonl"
     asked.write_text("".join(json.dumps(INITIALIZE | {"id": number}) + "\n" for number in (1, 2)))
     with asked.open() as source, answered.open("w") as target:
@@ -85,7 +85,7 @@ async def test_the_logs_of_server_and_board_have_the_trace_id_of_the_answer(setu
 
 
 @pytest.mark.slow
-async def test_a_server_that_was_killed_is_started_again_by_the_next_call(setup: McpSetup, tmp_path: Path) -> None:
+async def test_a_killed_server_is_restarted_by_the_next_call(setup: McpSetup, tmp_path: Path) -> None:
     command, *args = setup.command()
     note = tmp_path / "pid"
     async with ForumClient.spawn(
@@ -100,7 +100,7 @@ async def test_a_server_that_was_killed_is_started_again_by_the_next_call(setup:
                     break
 
 
-async def test_a_call_that_takes_too_long_is_given_up_and_the_connection_goes_on(setup: McpSetup) -> None:
+async def test_a_slow_call_times_out_and_the_connection_continues(setup: McpSetup) -> None:
     async with setup.client("op") as client:
         topic_id = (await client.create_topic("talk", "Quiet", "hello")).post.topic_id
         with pytest.raises(TimeoutError):
@@ -109,7 +109,7 @@ async def test_a_call_that_takes_too_long_is_given_up_and_the_connection_goes_on
         assert (await client.list_boards()).boards
 
 
-def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetup, tmp_path: Path) -> None:
+def test_a_half_closed_pipe_ends_the_server_and_malformed_input_does_not(setup: McpSetup, tmp_path: Path) -> None:
     process = setup.stdio("op", log=tmp_path / "log")
     assert process.stdin is not None
     try:
@@ -133,13 +133,13 @@ def test_a_half_closed_pipe_ends_the_server_and_nonsense_does_not(setup: McpSetu
         process.stdout.close()
 
 
-def test_a_client_that_stops_reading_is_left_behind_when_it_closes_its_end(setup: McpSetup, tmp_path: Path) -> None:
+def test_the_server_ends_when_a_client_that_stopped_reading_closes_its_end(setup: McpSetup, tmp_path: Path) -> None:
     process = setup.stdio("op", log=tmp_path / "log")
     assert process.stdin is not None
     initialized = {"jsonrpc": "2.0", "method": "notifications/initialized"}
     try:
         process.stdin.write(json.dumps(INITIALIZE).encode() + b"\n" + json.dumps(initialized).encode() + b"\n")
-        for n in range(2, 100):  # far more answers than a pipe holds
+        for n in range(2, 100):  # far more responses than a pipe can hold
             process.stdin.write(json.dumps({"jsonrpc": "2.0", "id": n, "method": "tools/list"}).encode() + b"\n")
         process.stdin.close()
         process.stdout.close()
@@ -149,7 +149,7 @@ def test_a_client_that_stops_reading_is_left_behind_when_it_closes_its_end(setup
 
 
 # ---------------------------------------------------------------------- HTTP
-async def test_several_users_write_at_once_under_their_own_names_and_nothing_is_lost(served: str) -> None:
+async def test_concurrent_users_write_under_their_own_names_without_loss(served: str) -> None:
     async with as_user(served, "op") as op, as_user(served, "admin") as admin:
         topic_id = (await op.create_topic("talk", "Both", "hello")).post.topic_id
         writes = [c.reply_to_topic(topic_id, f"{who} {n}", key=f"both-{n}")
@@ -160,7 +160,7 @@ async def test_several_users_write_at_once_under_their_own_names_and_nothing_is_
     assert all(p.body.startswith(p.author.name) for p in posts)
 
 
-async def test_a_user_who_only_reads_is_shown_and_allowed_no_write(served: str) -> None:
+async def test_a_read_only_user_sees_and_may_call_no_writing_tools(served: str) -> None:
     async with as_user(served, "member") as member:
         assert (await member.list_boards()).boards
         with pytest.raises(ToolFailed) as refused:
@@ -183,9 +183,7 @@ def test_law_1_nobody_is_anonymous_over_http(served: str, token: str | None) -> 
     ("headers", "status"),
     [({"Origin": "https://evil.example"}, 403), ({"Host": "evil.example"}, 421), ({"Origin": "null"}, 403)],
 )
-def test_pages_of_other_sites_and_names_that_were_made_to_point_here_are_refused(
-    served: str, headers: dict[str, str], status: int
-) -> None:
+def test_cross_origin_and_dns_rebinding_requests_are_refused(served: str, headers: dict[str, str], status: int) -> None:
     signed_in = ACCEPT | {"Authorization": "Bearer mcp-token-for-user-op"}
     assert httpx2.post(served, json=INITIALIZE, headers=signed_in | headers, timeout=60).status_code == status
     assert httpx2.post(served, json=INITIALIZE, headers=signed_in, timeout=60).status_code == 200
@@ -224,7 +222,7 @@ async def _next(updates: AsyncIterator[Any]) -> Any:
 
 
 # ---------------------------------------------------------------------- configuration
-def test_a_token_that_the_forum_refuses_is_told_on_standard_error_with_the_forum_s_address(setup: McpSetup) -> None:
+def test_a_token_refused_by_the_forum_is_reported_on_standard_error_with_the_forums_url(setup: McpSetup) -> None:
     process = setup.stdio("op", AGENTROB_TOKEN="not-a-token")
     assert process.stderr is not None
     try:
@@ -238,7 +236,7 @@ def test_a_token_that_the_forum_refuses_is_told_on_standard_error_with_the_forum
 
 
 @pytest.mark.slow
-def test_a_server_that_nobody_may_use_or_whose_tokens_are_missing_says_so(setup: McpSetup) -> None:
+def test_a_server_without_users_or_tokens_says_so(setup: McpSetup) -> None:
     def said(**mcp: Any) -> str:
         setup.mcp = mcp
         ended = subprocess.run(

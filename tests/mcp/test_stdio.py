@@ -1,4 +1,4 @@
-"""The stdio transport: a line that is not a message is answered, and the next one is served."""
+"""The stdio transport answers a malformed line with an error and serves the next one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ PING = b'{"jsonrpc":"2.0","id":1,"method":"ping"}\n'
 
 
 async def answers(monkeypatch: pytest.MonkeyPatch, expected: int, *lines: bytes) -> list[dict[str, Any]]:
-    """What a server writes for these lines. Its client closes its end when it has the answers that it expects."""
+    """Send lines to a server; return its responses. The client closes its end after the expected number of
+    responses."""
     written: list[str] = []
     complete = anyio.Event()
     if not expected:
@@ -48,7 +49,7 @@ async def answers(monkeypatch: pytest.MonkeyPatch, expected: int, *lines: bytes)
     return [json.loads(text) for text in written]
 
 
-async def test_nonsense_is_answered_and_empty_lines_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_malformed_lines_are_answered_and_empty_lines_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     said = await answers(monkeypatch, 3, PING, b"\n", b" \r\n", b"nonsense\n", PING)
     assert sorted(a["id"] is None for a in said) == [False, False, True]
     said = await answers(monkeypatch, 1, PING[:-1])
@@ -69,7 +70,7 @@ async def test_nonsense_is_answered_and_empty_lines_are_passed_over(monkeypatch:
         (b"x" * 5_000, -32700, None),
     ],
 )
-async def test_a_line_that_is_no_message_is_answered_and_the_next_one_is_read(
+async def test_a_line_that_is_not_a_message_is_answered_and_the_next_one_read(
     monkeypatch: pytest.MonkeyPatch, line: bytes, code: int, id_: int | None
 ) -> None:
     refused, ponged = sorted(await answers(monkeypatch, 2, line + b"\n", PING), key=lambda a: "result" in a)

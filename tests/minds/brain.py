@@ -1,4 +1,4 @@
-"""A model on loopback that answers each kind of question as a test wants, and remembers what it was asked."""
+"""A model server on loopback with scripted responses for each kind of request; it records the requests."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from tests.minds.faulty_server import FaultyServer, called, faulty_server, said
 
-#: How the system prompt of each kind of question begins.
+#: The beginning of the system prompt of each kind of request.
 _KINDS = {"Reading posts": "read", "Looking at": "screen", "Wording a": "summary"}
 FINE = {"decision": "fine"}
 Fault = Callable[[Any], None]
 
 
 class Brain:
-    """`reads`, `screens` and `says` are answers; a callable gets the HTTP handler and does what it likes."""
+    """`reads`, `screens` and `says` are the responses; a callable gets the HTTP handler and responds itself."""
 
     def __init__(self, server: FaultyServer) -> None:
         self.server = server
@@ -32,11 +32,11 @@ class Brain:
         server.answer = self._answer
 
     def questions(self, kind: str) -> list[str]:
-        """What it was told by us, for one kind of question: read, screen or summary."""
+        """Return the user prompts of one kind of request: read, screen or summary."""
         return [told for asked, told in self.asked if asked == kind]
 
     def mind(self, folder: Path, name: str = "clever", **settings: Any) -> ModelMind:
-        """A mind that asks it; a failing one is given up soon."""
+        """Return a mind that uses this server, with a short timeout."""
         return ModelMind(FallbackModel([self.model(folder, name, **settings)]))
 
     def model(self, folder: Path, name: str = "clever", **settings: Any) -> ConfiguredModel:
@@ -70,6 +70,6 @@ def running_brain() -> Iterator[Brain]:
 
 
 def move(words: str, amount: float, unit: str = "m", direction: str = "forward", **more: Any) -> dict[str, Any]:
-    """What a model makes of a walk."""
+    """Return a model's extraction of a walk."""
     step = {"action": "move", "direction": direction, "amount": amount, "unit": unit, "words": words, **more}
     return {"intent": "command", "steps": [step]}

@@ -1,4 +1,4 @@
-"""Real servers on loopback that the minds talk to."""
+"""Servers on loopback that the minds call."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ from tests.minds.model_double import Double, model_double
 
 @pytest.fixture
 def server() -> Iterator[FaultyServer]:
-    """A provider that fails as a test wants."""
+    """Run a provider whose failures are scripted."""
     with faulty_server() as running:
         yield running
 
 
 @pytest.fixture
 def double(tmp_path: Path) -> Iterator[Callable[[list[dict[str, Any]]], Double]]:
-    """Starts the double of both providers with fixtures."""
+    """Return a function that starts the double of both providers with fixtures."""
     with ExitStack() as stack:
         yield lambda fixtures: stack.enter_context(model_double(tmp_path, fixtures))
 
 
 @pytest.fixture
 def key(monkeypatch: pytest.MonkeyPatch) -> str:
-    """A key in the environment, in TEST_KEY."""
+    """Set an API key in the environment variable TEST_KEY."""
     monkeypatch.setenv("TEST_KEY", KEY)
     return KEY
 
 
 @pytest.fixture
 def make(tmp_path: Path, key: str) -> Callable[..., ConfiguredModel]:
-    """Makes a configured model: `make(url, provider=…, retries=…)`. Retries wait for nothing but Retry-After."""
+    """Return a function that makes a configured model: `make(url, provider=…, retries=…)`. Retries wait only for
+    Retry-After."""
 
     def make_model(url: str, name: str = "clever", **settings: Any) -> ConfiguredModel:
         given = {"provider": "compatible", "model": "some-model", "key_env": "TEST_KEY", "base_url": url, **settings}

@@ -1,4 +1,4 @@
-"""A small loopback server that answers like a model provider, or fails like one: what each path does, its name says."""
+"""A small loopback server that responds or fails like a model provider; each path is named after its behaviour."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ KEY = "sk-test-0123456789-secret"
 
 
 class FaultyServer(ThreadingHTTPServer):
-    """Records what came. `script` gives the answers in order, the last one for ever: (status, headers, body)."""
+    """Records requests. `script` lists the responses (status, headers, body) in order; the last one is repeated."""
 
     daemon_threads = True
     block_on_close = False
@@ -32,7 +32,7 @@ class FaultyServer(ThreadingHTTPServer):
         return f"http://127.0.0.1:{self.server_port}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that hung up is what these tests are about."""
+        """Ignore clients that hang up, because these tests provoke that."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -57,7 +57,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def break_off(self) -> None:
-        """Half of an answer, then nothing more."""
+        """Send half of a response and then nothing more."""
         self.send_response(200)
         self.send_header("content-type", "application/json")
         self.send_header("content-length", "1000")
@@ -71,7 +71,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.close_connection = True
 
     def flood(self, size: int) -> None:
-        """A valid answer of so many bytes."""
+        """Send a valid response of this many bytes."""
         self.send(200, json.dumps(said("x" * size)).encode())
 
     def log_message(self, format: str, *args: Any) -> None:
@@ -92,7 +92,7 @@ def faulty_server() -> Iterator[FaultyServer]:
         thread.join(60)
 
 
-# ---------------------------------------------------------------------- answers in the OpenAI dialect
+# ---------------------------------------------------------------------- responses of the OpenAI API
 def said(text: str, tokens: tuple[int, int] | None = (100, 20), finish: str = "stop") -> dict[str, Any]:
     return _completion({"role": "assistant", "content": text}, tokens, finish)
 

@@ -1,4 +1,4 @@
-"""Starts the double of model providers (npm @copilotkit/aimock): the OpenAI and the Anthropic dialect over HTTP."""
+"""Start the double of model providers (npm @copilotkit/aimock): the OpenAI and Anthropic APIs over HTTP."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LIMIT_S = 60.0
 
 @dataclass
 class Double:
-    """A double that runs. `journal` is what it was asked, oldest first."""
+    """A running double. `journal` lists its requests, oldest first."""
 
     url: str
 
@@ -51,7 +51,7 @@ def model_double(folder: Path, fixtures: list[dict[str, Any]]) -> Iterator[Doubl
         line = next((x for x in process.stdout if "listening on" in x), "")
         found = re.search(r"http://127\.0\.0\.1:\d+", line)
         assert found, f"the double did not start: {line}"
-        watch.cancel()  # a busy machine may take longer than that for all the rest
+        watch.cancel()  # a busy machine may need longer for the rest of the request
         yield Double(found[0])
     finally:
         watch.cancel()

@@ -1,4 +1,4 @@
-"""How often a configured model is asked: never about a post that the rules read, once about one that they ask back."""
+"""How often a configured model is called: never for a post that the rules understand, once for one they ask back."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def brain() -> Iterator[Brain]:
 
 @pytest.fixture
 def configured(brain: Brain, tmp_path: Path) -> Callable[[], ModelMind]:
-    """Makes the mind `clever` of a configuration file that sets nothing but the model and its price."""
+    """Return a function that makes the mind `clever` from a configuration with only the model and its price."""
 
     def make() -> ModelMind:
         table = {"provider": "compatible", "model": "some-model", "base_url": f"{brain.server.url}/v1"}
@@ -51,7 +51,7 @@ def rows(path: Path) -> list[str]:
 
 
 async def readings(texts: list[str], mind: ModelMind) -> list[tuple[Intent, Reading]]:
-    """What the rules make of each text, and how the mind reads it."""
+    """Return for each text the reading by the rules and the reading by the mind."""
     found = []
     for text in texts:
         post = visible_text(f"@quadruped {text}")
@@ -60,9 +60,7 @@ async def readings(texts: list[str], mind: ModelMind) -> list[tuple[Intent, Read
     return found
 
 
-async def test_posts_that_the_rules_read_whole_ask_no_model_and_cost_nothing(
-    brain: Brain, configured: Callable[[], ModelMind]
-) -> None:
+async def test_posts_that_the_rules_understand_call_no_model(brain: Brain, configured: Callable[[], ModelMind]) -> None:
     texts = rows(PLAIN) + [post.text for post in generated_posts.posts(size(500, 10_000))]
     texts = [text for text in texts if (await RulesMind().understand(text, LISTENER)).intent is not Intent.ASK_BACK]
     found = await readings(texts, configured())
@@ -72,7 +70,7 @@ async def test_posts_that_the_rules_read_whole_ask_no_model_and_cost_nothing(
     assert brain.server.requests == []
 
 
-async def test_a_post_about_which_the_rules_ask_back_asks_the_model_once(
+async def test_a_post_that_the_rules_ask_back_calls_the_model_once(
     brain: Brain, configured: Callable[[], ModelMind]
 ) -> None:
     texts = rows(ASKED_BACK)[:: size(6, 1)]

@@ -1,4 +1,4 @@
-"""Minds end to end against the HTTP double of both dialects: extraction, a loop of tools with images, a summary."""
+"""Minds end to end against the HTTP double of both APIs: extraction, a tool loop with images, a summary."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ TOOLS = [Tool("act_move", "Walks forward.", Walk), Tool("get_front_image", "Take
 
 
 def wants(match: str, *steps: dict[str, Any]) -> dict[str, Any]:
-    """A fixture: the double answers a post with these words by this extraction."""
+    """Return a fixture: the double answers a post with these words with this extraction."""
     answer = {"intent": "command", "steps": list(steps)}
     usage = {"prompt_tokens": 30, "completion_tokens": 9, "input_tokens": 30, "output_tokens": 9}
     call = {"name": "answer", "arguments": answer}
@@ -44,7 +44,7 @@ def wants(match: str, *steps: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("provider", "path"), DIALECTS)
-async def test_a_free_post_becomes_a_plan(double: Start, make: Make, provider: str, path: str) -> None:
+async def test_a_post_in_free_words_becomes_a_plan(double: Start, make: Make, provider: str, path: str) -> None:
     post = "@quadruped would you kindly amble backwards by half a metre and, after that, snap a picture"
     steps = [
         {
@@ -70,7 +70,7 @@ async def test_a_free_post_becomes_a_plan(double: Start, make: Make, provider: s
 
 
 @pytest.mark.parametrize(("provider", "path"), DIALECTS)
-async def test_a_loop_of_tools_with_images(double: Start, make: Make, provider: str, path: str) -> None:
+async def test_a_tool_loop_with_images(double: Start, make: Make, provider: str, path: str) -> None:
     running = double(
         [
             {
@@ -137,7 +137,7 @@ async def test_the_model_gets_its_part_of_the_post_as_data_and_the_history_as_pl
     await mind.close()
 
 
-async def test_what_the_post_does_not_say_is_asked_and_not_done(double: Start, make: Make) -> None:
+async def test_invented_content_is_asked_back_and_not_executed(double: Start, make: Make) -> None:
     step = {"action": "move", "direction": "forward", "amount": 50, "unit": "m", "words": "amble forward 50 cm"}
     running = double([wants("amble", step)])
     mind = ModelMind(FallbackModel([make(running.url + "/v1")]))

@@ -1,4 +1,4 @@
-"""Without a model no model library is imported."""
+"""Without a configured model no model library is imported."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ LIBRARIES = ("pydantic_ai", "openai", "anthropic", "tiktoken")
 
 
 def imported_by(code: str) -> set[str]:
-    """The model libraries that a fresh process has after running some code."""
+    """Run code in a new process; return the model libraries that it imported."""
     told = f"{code}\nimport sys; print('LIBS', *sorted(m for m in {LIBRARIES!r} if m in sys.modules))"
     run = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, timeout=100, check=True)
     return set(run.stdout.split("LIBS", 1)[1].split())
@@ -27,7 +27,7 @@ import agentrob.agent.agent
     assert imported_by(code) == set()
 
 
-def test_making_a_model_mind_imports_none_either_until_it_is_asked() -> None:
+def test_a_model_mind_imports_libraries_only_when_called() -> None:
     code = """
 from agentrob.wiring import app
 from agentrob.config.load import parse

@@ -1,4 +1,4 @@
-"""The rules mind: found by its entry point, thin over the grammar, the same answer every time."""
+"""The rules mind: found by its entry point, a thin layer over the grammar, deterministic."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ async def test_it_asks_back_in_the_language_of_the_post() -> None:
     assert understood.language == "zh"
 
 
-async def test_a_greeting_is_greeted_and_a_question_is_left_to_the_usual_answer() -> None:
+async def test_a_greeting_is_returned_and_a_question_gets_the_usual_answer() -> None:
     for text, said in (("@quadruped hello", "Hello!"), ("@quadruped 你好呀", "你好！")):
         greeted = await RulesMind().understand(text, LISTENER)
         assert greeted.intent is Intent.QUESTION
@@ -41,14 +41,14 @@ async def test_a_greeting_is_greeted_and_a_question_is_left_to_the_usual_answer(
     assert (asked.intent, asked.question) == (Intent.QUESTION, "")
 
 
-async def test_it_takes_again_from_the_thread() -> None:
+async def test_again_repeats_the_last_command_of_the_thread() -> None:
     done = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Primitive(Op.HELLO)))
     understood = await RulesMind().understand("@quadruped and now back", LISTENER, [done])
     assert understood.plan.steps == (Primitive(Op.MOVE, Direction.BACKWARD, distance_m=2.0),)
     assert (await RulesMind().understand("@quadruped and now back", LISTENER)).intent is Intent.ASK_BACK
 
 
-async def test_a_time_is_walked_at_a_pace_that_the_robot_may_go() -> None:
+async def test_a_duration_becomes_a_distance_at_an_allowed_speed() -> None:
     slow = Addressee(("quadruped",), (), Capabilities("x", frozenset(Op), Limits(speed_mps=0.1)))
     (step,) = (await RulesMind().understand("walk forward for 2 seconds", slow)).plan.steps
     assert step == Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.2, speed_mps=0.1)
@@ -88,7 +88,7 @@ async def test_small_talk_is_answered_with_one_line_and_moves_nothing(text: str,
     assert not understood.plan.steps
 
 
-async def test_small_talk_beside_a_wish_answers_no_joke_and_drops_nothing() -> None:
+async def test_small_talk_beside_a_command_is_not_answered_and_drops_nothing() -> None:
     understood = await RulesMind().understand("@quadruped tell me a joke and walk 1 m", LISTENER)
     assert understood.intent is Intent.ASK_BACK
 

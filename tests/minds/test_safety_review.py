@@ -1,4 +1,5 @@
-"""A model's second look: it can only take away, says it in our words, and is fooled by nothing in its form."""
+"""A model's safety review can only restrict a command, its reasons are our sentences, and odd output does not fool
+it."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from tests.minds.brain import Brain, running_brain
 GO2 = Capabilities("go2", frozenset(Op))
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
 ALLOWED = Verdict(Decision.ALLOW, "screen.passed")
-#: Everything that a model can say in the schema.
+#: Every output that the schema allows.
 JUDGEMENTS = st.builds(
     Judgement,
     decision=st.sampled_from(["fine", "refuse"]),
@@ -46,7 +47,7 @@ def brain() -> Iterator[Brain]:
     language=st.sampled_from(["en", "zh"]),
     asked=st.booleans(),
 )
-def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
+def test_law_7_no_model_overrides_a_refusal_by_the_rules(
     by_rules: Verdict, judgement: Judgement, failed: str, required: bool, language: str, asked: bool
 ) -> None:
     refusal = refusal_of(judgement, "walk forward 1 m", language)
@@ -61,7 +62,7 @@ def test_law_7_no_model_turns_what_the_rules_do_not_allow_into_something_else(
 
 
 @given(decision=st.sampled_from(Decision), rule=st.text(max_size=9))
-def test_law_7_not_even_a_verdict_of_its_own_lifts_a_refusal(decision: Decision, rule: str) -> None:
+def test_law_7_no_verdict_of_a_model_lifts_a_refusal(decision: Decision, rule: str) -> None:
     refused = Verdict(Decision.REFUSE, "harm.collide")
     assert apply_review(refused, SafetyReview("clever", Verdict(decision, rule)), "en") == refused
     assert apply_review(ALLOWED, SafetyReview("clever", Verdict(Decision.ALLOW, rule)), "en") == ALLOWED
@@ -76,7 +77,7 @@ def test_each_kind_of_harm_has_a_rule_and_a_sentence(harm: Any, language: str) -
     assert verdict.reason
 
 
-def test_who_names_a_harm_refuses_and_who_refuses_without_one_does_too() -> None:
+def test_a_named_harm_refuses_and_a_refusal_without_one_does_too() -> None:
     assert refusal_of(Judgement(decision="fine"), "", "en") is None
     assert refusal_of(Judgement(decision="fine", harm="people"), "", "en") is not None
     other = refusal_of(Judgement(decision="refuse"), "", "en")
@@ -134,7 +135,7 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
     "answer",
     [{"decision": "allow"}, {"decision": "perhaps", "override": True}, {"harm": None}, {}],
 )
-async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
+async def test_output_outside_the_schema_is_an_error(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
     model = brain.model(tmp_path)
     brain.screens = answer
     screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
@@ -143,7 +144,7 @@ async def test_an_answer_outside_of_the_schema_is_none(brain: Brain, tmp_path: P
     await model.close()
 
 
-async def test_a_model_that_hangs_is_waited_for_so_long(brain: Brain, tmp_path: Path) -> None:
+async def test_a_hanging_model_times_out(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path)
     brain.screens = lambda handler: handler.hang()
     screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en", limit_s=0.2)
@@ -151,7 +152,7 @@ async def test_a_model_that_hangs_is_waited_for_so_long(brain: Brain, tmp_path: 
     await model.close()
 
 
-async def test_what_the_command_used_up_before_counts(brain: Brain, tmp_path: Path) -> None:
+async def test_earlier_usage_of_the_command_counts(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path, limits={"command_tokens": 5_000})
     first = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
     assert first.failed == ""
@@ -160,7 +161,7 @@ async def test_what_the_command_used_up_before_counts(brain: Brain, tmp_path: Pa
     await model.close()
 
 
-def test_the_prompts_of_screening_and_summaries_are_no_robots() -> None:
+def test_prompts_of_screening_and_summaries_do_not_depend_on_the_robot() -> None:
     other = system_prompt(Capabilities("robot", frozenset(Op)))
     assert system_prompt(Capabilities("screen", frozenset(Op))) == other
     assert system_prompt(Capabilities("summary", frozenset(Op))) == other

@@ -1,4 +1,4 @@
-"""Fixtures of the service's tests: the agent's scenes, with HTTP in front."""
+"""Fixtures for the service's tests: a driver and an agent served over HTTP."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from tests.service.service_scene import Service, make_service
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Iterator[Driver]:
-    """In real time, so that there is something to stop, where the file of tests does not say how much faster."""
+    """Start a driver, in real time unless the test module sets `TIME_SCALE`, so that motions last long enough to
+    stop."""
     scale = getattr(request.module, "TIME_SCALE", 1)
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": scale}), name="served")
     yield made
@@ -22,6 +23,6 @@ def driver(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequ
 
 @pytest.fixture
 async def service(driver: Driver, tmp_path: Path) -> AsyncIterator[Service]:
-    """A served agent that listens to its forum."""
+    """Serve an agent that listens to its forum."""
     async with make_service(driver, tmp_path) as made:
         yield made

@@ -25,7 +25,7 @@ from agentrob.service.server import serving
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 
 ALL: frozenset[Scope] = frozenset(("look", "preview", "command", "stop"))
-#: Who may call: the account of the forum, its role and kind, and the scopes of its token.
+#: The callers: role and kind of their forum account, and the scopes of their token.
 PEOPLE: Mapping[str, tuple[Role, AccountKind, frozenset[Scope]]] = {
     "alice": (Role.OPERATOR, AccountKind.HUMAN, ALL),
     "bob": (Role.MEMBER, AccountKind.HUMAN, ALL),
@@ -37,7 +37,7 @@ PEOPLE: Mapping[str, tuple[Role, AccountKind, frozenset[Scope]]] = {
 
 @dataclass
 class Service:
-    """`call` asks as somebody: `await service.call("alice", "POST", "/stop")`, paths below the robot's own."""
+    """A served agent. `await service.call("alice", "POST", "/stop")` sends a request; paths are below the robot's."""
 
     scene: Scene
     agent: RobotAgent
@@ -57,7 +57,7 @@ class Service:
         return found
 
     async def end(self, command: dict[str, Any]) -> dict[str, Any]:
-        """The command when it has ended."""
+        """Wait until a command has ended; return it."""
         for _ in range(3):
             answer = await self.call("watcher", "GET", f"/commands/{command['id']}?wait_s=20")
             found: dict[str, Any] = answer.json()
@@ -67,7 +67,7 @@ class Service:
         return found
 
     async def moving(self, command: dict[str, Any]) -> None:
-        """Wait until this command moves the robot."""
+        """Wait until a command moves the robot."""
         async with asyncio.timeout(60), self.scene.driver.client() as client:
             while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
@@ -100,7 +100,7 @@ async def make_service(
     listens: bool = True,
     **settings: Any,
 ) -> AsyncIterator[Service]:
-    """`wait=False` does not wait for the agent, whose forum may not answer."""
+    """Serve an agent. `wait=False` does not wait for the agent, for forums that do not answer."""
     scene = make_scene(driver, folder, world, **settings)
     callers = {}
     for name, (role, kind, scopes) in PEOPLE.items():

@@ -1,4 +1,4 @@
-"""`agentrob agent serve` as people run it: a board, a driver and the served agent are processes of their own."""
+"""`agentrob agent serve` as in production: board, driver and served agent are separate processes."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ TOKEN = "the-token-of-the-planner"
 
 
 @dataclass
-class House:
-    """What runs, and how to ask the service."""
+class Processes:
+    """The running processes, and requests to the service."""
 
     children: list[Child]
     http: httpx2.Client
@@ -35,7 +35,7 @@ class House:
 
 
 @pytest.fixture
-def house(tmp_path: Path) -> Iterator[House]:
+def processes(tmp_path: Path) -> Iterator[Processes]:
     robot = {
         "model": "fake", "domain": int(os.environ["AGENTROB_TEST_DOMAIN"]), "simulated": True, "home_on_start": True,
         "fence": WIDE, "options": {"time_scale": 2, "room": [-1000, 1000, -1000, 1000]},
@@ -69,30 +69,32 @@ def house(tmp_path: Path) -> Iterator[House]:
             httpx2.Client(base_url=ready["url"], timeout=100, trust_env=False) as http,
             httpx2.Client(base_url=url + "/api/v1", timeout=100, trust_env=False, headers=headers) as board,
         ):
-            yield House(children, http, board)
+            yield Processes(children, http, board)
     finally:
         terminate_all(children)
 
 
 @pytest.mark.slow
-def test_a_command_over_http_is_a_post_on_the_board_and_a_stop_ends_it(house: House) -> None:
-    answer = house.call("POST", "/commands", {"text": "turn left 30 degrees"}, **{"Idempotency-Key": "one"})
+def test_a_command_over_http_is_a_post_on_the_board_and_a_stop_ends_it(processes: Processes) -> None:
+    answer = processes.call("POST", "/commands", {"text": "turn left 30 degrees"}, **{"Idempotency-Key": "one"})
     assert answer.status_code == 201, answer.text
     command = answer.json()["command"]
-    ended = house.call("GET", f"/commands/{command['id']}?wait_s=20").json()
+    ended = processes.call("GET", f"/commands/{command['id']}?wait_s=20").json()
     assert (ended["state"], ended["author"]) == ("done", "planner")
-    post = house.board.get(f"/posts/{command['id']}").json()
+    post = processes.board.get(f"/posts/{command['id']}").json()
     assert (post["author"]["name"], post["raw"]) == ("planner", "@quadruped turn left 30 degrees")
-    said = house.board.get(f"/topics/{command['topic']}/posts").json()["items"][1]
+    said = processes.board.get(f"/topics/{command['topic']}/posts").json()["items"][1]
     assert (said["author"]["name"], said["card"]["trace_id"]) == ("quadruped", ended["trace_id"])
 
-    walk = house.call("POST", "/commands", {"text": "walk forward 5 m", "topic": command["topic"]}).json()["command"]
+    walk = processes.call("POST", "/commands", {"text": "walk forward 5 m", "topic": command["topic"]}).json()[
+        "command"
+    ]
     until_s = time.monotonic() + 60
-    while house.call("GET", "").json()["state"] != "walking":
+    while processes.call("GET", "").json()["state"] != "walking":
         assert time.monotonic() < until_s
-    stopped = house.call("POST", "/stop").json()
+    stopped = processes.call("POST", "/stop").json()
     assert stopped["confirmed"]
     assert stopped["ended"] == 1
-    assert house.call("GET", f"/commands/{walk['id']}?wait_s=20").json()["state"] == "stopped"
-    house.children[-1].end()
-    assert house.children[-1].process.wait(60) == 0
+    assert processes.call("GET", f"/commands/{walk['id']}?wait_s=20").json()["state"] == "stopped"
+    processes.children[-1].end()
+    assert processes.children[-1].process.wait(60) == 0

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from agentrob.forums.memory.forum import MemoryForum
 from tests.agent.agent_scene import ROBOT, Driver
+from tests.agent.store.journal_store import fail_disk
 from tests.service.service_scene import Service, make_service, token
 
 
-async def test_law_13_a_stop_over_http_stops_and_tells_what_was_measured(service: Service) -> None:
+async def test_law_13_a_stop_over_http_stops_and_returns_the_measurements(service: Service) -> None:
     command = await service.submit("alice", "walk forward 5 m")
     await service.moving(command)
     stopped = (await service.call("bob", "POST", "/stop")).json()
@@ -28,7 +29,7 @@ async def test_law_13_a_stop_over_http_stops_and_tells_what_was_measured(service
     assert "**Stopped** by `bob`" in reply.raw
 
 
-async def test_law_13_a_submitted_stop_is_a_stop_post_and_dont_stop_is_none(service: Service) -> None:
+async def test_law_13_a_submitted_stop_is_a_stop_post_and_dont_stop_is_not(service: Service) -> None:
     command = await service.submit("alice", "walk forward 5 m")
     await service.moving(command)
     assert (await service.submit("bob", "please don't stop"))["state"] != "stop"
@@ -37,7 +38,7 @@ async def test_law_13_a_submitted_stop_is_a_stop_post_and_dont_stop_is_none(serv
     assert (await service.end(command))["state"] == "stopped"
 
 
-async def test_law_14_everything_posted_before_is_over_and_only_a_later_post_moves(service: Service) -> None:
+async def test_law_14_a_stop_ends_all_earlier_posts_and_only_a_later_post_moves(service: Service) -> None:
     first = await service.submit("alice", "walk forward 5 m")
     await service.moving(first)
     waiting = [await service.submit(who, "walk forward 5 m") for who in ("planner", "alice")]
@@ -51,8 +52,8 @@ async def test_law_14_everything_posted_before_is_over_and_only_a_later_post_mov
     assert later["state"] == "done"
 
 
-async def test_law_14_a_post_that_the_agent_has_not_heard_yet_is_ended_too(driver: Driver, tmp_path: Path) -> None:
-    """The forum is polled only when somebody says so: the post is there, and not known, when the stop comes."""
+async def test_law_14_a_stop_also_ends_posts_that_the_agent_does_not_know_yet(driver: Driver, tmp_path: Path) -> None:
+    """The forum is polled on request only, so the agent does not know the post yet when the stop arrives."""
     world = MemoryForum.world(clock_offset_s=0.0)
     async with make_service(driver, tmp_path, world=world, listens=False) as service:
         at_m = await service.x_m()
@@ -64,7 +65,7 @@ async def test_law_14_a_post_that_the_agent_has_not_heard_yet_is_ended_too(drive
         assert await service.x_m() == at_m
 
 
-async def test_law_15_no_limit_counts_for_a_stop(driver: Driver, tmp_path: Path) -> None:
+async def test_law_15_no_limit_applies_to_a_stop(driver: Driver, tmp_path: Path) -> None:
     async with make_service(driver, tmp_path, per_minute=3) as service:
         answers = [(await service.call("alice", "GET", "")).status_code for _ in range(5)]
         assert answers == [200, 200, 200, 429, 429]
@@ -79,15 +80,15 @@ async def test_law_15_a_stop_needs_no_forum_and_no_journal(service: Service) -> 
     command = await service.submit("alice", "walk forward 5 m")
     await service.moving(command)
     service.scene.world.reachable = False
-    assert service.agent.journal._db is not None
-    await service.agent.journal._in_rows(service.agent.journal._db.close)  # as a disk that is gone
+    assert not service.agent.journal._rows.closed
+    fail_disk(service.agent.journal)
     stopped = (await service.call("bob", "POST", "/stop")).json()
     service.scene.world.reachable = True
     assert stopped["confirmed"]
     assert stopped["latency_ms"] < 500
 
 
-async def test_law_15_a_stop_works_before_the_forum_was_ever_reached(driver: Driver, tmp_path: Path) -> None:
+async def test_law_15_a_stop_works_before_the_forum_is_first_reached(driver: Driver, tmp_path: Path) -> None:
     world = MemoryForum.world()
     world.reachable = False
     async with make_service(driver, tmp_path, world=world, wait=False) as service:
@@ -100,7 +101,7 @@ async def test_law_15_a_stop_works_before_the_forum_was_ever_reached(driver: Dri
         assert (await service.end(await service.submit("alice", "walk forward 0.2 m")))["state"] == "done"
 
 
-async def test_law_15_a_suspended_account_and_a_robot_do_not_stop(service: Service) -> None:
+async def test_law_15_suspended_accounts_and_robots_may_not_stop(service: Service) -> None:
     command = await service.submit("alice", "walk forward 1 m")
     await service.moving(command)
     service.scene.world.suspend("bob")
@@ -112,7 +113,7 @@ async def test_law_15_a_suspended_account_and_a_robot_do_not_stop(service: Servi
     assert (await service.end(command))["state"] == "done"
 
 
-async def test_law_17_an_unreachable_driver_is_said_so(tmp_path: Path) -> None:
+async def test_law_17_an_unreachable_driver_is_reported(tmp_path: Path) -> None:
     class Nobody(Driver):
         def __init__(self) -> None:
             self.name, self.socket = ROBOT, tmp_path / "nobody.sock"
@@ -123,8 +124,8 @@ async def test_law_17_an_unreachable_driver_is_said_so(tmp_path: Path) -> None:
         assert "NOT STOPPED" in stopped["message"]
 
 
-#: Who looks is another program: many askers, each again and again, until its input ends. Says when all were answered
-#: once, and in the end how.
+#: A separate program that floods the service with reads from many clients until its standard input ends. It reports
+#: when each client has had one response, and at the end the statuses.
 FLOOD = """
 import asyncio, sys, httpx2
 url, token, askers = sys.argv[1], sys.argv[2], int(sys.argv[3])
@@ -150,8 +151,8 @@ asyncio.run(main())
 """
 
 
-async def test_law_15_those_who_look_do_not_use_up_what_a_stop_needs(service: Service) -> None:
-    await service.end(await service.submit("alice", "turn left 5 degrees"))  # it has loaded what its replies need
+async def test_law_15_a_flood_of_reads_leaves_capacity_for_a_stop(service: Service) -> None:
+    await service.end(await service.submit("alice", "turn left 5 degrees"))  # imports what it needs
     command = await service.submit("alice", "walk forward 5 m")
     await service.moving(command)
     url = f"{service.url}/api/v1/robots/{ROBOT}"

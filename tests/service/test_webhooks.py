@@ -1,4 +1,4 @@
-"""Webhooks in and out: signed, believed in nothing, retried, bounded."""
+"""Webhooks in and out: signed, used only as a hint, retried, and limited in number."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ def standard(body: bytes, secret: str = SECRET, sent_s: float | None = None) -> 
     return {"webhook-id": "msg_1", "webhook-timestamp": f"{sent.timestamp():.0f}", "webhook-signature": signed}
 
 
-def test_the_signature_is_that_of_the_standards_own_example() -> None:
-    """From the test vectors of the Standard Webhooks libraries."""
+def test_the_signature_matches_the_standards_example() -> None:
+    """The example is a test vector of the Standard Webhooks libraries."""
     secret, body = "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw", '{"test": 2432232314}'
     found = signer(secret).sign("msg_p5jXN8AQM9LWM0D4loKWxJek", datetime.fromtimestamp(1614265330, UTC), body)
     assert found == "v1,g0hM9SsE+OTPJTGt/tmIKtSyZlE3uFJELVlNIOLJ1OE="
 
 
-def test_a_secret_without_whsec_is_the_key_as_it_is() -> None:
+def test_a_secret_without_whsec_is_the_raw_key() -> None:
     signed = hmac.new(SECRET.encode(), b'msg_1.1614265330.{"a":"\xc3\xa9"}', hashlib.sha256).digest()
     found = signer(SECRET).sign("msg_1", datetime.fromtimestamp(1614265330, UTC), '{"a":"é"}')
     assert found == f"v1,{base64.b64encode(signed).decode()}"
 
 
 @pytest.mark.parametrize("secret", ["whsec_", "whsec_a", "whsec_!!!"])
-def test_what_follows_whsec_must_be_base64(secret: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_secret_with_whsec_must_be_base64(secret: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOOK_SECRET", secret)
     with pytest.raises(ConfigError, match="the rest must be base64"):
         read_secret("HOOK_SECRET")
@@ -60,7 +60,7 @@ def test_what_follows_whsec_must_be_base64(secret: str, monkeypatch: pytest.Monk
 
 @dataclass
 class Listener:
-    """A receiver of webhooks that answers what it is told to, the last answer for ever."""
+    """A receiver of webhooks that returns the given statuses in order, and the last one from then on."""
 
     answers: list[int]
     got: list[tuple[dict[str, str], bytes]] = field(default_factory=list)
@@ -91,7 +91,7 @@ async def listener(*answers: int) -> AsyncIterator[Listener]:
         yield made
 
 
-async def test_the_end_of_a_command_is_told_signed_and_again_until_it_is_taken(driver: Driver, tmp_path: Path) -> None:
+async def test_the_end_of_a_command_is_sent_signed_and_retried_until_accepted(driver: Driver, tmp_path: Path) -> None:
     async with listener(503, 200) as told:
         receivers = (Receiver("planner", told.url, SECRET),)
         async with make_service(driver, tmp_path, receivers=receivers) as service:
@@ -107,7 +107,7 @@ async def test_the_end_of_a_command_is_told_signed_and_again_until_it_is_taken(d
     assert said["data"]["results"][0]["measured"]["degrees"] == pytest.approx(20, abs=5)
 
 
-async def test_a_receiver_is_told_so_often_and_no_more_and_others_do_not_wait_for_it() -> None:
+async def test_retries_are_limited_and_do_not_delay_other_receivers() -> None:
     async with listener(500) as broken, listener(200) as good, listener(400) as unwilling:
         receivers = [Receiver(name, at.url, SECRET) for name, at in (("a", broken), ("b", good), ("c", unwilling))]
         metrics = ServiceMetrics("r")
@@ -123,7 +123,7 @@ async def test_a_receiver_is_told_so_often_and_no_more_and_others_do_not_wait_fo
     assert 'outcome="told",robot="r"} 1.0' in text
 
 
-def test_what_waits_for_a_receiver_is_bounded() -> None:
+def test_the_queue_of_a_receiver_is_bounded() -> None:
     receiver, metrics = Receiver("a", "http://127.0.0.1:1/", SECRET), ServiceMetrics("r")
     outbox = Outbox([receiver], metrics.webhook_delivered)
     for n in range(MOST_WAITING + 3):
@@ -132,7 +132,7 @@ def test_what_waits_for_a_receiver_is_bounded() -> None:
     assert 'outcome="dropped",robot="r"} 3.0' in metrics.text().decode()
 
 
-def test_what_is_not_signed_with_our_secret_is_not_taken() -> None:
+def test_a_webhook_without_our_signature_is_refused() -> None:
     body = b'{"post": {"id": 5}}'
     verify("discourse", body, {k.lower(): v for k, v in discourse(body).items()}, SECRET)
     verify("standard", body, standard(body), SECRET)
@@ -153,7 +153,7 @@ def test_what_is_not_signed_with_our_secret_is_not_taken() -> None:
         verify("discourse", body, {k.lower(): v for k, v in discourse(body, "").items()}, "")
 
 
-async def test_a_webhook_wakes_an_agent_that_polls_nothing(driver: Driver, tmp_path: Path) -> None:
+async def test_a_webhook_wakes_an_agent_that_does_not_poll(driver: Driver, tmp_path: Path) -> None:
     hooks = {"forum": ("discourse", SECRET), "board": ("standard", SECRET)}
     async with make_service(driver, tmp_path, hooks_in=hooks, listens=False) as service:
         first = await service.scene.post("alice", "@quadruped turn left 10 degrees")
@@ -169,7 +169,7 @@ async def test_a_webhook_wakes_an_agent_that_polls_nothing(driver: Driver, tmp_p
             card = (await service.scene.final(post)).card
             assert card is not None
             assert card.state == "done"
-        assert await service.x_m() == pytest.approx(before_m, abs=0.02)  # what the webhook said was not believed
+        assert await service.x_m() == pytest.approx(before_m, abs=0.02)  # the agent ignored the content of the webhook
         third = await service.scene.post("alice", "@quadruped turn left 10 degrees")
         body = b"{}"
         answer = await service.http.post(f"{service.url}/api/v1/hooks/board", content=body, headers=standard(body))
@@ -177,7 +177,7 @@ async def test_a_webhook_wakes_an_agent_that_polls_nothing(driver: Driver, tmp_p
         await service.scene.final(third)
 
 
-async def test_law_16_who_is_only_asked_polls_while_it_moves(driver: Driver, tmp_path: Path) -> None:
+async def test_law_16_an_agent_woken_by_webhooks_polls_while_its_robot_moves(driver: Driver, tmp_path: Path) -> None:
     async with make_service(driver, tmp_path, listens=False) as service:
         command = await service.submit("alice", "walk forward 5 m")
         await service.moving(command)
@@ -187,7 +187,7 @@ async def test_law_16_who_is_only_asked_polls_while_it_moves(driver: Driver, tmp
         assert stop.created_at is not None
 
 
-async def test_a_scan_says_when_the_forum_does_not_answer(
+async def test_a_scan_reports_that_the_forum_does_not_answer(
     driver: Driver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agentrob.service.commands.SCAN_S", 0.3)

@@ -85,7 +85,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 
 @dataclass
-class Told:
+class StoryRun:
     """A story in progress."""
 
     scene: Scene
@@ -194,32 +194,32 @@ def _contains(reply: Post, text: str) -> None:
 
 
 _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
-    (r"(\w+) posts (\w+)(?:, (\d+) minutes ago)?", Told.posts_),
-    (rf"({ROBOT}) replies to (\w+)", Told.robot_replies),
-    (r"(\w+) replies to (\w+): (\w+)", Told.replies),
-    (r"(\w+) edits (\w+)", Told.edits),
-    (r"(\w+) presses stop", Told.presses),
-    (r"(\w+) presses emergency stop", Told.presses_emergency_stop),
-    (r"(\w+) presses release", Told.presses_release),
-    (r"the robot is released", Told.free),
-    (r"the robot stays locked", Told.stays_locked),
-    (r"(\w+) removes (\w+)", Told.removes),
-    (r"(\w+) is suspended", Told.suspended),
-    (r"the owner releases the robot", Told.released),
-    (r"(\w+) shows (\w+)", Told.shows),
-    (r"(\w+) answers (\w+): (\w+)", Told.answers),
-    (r"(\w+) replied to (\w+) (\d+) times", Told.replied),
-    (r"(\w+) says nothing to (\w+)", Told.nothing),
-    (r"the robot walks", Told.walks),
-    (r"the robot walked ([\d.]+) m", Told.walked),
-    (r"the robot stands where it stood", Told.stood),
+    (r"(\w+) posts (\w+)(?:, (\d+) minutes ago)?", StoryRun.posts_),
+    (rf"({ROBOT}) replies to (\w+)", StoryRun.robot_replies),
+    (r"(\w+) replies to (\w+): (\w+)", StoryRun.replies),
+    (r"(\w+) edits (\w+)", StoryRun.edits),
+    (r"(\w+) presses stop", StoryRun.presses),
+    (r"(\w+) presses emergency stop", StoryRun.presses_emergency_stop),
+    (r"(\w+) presses release", StoryRun.presses_release),
+    (r"the robot is released", StoryRun.free),
+    (r"the robot stays locked", StoryRun.stays_locked),
+    (r"(\w+) removes (\w+)", StoryRun.removes),
+    (r"(\w+) is suspended", StoryRun.suspended),
+    (r"the owner releases the robot", StoryRun.released),
+    (r"(\w+) shows (\w+)", StoryRun.shows),
+    (r"(\w+) answers (\w+): (\w+)", StoryRun.answers),
+    (r"(\w+) replied to (\w+) (\d+) times", StoryRun.replied),
+    (r"(\w+) says nothing to (\w+)", StoryRun.nothing),
+    (r"the robot walks", StoryRun.walks),
+    (r"the robot walked ([\d.]+) m", StoryRun.walked),
+    (r"the robot stands where it stood", StoryRun.stood),
 )
 
 
-async def tell(told: Told, heading: str, text: str) -> None:
+async def run_section(story_run: StoryRun, heading: str, text: str) -> None:
     for pattern, step in _STEPS:
         if match := re.fullmatch(pattern, heading):
-            await step(told, *match.groups(), text)
+            await step(story_run, *match.groups(), text)
             return
     pytest.fail(f"no step of a story: {heading!r}")
 
@@ -235,13 +235,13 @@ async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
         scene.world.set_role(name, role)  # some exist already
     changed = {"driver": RealClient(driver.name, driver.socket)} if story.real else {}
     async with scene.agent(**changed) as agent:
-        told = Told(scene, agent)
-        told.start = await told.place()
+        story_run = StoryRun(scene, agent)
+        story_run.start = await story_run.place()
         try:
             for heading, text in story.steps:
-                await tell(told, heading, text)
+                await run_section(story_run, heading, text)
         finally:
-            await told.released()  # the driver is shared by all stories
+            await story_run.released()  # the driver is shared by all stories
 
 
 def test_there_are_stories() -> None:

@@ -1,6 +1,6 @@
 """A G1 served by Unitree's own C++ library on domain 0: `cpp_g1.py SHIM CALLS`; each call goes to file CALLS.
 
-Its RPC server and its publishers of state are the library's; only what they say is made here.
+The RPC server and the state publishers are the library's; only the content of their messages is made here.
 """
 
 import ctypes
@@ -10,7 +10,7 @@ import os
 import sys
 import time
 
-from tests.wire.peer_body import PICTURE, Body, Told
+from tests.wire.peer_body import PICTURE, Body, CallLog
 
 sys.setdlopenflags(os.RTLD_GLOBAL | os.RTLD_NOW)  # the shim finds the server in it
 import unitree_interface  # noqa: E402
@@ -20,12 +20,12 @@ Handler = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_char_p, ctypes.P
 
 
 class Services:
-    def __init__(self, shim, told):
-        self._library, self._told, self._kept = ctypes.CDLL(shim), told, []
+    def __init__(self, shim, call_log):
+        self._library, self._call_log, self._kept = ctypes.CDLL(shim), call_log, []
         self._library.server_new.restype = ctypes.c_void_p
 
     def serve(self, name, handlers, pictures=()):
-        """`handlers`: API id → what is answered to the decoded parameter."""
+        """Serve an RPC service; `handlers` maps an API id to a function from the decoded parameter to the response."""
         server = ctypes.c_void_p(self._library.server_new(name.encode(), b"1.0.0.1"))
         for api_id, work in handlers.items():
             handler = Handler(self._handler(name, work))
@@ -38,7 +38,7 @@ class Services:
     def _handler(self, name, work):
         def call(api_id, parameter, answer):
             text = parameter.decode()
-            self._told.note(name, api_id, text)
+            self._call_log.note(name, api_id, text)
             said = work(json.loads(text) if text else {})
             if said is not None:
                 data = json.dumps(said).encode() + b"\0"
@@ -50,7 +50,7 @@ class Services:
 
 def main():
     robot = unitree_interface.UnitreeInterface.create_g1("lo")
-    body, services = Body(), Services(sys.argv[1], Told(sys.argv[2]))
+    body, services = Body(), Services(sys.argv[1], CallLog(sys.argv[2]))
 
     def move(asked):
         body.command(*asked["velocity"], hold_s=asked["duration"])

@@ -1,6 +1,6 @@
-"""Reads a robot's state with Unitree's own C++ library on domain 0: `cpp_reader.py go2|g1 SECONDS`, prints JSON.
+"""Read a robot's state with Unitree's own C++ library on domain 0: `cpp_reader.py go2|g1 SECONDS`; prints JSON.
 
-The library complains on standard error and gives zeros when a checksum is wrong.
+If a checksum is wrong, the library writes an error to standard error and returns zeros.
 """
 
 import json

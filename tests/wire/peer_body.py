@@ -1,4 +1,4 @@
-"""A body of arithmetic for the robots that the peers serve: it follows velocities at once, each held for a while."""
+"""A kinematic body for the robots that the peers serve: it follows a velocity command at once, for a limited time."""
 
 import base64
 import math
@@ -7,7 +7,8 @@ import time
 
 
 class Body:
-    """Thread-safe. `place` is x and y in m and the heading in rad; `velocity` forward, left, counter-clockwise."""
+    """A thread-safe body. `place` is x and y in m and the heading in rad; `velocity` is forward, left and
+    counter-clockwise."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -19,7 +20,7 @@ class Body:
             self._velocity, self._until_s = (forward, left, turning), time.monotonic() + hold_s
 
     def look(self):
-        """Place and velocity now."""
+        """Return the current place and velocity."""
         with self._lock:
             self._move()
             moving = time.monotonic() < self._until_s
@@ -36,8 +37,8 @@ class Body:
         self._place = x, y, yaw + seconds * turning
 
 
-class Told:
-    """Writes each call that came as a line of JSON, from any thread."""
+class CallLog:
+    """Logs each received call as a line of JSON, from any thread."""
 
     def __init__(self, path):
         self._file, self._lock = open(path, "a", buffering=1, encoding="utf-8"), threading.Lock()  # noqa: SIM115
@@ -52,5 +53,5 @@ _SMALL = base64.b64decode(
     "x5moq6T/wAALCAAQABABAREA/8QAFQABAQAAAAAAAAAAAAAAAAAABgX/xAAWEAADAAAAAAAAAAAAAAAAAAAABUH/2gAIAQEAAD8AlL4Jl8DK+CZf"
     "D//Z"
 )
-#: From dark to light, 16 by 16, and a comment that makes it as long as a picture is.
+#: A 16 by 16 gradient with a comment that makes the file as long as a real picture.
 PICTURE = _SMALL[:2] + b"\xff\xfe" + (25_602).to_bytes(2, "big") + bytes(range(256)) * 100 + _SMALL[2:]

@@ -1,4 +1,4 @@
-"""Drives a robot with Unitree's Python SDK on cyclonedds 0.10: `python_client.py go2|g1 DOMAIN`, prints JSON."""
+"""Drive a robot with Unitree's Python SDK on cyclonedds 0.10: `python_client.py go2|g1 DOMAIN`; prints JSON."""
 
 import json
 import math
@@ -38,7 +38,7 @@ def newest(subscriber):
 
 
 def walk(states, command):
-    """Command at 10 Hz until it has gone 30 cm; how far it came."""
+    """Send a command at 10 Hz until the robot has gone 30 cm; return the distance."""
     x, y = newest(states).position[:2]
     end_s = time.monotonic() + LIMIT_S
     while time.monotonic() < end_s:
@@ -78,4 +78,4 @@ def g1():
 
 ChannelFactoryInitialize(int(sys.argv[2]), "lo")
 print(json.dumps({"go2": go2, "g1": g1}[sys.argv[1]]()), flush=True)  # noqa: T201
-os._exit(0)  # the SDK's threads do not end by themselves
+os._exit(0)  # the SDK's threads do not end on their own

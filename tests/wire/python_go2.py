@@ -11,26 +11,26 @@ from unitree_sdk2py.idl.default import unitree_go_msg_dds__LowState_, unitree_go
 from unitree_sdk2py.idl.unitree_go.msg.dds_ import LowState_, SportModeState_
 from unitree_sdk2py.rpc.server import Server
 
-from tests.wire.peer_body import PICTURE, Body, Told
+from tests.wire.peer_body import PICTURE, Body, CallLog
 
 IDLE, WALKING = 1013, 1015
 
 
-def serve(name, told, handlers, pictures=()):
-    """`handlers`: API id → what is done with the decoded parameter."""
+def serve(name, call_log, handlers, pictures=()):
+    """Serve an RPC service; `handlers` maps an API id to a function of the decoded parameter."""
     server = Server(name)
-    server._Server__apiBinarySet = set()  # the SDK makes a dict of it, and breaks
+    server._Server__apiBinarySet = set()  # the SDK converts it to a dict, which fails
 
     def handler(api_id, work):
         def call(parameter):
-            told.note(name, api_id, parameter)
+            call_log.note(name, api_id, parameter)
             work(json.loads(parameter) if parameter else {})
             return 0, ""
 
         return call
 
     def picture(_):
-        told.note(name, 1001, "")
+        call_log.note(name, 1001, "")
         return 0, list(PICTURE)
 
     server._SetApiVersion("1.0.0.1")
@@ -44,7 +44,7 @@ def serve(name, told, handlers, pictures=()):
 
 def main():
     ChannelFactoryInitialize(int(sys.argv[1]), "lo")
-    body, told, noise = Body(), Told(sys.argv[2]), random.Random(7)
+    body, call_log, noise = Body(), CallLog(sys.argv[2]), random.Random(7)
 
     def move(asked):
         body.command(asked["x"], asked["y"], asked["z"])
@@ -53,8 +53,8 @@ def main():
         body.command(0.0, 0.0, 0.0)
 
     servers = [
-        serve("sport", told, {1002: rest, 1003: rest, 1008: move, 1016: rest}),
-        serve("videohub", told, {}, pictures=[1001]),
+        serve("sport", call_log, {1002: rest, 1003: rest, 1008: move, 1016: rest}),
+        serve("videohub", call_log, {}, pictures=[1001]),
     ]
     state, low = unitree_go_msg_dds__SportModeState_(), unitree_go_msg_dds__LowState_()
     low.bms_state.soc = 77

@@ -1,8 +1,8 @@
-"""The wire is the real wire: what robots run understands our driver and our simulator, and they understand it.
+"""Wire compatibility: our driver and simulator interoperate with the libraries that real robots run.
 
-On the other side stand Unitree's Python SDK on cyclonedds 0.10, and Unitree's own C++ library (cyclonedds 0.10.2), as
-`far-unitree-sdk` packages it: its RPC server and its topics. That package holds no RPC client, so what drives the
-simulated robots is the Python SDK's.
+The peers are Unitree's Python SDK on cyclonedds 0.10, and the RPC server and topics of Unitree's own C++ library
+(cyclonedds 0.10.2), as packaged in `far-unitree-sdk`. That package has no RPC client, so the Python SDK drives the
+simulated robots.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ def network() -> Iterator[Network]:
 
 
 def drive_theirs(network: Network, folder: Path, model: str, domain: int, text: str) -> dict[str, Any]:
-    """Our driver and `agentrob.robot_command_driver`, configured as for a real robot."""
+    """Drive their robot with our driver and `agentrob.robot_command_driver`, configured as for a real robot."""
     config = folder / "agentrob.toml"
     options = "{ videohub = true }" if model == "g1" else "{}"
     config.write_text(CONFIG.format(data=folder / "data", model=model, domain=domain, options=options))
     env = {"AGENTROB_RUNTIME": str(folder)}
     network.start(OURS, "-m", "agentrob", "driver", "--config", config, log=folder / "driver.log", env=env)
-    said: dict[str, Any] = json.loads(network.run(OURS, HERE / "our_drive.py", config, "theirs", text, env=env))
+    said: dict[str, Any] = json.loads(network.run(OURS, HERE / "drive_robot.py", config, "theirs", text, env=env))
     return said
 
 
-def told(out: str) -> dict[str, Any]:
-    """The last line that is an object: Unitree's library prints lines of its own in between and after it."""
+def last_object(out: str) -> dict[str, Any]:
+    """Return the last line that is a JSON object; Unitree's library prints other lines before and after it."""
     (*_, last) = [line for line in out.splitlines() if line.startswith("{")]
     return dict(json.loads(last))
 
@@ -68,7 +68,7 @@ def test_unitrees_sdk_on_cyclonedds_0_10_drives_our_simulated_robot(
     network: Network, tmp_path: Path, robot: str, motors: int
 ) -> None:
     simulate(network, tmp_path, robot)
-    seen = told(network.run(PEER, HERE / "python_client.py", robot, "0"))
+    seen = last_object(network.run(PEER, HERE / "python_client.py", robot, "0"))
     assert seen["walked_m"] > 0.3
     assert (seen["ready"], seen["stop"], seen["gesture"]) == (0, 0, 0)
     assert seen["unknown"] == 3203, "an API that is not there is answered so"
@@ -79,7 +79,7 @@ def test_unitrees_sdk_on_cyclonedds_0_10_drives_our_simulated_robot(
 
 def test_unitrees_cpp_library_reads_the_odometry_of_our_simulated_g1(network: Network, tmp_path: Path) -> None:
     simulate(network, tmp_path, "g1")
-    read = told(network.run(PEER, HERE / "cpp_reader.py", "g1", "5"))
+    read = last_object(network.run(PEER, HERE / "cpp_reader.py", "g1", "5"))
     assert read["position"][2] == pytest.approx(0.76, abs=0.05)
     assert sum(q * q for q in read["quaternion"]) == pytest.approx(1.0, abs=0.01)
 
@@ -89,7 +89,7 @@ def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
     network: Network, tmp_path: Path, robot: str
 ) -> None:
     simulate(network, tmp_path, robot)
-    read = told(network.run(PEER, HERE / "cpp_reader.py", robot, "5"))
+    read = last_object(network.run(PEER, HERE / "cpp_reader.py", robot, "5"))
     assert sum(q * q for q in read["low_quaternion"]) == pytest.approx(1.0, abs=0.01)
     assert any(abs(angle) > 0.1 for angle in read["joints"])
 
@@ -97,37 +97,37 @@ def test_unitrees_cpp_library_reads_the_joints_of_our_simulated_robot(
 def test_without_our_patch_of_cyclonedds_11_unitrees_cpp_library_hears_nothing(
     network: Network, tmp_path: Path
 ) -> None:
-    """What the other tests would find without `agentrob.process.dds`; when this fails, its patch may not be
-    needed any more."""
+    """Without the patch in `agentrob.process.dds` nothing is received. If this test fails, the patch may no longer be
+    needed."""
     heard = {}
     for way in ("plain", "patched"):
-        network.start(OURS, HERE / "our_talker.py", way, log=tmp_path / f"{way}.log")
-        heard[way] = told(network.run(PEER, HERE / "cpp_reader.py", "g1", "3"))["position"]
+        network.start(OURS, HERE / "publish_odometry.py", way, log=tmp_path / f"{way}.log")
+        heard[way] = last_object(network.run(PEER, HERE / "cpp_reader.py", "g1", "3"))["position"]
     assert heard == {"plain": [0, 0, 0], "patched": [1, 2, 3]}
 
 
 # ---------------------------------------------------------------------- our driver, their robot
 def test_our_driver_drives_a_go2_served_by_unitrees_sdk_on_cyclonedds_0_10(network: Network, tmp_path: Path) -> None:
-    told = tmp_path / "calls"
-    network.start(PEER, HERE / "python_go2.py", "3", told, log=tmp_path / "peer.log")
+    call_log = tmp_path / "calls"
+    network.start(PEER, HERE / "python_go2.py", "3", call_log, log=tmp_path / "peer.log")
     seen = drive_theirs(network, tmp_path, "go2", 3, "walk forward 50 cm, turn left 30 degrees, wave and take a photo")
     assert seen["status"] == "done", seen
     assert seen["battery"] == 77
     assert [step["op"] for step in seen["steps"]] == ["move", "turn", "hello", "get_front_image"]
     assert seen["steps"][-1]["picture"] > 25_000
-    came = calls(told)
+    came = calls(call_log)
     assert {("sport", 1008), ("sport", 1003), ("sport", 1016), ("videohub", 1001)} <= set(came)
     assert came.count(("sport", 1008)) > 20, "velocities, twenty a second"
 
 
 def test_our_driver_drives_a_g1_served_by_unitrees_cpp_library(network: Network, tmp_path: Path) -> None:
-    told = tmp_path / "calls"
-    network.start(PEER, HERE / "cpp_g1.py", SHIM, told, log=tmp_path / "peer.log")
+    call_log = tmp_path / "calls"
+    network.start(PEER, HERE / "cpp_g1.py", SHIM, call_log, log=tmp_path / "peer.log")
     seen = drive_theirs(network, tmp_path, "g1", 0, "walk forward 50 cm, wave and take a photo")
     assert seen["status"] == "done", seen
     assert seen["steps"][0]["measured"]["distance_m"] == pytest.approx(0.5, abs=0.05)
     assert seen["steps"][-1]["picture"] > 25_000
-    came = calls(told)
+    came = calls(call_log)
     assert {("sport", 7001), ("sport", 7105), ("arm", 7106)} <= set(came)
     assert came.count(("sport", 7105)) > 20, "velocities, twenty a second"
 

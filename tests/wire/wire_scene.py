@@ -1,7 +1,7 @@
-"""A network of our own in which cyclonedds 11 and 0.10 find each other, and the processes that meet there.
+"""A network namespace in which cyclonedds 11 and 0.10 discover each other, and the processes in it.
 
-On the host's own loopback 0.10 uses no multicast, so the two would not meet; besides, no other robot, world or test is
-seen in there.
+On the host's loopback 0.10 uses no multicast, so the two would not discover each other. The namespace also isolates the
+test from other robots, simulations and tests.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LOOPBACK = "ip link set lo up && ip link set lo multicast on && echo up && exec 
 
 
 class Network:
-    """A network namespace with nothing but a loopback that has multicast; raises `OSError` when the kernel says no."""
+    """A network namespace with only a multicast loopback; raises `OSError` if the kernel does not permit one."""
 
     def __init__(self) -> None:
         mine = ["--user", "--map-root-user"] if os.getuid() else []
@@ -43,7 +43,7 @@ class Network:
         self._running: list[subprocess.Popen[str]] = []
 
     def start(self, *command: str | Path, log: Path, env: Mapping[str, str] | None = None) -> str:
-        """Start a process that goes on; returns its first line, which says that it is ready."""
+        """Start a process that keeps running; return its first line of output, which reports that it is ready."""
         with log.open("w") as errors:
             process = self._popen(command, env, errors)
         self._running.append(process)
@@ -56,7 +56,7 @@ class Network:
         raise AssertionError(f"{command} was not ready after {READY_LIMIT_S:.0f} s: {log.read_text()}")
 
     def run(self, *command: str | Path, env: Mapping[str, str] | None = None) -> str:
-        """What a process printed that ends by itself, and well."""
+        """Run a process that must end with exit code 0; return its output."""
         process = self._popen(command, env, subprocess.PIPE)
         try:
             said, errors = process.communicate(timeout=RUN_LIMIT_S)

@@ -194,7 +194,7 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
         password_hash = await asyncio.to_thread(accounts.hash_password, password)
 
     def make(t: Transaction) -> str:
-        if not invite:  # undone with the transaction when it fails
+        if not invite:  # rolled back with the transaction if it fails
             attempts.record_sign_up(t.connection, address, services.settings.limits.sign_ups)
         role = management.spend_invite(t.connection, invite) if invite else Role.MEMBER
         made = management.add_account(t.connection, name, name, role=role, password_hash=password_hash)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 from collections.abc import AsyncIterator, Callable, Coroutine, Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -28,6 +28,7 @@ from agentrob.board.events import webhooks
 from agentrob.board.events.cluster import Cluster
 from agentrob.board.events.hub import Hub
 from agentrob.board.events.presence import PresenceTracker
+from agentrob.board.metrics import BoardMetrics
 from agentrob.board.middleware import SecurityMiddleware
 from agentrob.board.response_cache import ResponseCache
 from agentrob.board.services import Services
@@ -37,6 +38,7 @@ from agentrob.board.web.templating import error_page
 from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
+from agentrob.process.metrics import RequestMetrics, serving_metrics
 from agentrob.process.problem import Problem, add_error_handlers, http_error, problem_response
 from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
@@ -58,7 +60,7 @@ API_TAGS = {
 }
 
 
-def create_app(settings: BoardSettings) -> FastAPI:
+def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> FastAPI:
     """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
     told = webhooks.receivers(settings)
     if settings.encoder is Encoder:
@@ -68,7 +70,9 @@ def create_app(settings: BoardSettings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         await asyncio.to_thread(bootstrap, settings)
         hub, presence, me = Hub(partial(encode, settings.base_url)), PresenceTracker(), secrets.token_hex(8)
-        store = Store(settings, hub.published, me)
+        if metrics is not None:
+            metrics.watch(hub)
+        store = Store(settings, metrics.counted(hub.published) if metrics is not None else hub.published, me)
         try:
             hub.start(store.everything)
             app.state.services = parts = Services(settings, store, hub, presence)
@@ -95,6 +99,8 @@ def create_app(settings: BoardSettings) -> FastAPI:
     )
     app.add_middleware(ResponseCache)
     app.add_middleware(SecurityMiddleware, settings=settings)
+    if metrics is not None:
+        app.add_middleware(RequestMetrics, registry=metrics.registry)
     for module in (forum, robots, commands, moderation, admin, health):
         app.include_router(module.router)
     app.include_router(robots.files)
@@ -218,5 +224,7 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=base_url(host, port))
         with serve_database(settings):
-            make_server(create_app(settings), settings, ready).run(sockets=[listener])
+            metrics = BoardMetrics() if settings.metrics else None
+            with serving_metrics(metrics.registry, settings.metrics) if metrics else nullcontext():
+                make_server(create_app(settings, metrics), settings, ready).run(sockets=[listener])
             log.info("board.ended")

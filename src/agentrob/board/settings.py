@@ -23,6 +23,7 @@ class BoardSettings:
 
     `sign_up`: anybody may create an account (as `member`). `public_read`: reading needs no sign-in. `trusted_proxies`
     may set the client's address. `encoder` creates the text encoder of semantic search.
+    `metrics` is the address of the Prometheus metrics, if there is one.
     """
 
     database: str
@@ -39,6 +40,7 @@ class BoardSettings:
     hooks: Mapping[str, HookOutConfig] = field(default_factory=dict)
     retention: BoardRetentionConfig = field(default_factory=BoardRetentionConfig)
     encoder: Callable[[], TextEncoder] | None = None
+    metrics: str = ""
 
     @classmethod
     def from_config(cls, board: BoardConfig, data_dir: Path) -> BoardSettings:
@@ -62,6 +64,7 @@ class BoardSettings:
         return cls(
             database, host, port, base_url, images, board.title, sign_up, board.public_read, limits, proxies,
             hooks=board.hooks, retention=board.retention, encoder=Encoder if board.semantic else None,
+            metrics=board.metrics,
         )  # fmt: skip
 
     @property

@@ -20,13 +20,13 @@ from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
 from agentrob.errors import BoardError
 from agentrob.model import Role
-from tests.board.auth.test_rights import chief, jpeg, topic_on
+from tests.board.auth.test_rights import admin_api, jpeg, topic_on
 from tests.board.running_board import RunningBoard, running_board
 
 
 def fill(board: RunningBoard) -> None:
-    """Fill the forum with some of everything."""
-    op, boss = board.client("op"), chief(board)
+    """Write content of every kind to the forum."""
+    op, boss = board.client("op"), admin_api(board)
     image = op.post("/images", files={"file": ("x.jpg", jpeg(33), "image/jpeg")}).json()["id"]
     body = {"board_id": "talk", "title": "Ein Titel 机器人", "body": "words \U0001f916", "images": [image]}
     made = op.post("/topics", json=body, headers={"Idempotency-Key": "k"}).json()
@@ -39,8 +39,8 @@ def fill(board: RunningBoard) -> None:
     op.post("/robots/quadruped/stop").raise_for_status()
 
 
-def told(board: RunningBoard) -> list[Any]:
-    """Return the forum's content without addresses."""
+def contents(board: RunningBoard) -> list[Any]:
+    """Return the forum's content without URLs, which differ between two servers."""
     op = board.client("op")
     found = [op.get("/boards").json()["items"]]
     events = op.get("/changes", params={"after": "0"}).json()["items"]
@@ -55,10 +55,10 @@ def told(board: RunningBoard) -> list[Any]:
     return found
 
 
-def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
+def test_a_backup_contains_everything_and_can_be_restored(tmp_path: Path) -> None:
     with running_board(tmp_path / "one") as board:
         fill(board)
-        tokens, before = board.tokens, told(board)
+        tokens, before = board.tokens, contents(board)
         counts = backup.backup(board.settings, tmp_path / "file")
         image = board.client("op").get("/topics/1/posts").json()["items"][0]["images"][0]["url"].removeprefix(board.url)
         picture = httpx2.get(board.url + image, headers=board.client("op").headers, timeout=60).content
@@ -67,7 +67,7 @@ def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
     fresh = BoardSettings.from_config(BoardConfig(), tmp_path / "two")
     assert backup.restore(fresh, tmp_path / "file")["posts"] == 3
     with running_board(tmp_path / "two", database=fresh.database) as board:
-        assert told(board) == before
+        assert contents(board) == before
         headers = {"Authorization": f"Bearer {tokens['op']}"}
         assert httpx2.get(board.url + image, headers=headers, timeout=60).content == picture, (
             "tokens of before are good"
@@ -79,7 +79,7 @@ def test_a_backup_holds_everything_and_comes_back(tmp_path: Path) -> None:
         assert topic_on(board, "talk")[1] == "4", "new ids come after the old ones"
 
 
-def test_a_backup_is_of_one_moment_while_the_forum_goes_on(
+def test_a_backup_of_a_running_forum_is_a_consistent_snapshot(
     fresh_board: Callable[..., RunningBoard], tmp_path: Path
 ) -> None:
     board = fresh_board()
@@ -107,9 +107,7 @@ def test_a_backup_is_of_one_moment_while_the_forum_goes_on(
         )
 
 
-def test_a_backup_is_put_back_only_where_nothing_is_lost(
-    fresh_board: Callable[..., RunningBoard], tmp_path: Path
-) -> None:
+def test_restore_refuses_to_overwrite_data(fresh_board: Callable[..., RunningBoard], tmp_path: Path) -> None:
     board = fresh_board()
     backup.backup(board.settings, tmp_path / "file")
     with pytest.raises(BoardError, match="accounts already"):
@@ -156,7 +154,7 @@ def spoil(good: Path, bad: Path, damage: str) -> None:
             new.addfile(member, io.BytesIO(content))
 
 
-def test_an_export_has_what_was_written_and_no_secret(fresh_board: Callable[..., RunningBoard], tmp_path: Path) -> None:
+def test_an_export_contains_all_posts_and_no_secrets(fresh_board: Callable[..., RunningBoard], tmp_path: Path) -> None:
     board = fresh_board()
     fill(board)
     assert backup.export(board.settings, tmp_path / "all") == 2
@@ -170,13 +168,13 @@ def test_an_export_has_what_was_written_and_no_secret(fresh_board: Callable[...,
     assert len([n for n in names if n.startswith("pictures/")]) == 1
 
 
-def test_migrations_lead_back_and_forth_with_everything_kept(tmp_path: Path) -> None:
+def test_migrations_up_and_down_keep_all_data(tmp_path: Path) -> None:
     settings = BoardSettings.from_config(BoardConfig(), tmp_path)
     if "sqlite" in settings.database:
         settings = replace(settings, busy_timeout_s=2.0)
     with running_board(tmp_path, database=settings.database) as board:
         fill(board)
-        before = told(board)
+        before = contents(board)
         board.add("modest", role=Role.GUEST)
         board.add("keeper", role=Role.MODERATOR)
         reading = local_admin.issue_token(
@@ -185,7 +183,7 @@ def test_migrations_lead_back_and_forth_with_everything_kept(tmp_path: Path) -> 
     migrate(settings, "0001")
     migrate(settings)
     with running_board(tmp_path, database=settings.database) as board:
-        after = told(board)
+        after = contents(board)
         assert after[1:4] == before[1:4]
         roles = [local_admin.find_account(board.settings, n).role for n in ("modest", "keeper", "op")]
         assert roles == [Role.MEMBER, Role.OPERATOR, Role.OPERATOR]
@@ -195,9 +193,11 @@ def test_migrations_lead_back_and_forth_with_everything_kept(tmp_path: Path) -> 
         )
 
 
-def test_going_back_is_refused_where_it_would_open_a_board(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_downgrade_that_would_open_a_board_is_refused(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board()
-    chief(board).patch("/admin/boards/talk", json={"read_role": "operator", "post_role": "operator"}).raise_for_status()
+    admin_api(board).patch(
+        "/admin/boards/talk", json={"read_role": "operator", "post_role": "operator"}
+    ).raise_for_status()
     with pytest.raises(BoardError, match="keep a board to operators"):
         migrate(board.settings, "0001", alone=True)
     with pytest.raises(BoardError, match="no revision"):

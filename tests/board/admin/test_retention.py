@@ -30,7 +30,7 @@ def count(board: RunningBoard, table: str) -> int:
 
 
 def at(board: RunningBoard, job: Any, days: float, keep: BoardRetentionConfig = KEEP) -> bool:
-    """Return what a job does this many days from now, and whether there may be more to do."""
+    """Run a retention job as if this many days had passed; return whether it may have more to delete."""
     now = datetime.now(UTC) + timedelta(days=days)
     more: bool = board.run(board.services.store.do(partial(job, keep=keep, now=now)))
     return more
@@ -42,7 +42,7 @@ def write(board: RunningBoard, times: int, client: str = "op") -> list[dict[str,
     return [op.post("/topics", json=body).json()["post"] for body in bodies]
 
 
-def test_events_that_are_old_and_many_go_and_those_who_heard_the_newest_go_on(fresh_board: Boards) -> None:
+def test_old_events_beyond_the_limit_are_deleted_and_recent_readers_can_resume(fresh_board: Boards) -> None:
     board = fresh_board()
     op = board.client("op")
     start = op.get("/changes").json()["now"]["id"]
@@ -67,7 +67,7 @@ def test_events_that_are_old_and_many_go_and_those_who_heard_the_newest_go_on(fr
     assert [op.get(f"/posts/{post['id']}").json()["raw"] for post in posts] == [f"post {n}" for n in range(10)]
 
 
-def test_a_page_that_was_kept_is_not_shown_again_once_its_topics_events_are_gone(fresh_board: Boards) -> None:
+def test_a_cached_page_is_stale_once_the_events_of_its_topic_are_deleted(fresh_board: Boards) -> None:
     board = fresh_board()
     op, visitor = board.client("op"), board.browser("op")
     (post,) = write(board, 1)
@@ -80,7 +80,7 @@ def test_a_page_that_was_kept_is_not_shown_again_once_its_topics_events_are_gone
     assert "another one" in visitor.get(f"/t/{post['topic_id']}").text
 
 
-def test_keys_go_after_a_week_and_until_then_a_write_is_done_once(fresh_board: Boards) -> None:
+def test_idempotency_keys_expire_after_a_week(fresh_board: Boards) -> None:
     board = fresh_board()
     op, robot = board.client("op"), board.client("quadruped")
     (post,) = write(board, 1)
@@ -100,12 +100,10 @@ def test_keys_go_after_a_week_and_until_then_a_write_is_done_once(fresh_board: B
     assert edit().json()["version"] == 3
 
 
-def test_much_that_is_old_goes_in_many_small_writes_by_itself(
-    fresh_board: Boards, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_retention_deletes_in_small_batches(fresh_board: Boards, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(retention, "EVERY_S", 0.01)
     monkeypatch.setattr(retention, "AT_ONCE", 3)
-    monkeypatch.setattr(retention, "_us", lambda now, ago: 2**62)  # as if all were old
+    monkeypatch.setattr(retention, "_us", lambda now, ago: 2**62)  # everything counts as old
     board = fresh_board(retention=BoardRetentionConfig(events=2))
     write(board, 20)
 

@@ -16,13 +16,13 @@ from agentrob.board.events.hub import Hub
 from agentrob.board.server import create_app
 from tests.board.running_board import LIMIT_S, RunningBoard
 
-#: Endless streams; test_board_events and test_board_robots test them.
+#: Endless streams; `test_streams` and `test_robots` test them.
 STREAMS = ("/api/v1/events", "/api/v1/robots/{name}/camera.mjpg")
 
 
 @pytest.fixture(scope="module")
 def document(board: RunningBoard) -> schemathesis.BaseSchema:
-    """Return the served document, with content in the forum for the requests to find."""
+    """Write some content to the forum, so that requests find it; return the served document."""
     op = board.client("op")
     for n in range(3):
         op.post("/topics", json={"board_id": "talk", "title": "t", "body": f"post {n}"})
@@ -36,24 +36,26 @@ FEW, MANY = (4, 2), (40, 12)
 
 @pytest.mark.parametrize("examples", [FEW, pytest.param(MANY, marks=pytest.mark.slow)], ids=["few", "many"])
 @pytest.mark.parametrize("mode", [GenerationMode.POSITIVE, GenerationMode.NEGATIVE])
-def test_requests_made_from_the_document_get_what_it_says(
+def test_responses_to_generated_requests_match_the_document(
     document: schemathesis.BaseSchema, board: RunningBoard, mode: GenerationMode, examples: tuple[int, int]
 ) -> None:
-    """Generate valid and invalid requests to every operation; always the same ones."""
+    """Generate valid and invalid requests to every operation, the same ones in every run."""
     operations = [found.ok() for found in document.exclude(path=list(STREAMS)).get_all_operations()]
     for operation in operations:
         try:
-            try_out(operation, board, mode, examples["/admin/" in operation.path])
+            send_requests(operation, board, mode, examples["/admin/" in operation.path])
         except Unsatisfiable:
             assert mode is GenerationMode.NEGATIVE, f"{operation.label}: no request can be made from the document"
     assert len(operations) > 15
 
 
-def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode, examples: int) -> None:
+def send_requests(
+    operation: schemathesis.APIOperation, board: RunningBoard, mode: GenerationMode, examples: int
+) -> None:
     """Send many requests to one operation, and check each response against the document."""
     headers = {"Authorization": f"Bearer {board.tokens['quadruped' if operation.method == 'put' else 'admin']}"}
 
-    # No document can say which bytes are a picture, and which characters of a name are visible.
+    # A schema cannot express which bytes are a picture, or which characters of a name are visible.
     named = ("/admin/accounts", "/admin/accounts/{name}", "/admin/boards", "/admin/boards/{board_id}")
     unsaid = operation.path.endswith(("/images", "/frame", *named))
     excluded = [positive_data_acceptance] if unsaid else []
@@ -68,7 +70,7 @@ def try_out(operation: schemathesis.APIOperation, board: RunningBoard, mode: Gen
     gets_what_it_says()
 
 
-def test_the_document_needs_no_sign_in_and_tells_of_both_ways(board: RunningBoard) -> None:
+def test_the_document_is_public_and_describes_both_ways_to_authenticate(board: RunningBoard) -> None:
     served = board.client().get("/openapi.json").json()
     assert served == create_app(board.settings).openapi()
     assert set(served["components"]["securitySchemes"]) == {"bearer", "cookie"}
@@ -85,7 +87,7 @@ def test_every_operation_has_a_readable_id_of_its_own_and_one_documented_tag(boa
     assert {tuple(operation["tags"]) for operation in operations} == {(name,) for name in described}
 
 
-def test_healthz_needs_no_sign_in_and_is_answered_under_any_host_name(board: RunningBoard) -> None:
+def test_healthz_is_public_under_any_host_name(board: RunningBoard) -> None:
     answer = httpx2.get(f"{board.url}/healthz", headers={"Host": "10.0.0.7:8000"})
     assert (answer.status_code, answer.json()) == (200, {"status": "ok"})
 
@@ -99,7 +101,7 @@ def test_healthz_is_503_when_a_stop_could_not_be_delivered(
 
 
 @pytest.mark.parametrize(("method", "path"), [("PUT", "/boards"), ("POST", "/me"), ("DELETE", "/topics")])
-def test_other_methods_are_405_and_say_what_is_allowed(board: RunningBoard, method: str, path: str) -> None:
+def test_other_methods_are_405_and_list_the_allowed_ones(board: RunningBoard, method: str, path: str) -> None:
     answer = board.client("op").request(method, path)
     assert (answer.status_code, answer.json()["code"]) == (405, "method_not_allowed")
     assert answer.headers["allow"]
@@ -108,7 +110,7 @@ def test_other_methods_are_405_and_say_what_is_allowed(board: RunningBoard, meth
 @pytest.mark.parametrize(
     ("content", "content_type"), [(b"{", "application/json"), (b"a=b", "application/x-www-form-urlencoded"), (b"", "")]
 )
-def test_a_body_that_cannot_be_read_is_a_problem(board: RunningBoard, content: bytes, content_type: str) -> None:
+def test_an_unreadable_body_is_a_problem_response(board: RunningBoard, content: bytes, content_type: str) -> None:
     answer = board.client("op").post("/topics", content=content, headers={"Content-Type": content_type})
     assert answer.status_code == 422
     assert answer.headers["content-type"] == "application/problem+json"

@@ -33,12 +33,12 @@ def test_a_topic_is_written_and_read_back(board: RunningBoard) -> None:
     assert op.get("/boards/robots/topics").json()["items"][0] == topic
 
 
-def test_only_names_of_accounts_that_can_be_seen_are_mentions(board: RunningBoard) -> None:
+def test_only_visible_accounts_are_mentioned(board: RunningBoard) -> None:
     body = "@Quadruped and @nobody\n\n> @op\n\n`@member` <b>@admin</b>\n\n- @quadruped"
     assert new_topic(board.client("op"), body)["post"]["mentions"] == ["quadruped"]
 
 
-def test_the_same_key_twice_is_one_post(board: RunningBoard) -> None:
+def test_reusing_a_key_creates_one_post(board: RunningBoard) -> None:
     op = board.client("op")
     topic = new_topic(op)["topic"]
     path, key = f"/topics/{topic['id']}/posts", {"Idempotency-Key": "claim:1"}
@@ -59,7 +59,7 @@ def test_a_key_belongs_to_one_account(board: RunningBoard) -> None:
     assert member.post(path, json={"body": "two"}, headers=key).status_code == 201
 
 
-def test_a_key_used_by_many_at_once_is_one_post(board: RunningBoard) -> None:
+def test_concurrent_requests_with_one_key_create_one_post(board: RunningBoard) -> None:
     path = f"/topics/{new_topic(board.client('op'))['topic']['id']}/posts"
 
     def write(n: int) -> tuple[int, str]:
@@ -72,7 +72,7 @@ def test_a_key_used_by_many_at_once_is_one_post(board: RunningBoard) -> None:
     assert len({post for _, post in answers}) == 1
 
 
-def test_a_topic_key_used_before_gives_the_old_topic(board: RunningBoard) -> None:
+def test_reusing_a_topics_key_returns_the_first_topic(board: RunningBoard) -> None:
     op, key = board.client("op"), {"Idempotency-Key": "topic-key"}
     fields = {"board_id": "talk", "title": "Once", "body": "x"}
     first = op.post("/topics", json=fields, headers=key)
@@ -81,7 +81,7 @@ def test_a_topic_key_used_before_gives_the_old_topic(board: RunningBoard) -> Non
     assert second.json() == first.json() | {"created": False}
 
 
-def test_an_edit_makes_a_version_and_keeps_the_old_text(board: RunningBoard) -> None:
+def test_an_edit_adds_a_version_and_keeps_the_old_text(board: RunningBoard) -> None:
     op = board.client("op")
     post = new_topic(op, "first")["post"]
     edited = op.patch(f"/posts/{post['id']}", json={"body": "second @op"}).json()
@@ -92,7 +92,7 @@ def test_an_edit_makes_a_version_and_keeps_the_old_text(board: RunningBoard) -> 
     assert [(v.version, v.raw) for v in kept(post["id"])] == [(1, "first")]
 
 
-def test_a_status_that_is_edited_while_it_runs_keeps_no_version_of_each_step(board: RunningBoard) -> None:
+def test_edits_of_a_running_status_post_keep_no_versions(board: RunningBoard) -> None:
     robot, op = board.client("quadruped"), board.client("op")
     topic = new_topic(op)["topic"]["id"]
     texts = [("seen", "Seen."), ("waiting", "May I walk 2 m?")] + [("running", f"Step {n}") for n in range(1, 9)]
@@ -112,7 +112,7 @@ def test_a_status_that_is_edited_while_it_runs_keeps_no_version_of_each_step(boa
     assert "Seen." not in history
 
 
-def test_an_edit_under_a_used_key_is_done_once(board: RunningBoard) -> None:
+def test_an_edit_with_a_used_key_is_applied_once(board: RunningBoard) -> None:
     op = board.client("op")
     post = new_topic(op)["post"]
     for body in ("second", "third"):
@@ -120,7 +120,7 @@ def test_an_edit_under_a_used_key_is_done_once(board: RunningBoard) -> None:
         assert (answer["raw"], answer["version"]) == ("second", 2)
 
 
-def test_only_its_author_edits_a_post_and_admins_hide_it(board: RunningBoard) -> None:
+def test_only_the_author_edits_a_post_and_admins_hide_it(board: RunningBoard) -> None:
     member, op, admin = board.client("member"), board.client("op"), board.client("admin")
     post = new_topic(member, "rude words")["post"]
     path = f"/posts/{post['id']}"
@@ -136,7 +136,7 @@ def test_only_its_author_edits_a_post_and_admins_hide_it(board: RunningBoard) ->
     assert post["topic_id"] not in [t["id"] for t in op.get("/boards/robots/topics").json()["items"]]
 
 
-def test_pages_of_posts_give_each_post_once_in_order(board: RunningBoard) -> None:
+def test_paging_returns_each_post_once_in_order(board: RunningBoard) -> None:
     op = board.client("op")
     topic = new_topic(op)["topic"]["id"]
     made = [op.post(f"/topics/{topic}/posts", json={"body": str(n)}).json()["post"]["id"] for n in range(7)]
@@ -150,7 +150,7 @@ def test_pages_of_posts_give_each_post_once_in_order(board: RunningBoard) -> Non
     assert seen[1:] == made
 
 
-def test_the_page_of_a_post_is_found(board: RunningBoard) -> None:
+def test_a_post_is_found_on_its_page(board: RunningBoard) -> None:
     op = board.client("op")
     topic = new_topic(op)["topic"]["id"]
     for n in range(6):
@@ -161,7 +161,7 @@ def test_the_page_of_a_post_is_found(board: RunningBoard) -> None:
         assert post.id in [p.id for p in page.items]
 
 
-def test_topics_come_by_latest_activity(board: RunningBoard) -> None:
+def test_topics_are_sorted_by_latest_activity(board: RunningBoard) -> None:
     op = board.client("op")
     first, second = (new_topic(op, board_id="talk")["topic"]["id"] for _ in range(2))
     op.post(f"/topics/{first}/posts", json={"body": "up"})
@@ -171,7 +171,7 @@ def test_topics_come_by_latest_activity(board: RunningBoard) -> None:
     assert page["items"][0]["posts"] == 2
 
 
-def test_a_reply_names_a_post_of_its_topic(board: RunningBoard) -> None:
+def test_a_reply_must_refer_to_a_post_of_its_topic(board: RunningBoard) -> None:
     op = board.client("op")
     here, there = new_topic(op), new_topic(op)
     path = f"/topics/{here['topic']['id']}/posts"
@@ -181,7 +181,7 @@ def test_a_reply_names_a_post_of_its_topic(board: RunningBoard) -> None:
         assert op.post(path, json={"body": "x", "reply_to": wrong}).json()["code"] == "no_such_post"
 
 
-def test_cards_come_from_robot_agents_only(board: RunningBoard) -> None:
+def test_only_robot_agents_may_send_cards(board: RunningBoard) -> None:
     robot, op = board.client("quadruped"), board.client("op")
     topic = new_topic(op)["topic"]["id"]
     card = {"robot": "quadruped", "state": "running", "step": 2, "steps": 4}
@@ -209,19 +209,19 @@ def test_cards_come_from_robot_agents_only(board: RunningBoard) -> None:
         ("/nothing", "not_found"),
     ],
 )
-def test_what_is_not_there_is_a_404_that_helps(board: RunningBoard, path: str, code: str) -> None:
+def test_a_missing_resource_is_a_404_with_a_hint(board: RunningBoard, path: str, code: str) -> None:
     answer = board.client("op").get(path)
     assert answer.status_code == 404
     assert answer.headers["content-type"] == "application/problem+json"
     assert answer.json()["code"] == code
 
 
-def test_a_missing_board_names_those_that_are_there(board: RunningBoard) -> None:
+def test_an_unknown_board_is_answered_with_the_known_ones(board: RunningBoard) -> None:
     answer = board.client("op").post("/topics", json={"board_id": "nope", "title": "x", "body": "y"})
     assert answer.json()["hint"] == "valid: robots, talk"
 
 
-def test_a_post_of_64_kib_is_taken_and_more_is_not(board: RunningBoard) -> None:
+def test_a_post_of_64_kib_is_accepted_and_a_longer_one_refused(board: RunningBoard) -> None:
     op = board.client("op")
     path = f"/topics/{new_topic(op)['topic']['id']}/posts"
     chinese = "停" * (64 * 1024 // 3)
@@ -232,7 +232,7 @@ def test_a_post_of_64_kib_is_taken_and_more_is_not(board: RunningBoard) -> None:
     assert (huge.status_code, huge.json()["code"]) == (413, "too_large")
 
 
-def test_a_body_without_length_cannot_be_endless(board: RunningBoard) -> None:
+def test_a_chunked_body_has_a_size_limit(board: RunningBoard) -> None:
     op = board.client("op")
     chunks = (b" " * 65536 for _ in range(12))
     answer = op.post("/topics", content=chunks, headers={"Content-Type": "application/json"})
@@ -240,7 +240,7 @@ def test_a_body_without_length_cannot_be_endless(board: RunningBoard) -> None:
 
 
 @pytest.mark.parametrize("body", ["", " \n\t", "a\x00b"])
-def test_posts_without_anything_to_read_are_refused(board: RunningBoard, body: str) -> None:
+def test_posts_without_visible_text_are_refused(board: RunningBoard, body: str) -> None:
     answer = board.client("op").post("/topics", json={"board_id": "talk", "title": "x", "body": body})
     assert (answer.status_code, answer.json()["code"]) == (422, "not_valid")
 
@@ -253,7 +253,7 @@ def test_a_lone_surrogate_is_refused(board: RunningBoard) -> None:
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(body=st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=200))
-def test_what_is_posted_comes_back_unchanged(board: RunningBoard, body: str) -> None:
+def test_a_posted_text_is_returned_unchanged(board: RunningBoard, body: str) -> None:
     op = board.client("op")
     answer = op.post("/topics", json={"board_id": "talk", "title": "t", "body": body})
     if answer.status_code == 201:

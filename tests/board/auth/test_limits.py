@@ -1,4 +1,4 @@
-"""Limits and their error responses; what moderators do, and that none of it is lost; what erasing deletes."""
+"""Limits and their error responses; moderation and its audit log; and erasing an account."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from agentrob.config.board import BoardConfig, BoardLimitsConfig
 from agentrob.config.load import parse
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Role
-from tests.board.auth.test_rights import chief, jpeg, topic_on
+from tests.board.auth.test_rights import admin_api, jpeg, topic_on
 from tests.board.running_board import RunningBoard
 
 
@@ -30,7 +30,7 @@ def strict(tmp_path_factory: pytest.TempPathFactory) -> Any:
         yield made
 
 
-def check_too_many(answer: httpx2.Response, code: str) -> None:
+def assert_too_many(answer: httpx2.Response, code: str) -> None:
     """Check that the response names the limit and when to try again."""
     problem = answer.json()
     assert (answer.status_code, problem["code"]) == (429, code)
@@ -38,19 +38,19 @@ def check_too_many(answer: httpx2.Response, code: str) -> None:
     assert re.search(r"in (59|60) minutes", problem["detail"])
 
 
-def test_commands_and_posts_per_hour_are_bounded_and_a_stop_is_not(strict: RunningBoard) -> None:
+def test_commands_and_posts_per_hour_are_limited_and_stops_are_not(strict: RunningBoard) -> None:
     op = strict.client("op")
     topic = op.post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped wave"}).json()["topic"][
         "id"
     ]
     say: Callable[[str], httpx2.Response] = lambda body: op.post(f"/topics/{topic}/posts", json={"body": body})  # noqa: E731
     assert say("@quadruped wave again").status_code == 201
-    check_too_many(say("@quadruped and again"), "too_many_commands")
+    assert_too_many(say("@quadruped and again"), "too_many_commands")
     assert say("only words").status_code == 201, "what is no command is no command"
     for n in range(3):
         assert say(f"words {n}").status_code == 201
-    check_too_many(say("more words"), "too_many_posts")
-    check_too_many(op.post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}), "too_many_posts")
+    assert_too_many(say("more words"), "too_many_posts")
+    assert_too_many(op.post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}), "too_many_posts")
     for stop in ("@quadruped stop", "stop", "停"):
         assert say(stop).status_code == 201
     assert op.post("/robots/quadruped/stop").status_code == 200
@@ -63,7 +63,7 @@ def test_a_robot_s_own_posts_are_not_counted(strict: RunningBoard) -> None:
     assert {robot.post(f"/topics/{topic}/posts", json={"body": f"{n}"}).status_code for n in range(10)} == {201}
 
 
-def test_a_key_used_before_is_answered_beyond_the_limit_too(strict: RunningBoard) -> None:
+def test_a_retry_with_a_used_key_is_answered_beyond_the_limit(strict: RunningBoard) -> None:
     strict.add("repeater")
     client, key = strict.client("repeater"), {"Idempotency-Key": "once"}
     first = client.post("/topics", json={"board_id": "talk", "title": "t", "body": "0"}, headers=key).json()
@@ -74,16 +74,16 @@ def test_a_key_used_before_is_answered_beyond_the_limit_too(strict: RunningBoard
     assert (again.status_code, again.json()["post"]["id"]) == (200, first["post"]["id"])
 
 
-def test_uploads_per_hour_are_bounded(strict: RunningBoard) -> None:
+def test_uploads_per_hour_are_limited(strict: RunningBoard) -> None:
     strict.add("painter", role=Role.OPERATOR)
     send = lambda shade: strict.client("painter").post(  # noqa: E731
         "/images", files={"file": ("x.jpg", jpeg(shade), "image/jpeg")}
     )
     assert [send(n).status_code for n in range(2)] == [201, 201]
-    check_too_many(send(3), "too_many_uploads")
+    assert_too_many(send(3), "too_many_uploads")
 
 
-def test_edits_and_choices_of_tags_are_bounded_together_and_an_edit_into_a_stop_is_not(strict: RunningBoard) -> None:
+def test_edits_and_tag_changes_share_a_limit_that_excludes_edits_into_a_stop(strict: RunningBoard) -> None:
     strict.add("tagger")
     client, words = strict.client("tagger"), {"board_id": "talk", "title": "t", "body": "b"}
     made = client.post("/topics", json=words).json()
@@ -91,8 +91,8 @@ def test_edits_and_choices_of_tags_are_bounded_together_and_an_edit_into_a_stop_
     for n in range(3):
         assert client.patch(post, json={"body": f"b{n}"}).status_code == 200
         assert client.put(topic, json={"tags": [f"tag {n}"]}).status_code == 200
-    check_too_many(client.put(topic, json={"tags": ["another"]}), "too_many_changes")
-    check_too_many(client.patch(post, json={"body": "another"}), "too_many_changes")
+    assert_too_many(client.put(topic, json={"tags": ["another"]}), "too_many_changes")
+    assert_too_many(client.patch(post, json={"body": "another"}), "too_many_changes")
     assert client.put(topic, json={"tags": ["tag 2"]}).json()["tags"] == ["tag-2"], "they are that already"
     assert client.patch(post, json={"body": "@quadruped stop"}).status_code == 200
     browser = strict.browser("tagger")
@@ -109,7 +109,7 @@ def test_a_robot_s_own_edits_are_not_counted(strict: RunningBoard) -> None:
     assert {robot.patch(f"/posts/{made}", json={"body": f"{n}"}).status_code for n in range(8)} == {200}
 
 
-def test_sign_ups_from_one_address_are_bounded_and_failed_ones_do_not_count(strict: RunningBoard) -> None:
+def test_successful_sign_ups_from_one_address_are_limited(strict: RunningBoard) -> None:
     sign_up = lambda name, address: strict.run(  # noqa: E731
         access.sign_up(strict.services, name, "long enough", address)
     )
@@ -124,7 +124,7 @@ def test_sign_ups_from_one_address_are_bounded_and_failed_ones_do_not_count(stri
     assert sign_up("newcomer3", "10.2.2.2")
 
 
-def test_sign_ups_have_room_again_after_an_hour(strict: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_limit_of_sign_ups_resets_after_an_hour(strict: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [accounts.now_us()]
     monkeypatch.setattr(attempts, "now_us", lambda: now[0])
     with local_admin.writing(strict.settings) as connection:
@@ -137,7 +137,7 @@ def test_sign_ups_have_room_again_after_an_hour(strict: RunningBoard, monkeypatc
         attempts.record_sign_up(connection, "b", 0)
 
 
-def test_the_page_says_the_limit_and_keeps_the_text(strict: RunningBoard) -> None:
+def test_the_page_names_the_limit_and_keeps_the_text(strict: RunningBoard) -> None:
     strict.add("writer")
     browser = strict.browser("writer")
     for n in range(6):
@@ -150,7 +150,7 @@ def test_the_page_says_the_limit_and_keeps_the_text(strict: RunningBoard) -> Non
     assert "my long text" in page.text
 
 
-def test_a_forum_for_others_has_limits_and_one_for_this_machine_has_none(tmp_path: Any) -> None:
+def test_a_public_forum_has_default_limits_and_a_local_one_has_none(tmp_path: Any) -> None:
     made = [
         BoardSettings.from_config(BoardConfig(listen=listen, base_url=url), tmp_path).limits
         for listen, url in [("127.0.0.1:1", ""), ("0.0.0.0:1", ""), ("127.0.0.1:1", "https://forum.example.org")]
@@ -159,10 +159,10 @@ def test_a_forum_for_others_has_limits_and_one_for_this_machine_has_none(tmp_pat
 
 
 # -------------------------------------------------------------------- moderation
-def test_what_is_hidden_is_hidden_from_all_and_kept_for_moderators(board: RunningBoard) -> None:
+def test_hidden_posts_are_visible_to_moderators_only(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk", "first words")
     board.client("author").patch(f"/posts/{post}", json={"body": "rude words"}).raise_for_status()
-    boss = chief(board)
+    boss = admin_api(board)
     hidden = boss.post(f"/posts/{post}/hide", json={"reason": "rude"}).json()
     assert (hidden["removed"], hidden["raw"]) == (True, "")
     assert "rude words" not in board.client("op").get(f"/topics/{topic}/posts").text
@@ -174,16 +174,16 @@ def test_what_is_hidden_is_hidden_from_all_and_kept_for_moderators(board: Runnin
     assert boss.get(f"/topics/{topic}").json()["posts"] == 1
 
 
-def test_what_its_author_took_away_is_not_shown_again(board: RunningBoard) -> None:
+def test_a_moderator_cannot_show_a_post_that_its_author_removed(board: RunningBoard) -> None:
     made = board.client("op").post("/topics", json={"board_id": "talk", "title": "t", "body": "b"}).json()["post"]["id"]
     board.client("op").delete(f"/posts/{made}").raise_for_status()
-    assert chief(board).post(f"/posts/{made}/show", json={}).json()["code"] == "removed"
+    assert admin_api(board).post(f"/posts/{made}/show", json={}).json()["code"] == "removed"
 
 
-def test_a_locked_topic_takes_only_stops_robots_and_moderators(board: RunningBoard) -> None:
+def test_a_locked_topic_accepts_only_stops_and_posts_of_robots_and_moderators(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
     own = board.client("op").post(f"/topics/{topic}/posts", json={"body": "mine"}).json()["post"]["id"]
-    boss = chief(board)
+    boss = admin_api(board)
     assert boss.post(f"/topics/{topic}/lock", json={"locked": True, "reason": "heated"}).json()["locked"] is True
     write = lambda name, body: board.client(name).post(f"/topics/{topic}/posts", json={"body": body}).status_code  # noqa: E731
     assert [write("op", "x"), write("op", "stop"), write("quadruped", "done"), write("admin", "x")] == [
@@ -194,17 +194,17 @@ def test_a_locked_topic_takes_only_stops_robots_and_moderators(board: RunningBoa
     assert write("op", "x") == 201
 
 
-def test_a_moved_topic_is_on_its_new_board_with_all_its_posts(board: RunningBoard) -> None:
+def test_a_moved_topic_keeps_all_its_posts(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk")
-    moved = chief(board).post(f"/topics/{topic}/move", json={"board_id": "robots", "reason": "belongs there"})
+    moved = admin_api(board).post(f"/topics/{topic}/move", json={"board_id": "robots", "reason": "belongs there"})
     assert moved.json()["board_id"] == "robots"
     assert board.client("op").get(f"/posts/{post}").json()["board_id"] == "robots"
-    assert chief(board).post(f"/topics/{topic}/move", json={"board_id": "nowhere"}).status_code == 404
+    assert admin_api(board).post(f"/topics/{topic}/move", json={"board_id": "nowhere"}).status_code == 404
 
 
-def test_everything_is_in_the_log(board: RunningBoard) -> None:
+def test_every_moderation_is_in_the_audit_log(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk")
-    boss = chief(board)
+    boss = admin_api(board)
     boss.post(f"/posts/{post}/hide", json={"reason": "because"})
     boss.post(f"/topics/{topic}/lock", json={"locked": True})
     boss.post(f"/topics/{topic}/move", json={"board_id": "robots"})
@@ -225,8 +225,8 @@ def test_everything_is_in_the_log(board: RunningBoard) -> None:
     assert {e["target"] for e in of} == {f"post:{post}"}
 
 
-# -------------------------------------------------------------------- for good
-def test_erasing_leaves_no_word_and_no_picture_of_a_person(board: RunningBoard) -> None:
+# -------------------------------------------------------------------- erasing
+def test_erasing_an_account_deletes_its_texts_and_pictures(board: RunningBoard) -> None:
     board.add("leaving", role=Role.OPERATOR)
     client, other = board.client("leaving"), board.client("op")
     send = lambda who, shade: who.post(  # noqa: E731
@@ -238,7 +238,7 @@ def test_erasing_leaves_no_word_and_no_picture_of_a_person(board: RunningBoard) 
     topic, post = made["topic"]["id"], made["post"]["id"]
     client.patch(f"/posts/{post}", json={"body": "my later words"}).raise_for_status()
     answer = other.post(f"/topics/{topic}/posts", json={"body": "an answer", "reply_to": post, "images": [theirs]})
-    gone = chief(board).delete("/admin/accounts/leaving/content").json()
+    gone = admin_api(board).delete("/admin/accounts/leaving/content").json()
     assert gone == {"posts": 1, "pictures": 2}
     assert client.get("/me").status_code == 200, "the account stays"
     everywhere = "\n".join(map(str, board.run(board.services.store.do(_dump))))
@@ -247,8 +247,8 @@ def test_erasing_leaves_no_word_and_no_picture_of_a_person(board: RunningBoard) 
     digests = [board.services.store.reader.image(theirs)[1]]
     assert set(digests) <= files, "what somebody else uploaded too stays"
     assert other.get(f"/posts/{answer.json()['post']['id']}").json()["reply_to"] == post
-    assert chief(board).post(f"/posts/{post}/show", json={}).status_code == 409
-    assert chief(board).delete("/admin/accounts/leaving/content").json() == {"posts": 0, "pictures": 0}
+    assert admin_api(board).post(f"/posts/{post}/show", json={}).status_code == 409
+    assert admin_api(board).delete("/admin/accounts/leaving/content").json() == {"posts": 0, "pictures": 0}
 
 
 def _dump(t: Any) -> list[Any]:
@@ -260,7 +260,7 @@ def _dump(t: Any) -> list[Any]:
 
 
 # -------------------------------------------------------------------- behind a proxy
-def test_forwarded_addresses_are_believed_from_trusted_proxies_only(tmp_path: Any) -> None:
+def test_forwarded_addresses_are_accepted_from_trusted_proxies_only(tmp_path: Any) -> None:
     def trusted(**board: Any) -> tuple[str, ...]:
         return BoardSettings.from_config(BoardConfig(**board), tmp_path).trusted_proxies
 
@@ -272,7 +272,7 @@ def test_forwarded_addresses_are_believed_from_trusted_proxies_only(tmp_path: An
 
 
 @pytest.mark.parametrize(("proxies", "held"), [((), True), (("127.0.0.1",), False)])
-def test_a_stranger_s_forwarded_header_does_not_slip_past_the_throttle(
+def test_a_forged_forwarded_header_does_not_bypass_the_throttle(
     fresh_board: Callable[..., RunningBoard], proxies: tuple[str, ...], held: bool
 ) -> None:
     board = fresh_board(trusted_proxies=proxies)
@@ -291,9 +291,9 @@ def test_a_stranger_s_forwarded_header_does_not_slip_past_the_throttle(
 
 
 # -------------------------------------------------------------------- accounts
-def test_the_last_admin_stays_one(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_the_last_admin_cannot_be_demoted(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board()
-    boss = chief(board)
+    boss = admin_api(board)
     assert boss.patch("/admin/accounts/admin", json={"role": "member"}).json()["code"] == "last_admin"
     assert boss.patch("/admin/accounts/admin", json={"suspended": True}).json()["code"] == "last_admin"
     boss.patch("/admin/accounts/op", json={"role": "admin"}).raise_for_status()
@@ -301,11 +301,11 @@ def test_the_last_admin_stays_one(fresh_board: Callable[..., RunningBoard]) -> N
     assert boss.get("/admin/accounts").status_code == 403, "and is none from now on"
 
 
-def test_a_password_link_works_once_and_ends_the_sessions_of_before(board: RunningBoard) -> None:
+def test_a_password_link_works_once_and_ends_earlier_sessions(board: RunningBoard) -> None:
     account = board.add("forgetful", password="the old password")
     old = board.browser("forgetful")
     assert old.get("/api/v1/me").status_code == 200
-    link = chief(board).post("/admin/accounts/forgetful/link", json={}).json()["url"].removeprefix(board.url)
+    link = admin_api(board).post("/admin/accounts/forgetful/link", json={}).json()["url"].removeprefix(board.url)
     browser = board.browser()
     assert browser.get(link).status_code == 200, "looking uses nothing up"
     csrf = re.search(r'name="csrf" value="([^"]*)"', browser.get(link).text)
@@ -323,9 +323,9 @@ def test_a_password_link_works_once_and_ends_the_sessions_of_before(board: Runni
         board.run(access.enter(board.services, local_admin.issue_link(board.settings, account)[7:] + "x"))
 
 
-def test_an_invite_lets_as_many_in_as_it_says_as_what_it_says(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_an_invitation_grants_its_role_to_its_number_of_accounts(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board(sign_up=False)
-    link = chief(board).post("/admin/invites", json={"role": "operator", "uses": 2}).json()["url"]
+    link = admin_api(board).post("/admin/invites", json={"role": "operator", "uses": 2}).json()["url"]
     secret = link.rpartition("/")[2]
     join = lambda name: board.run(access.sign_up(board.services, name, "long enough", "10.0.0.1", secret))  # noqa: E731
     assert join("first")
@@ -336,4 +336,4 @@ def test_an_invite_lets_as_many_in_as_it_says_as_what_it_says(fresh_board: Calla
         join("third")
     assert caught.value.code == "no_such_invite"
     assert board.client("op").get("/accounts/second").json()["role"] == "operator"
-    assert chief(board).post("/admin/invites", json={"role": "admin"}).status_code == 422
+    assert admin_api(board).post("/admin/invites", json={"role": "admin"}).status_code == 422

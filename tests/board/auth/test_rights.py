@@ -1,4 +1,4 @@
-"""Who may read, post and command where; what blocks hide; and that no cache outlives an edit or a lost right."""
+"""Who may read, post and command on which board; and that no cache outlives an edit or a revoked right."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from tests.board.running_board import RunningBoard
 ROLES = ("guest", "member", "operator", "moderator", "admin")
 
 
-def chief(board: RunningBoard) -> httpx2.Client:
-    """Return an admin's program with a token for administration."""
+def admin_api(board: RunningBoard) -> httpx2.Client:
+    """Return an API client of an admin, with a token of scope `admin`."""
     account = local_admin.find_account(board.settings, "admin")
     token = local_admin.issue_token(board.settings, account, "chief", ("write", "admin"))
     client = board.client()
@@ -27,7 +27,7 @@ def chief(board: RunningBoard) -> httpx2.Client:
     return client
 
 
-def somebody(board: RunningBoard, role: str) -> httpx2.Client:
+def client_with_role(board: RunningBoard, role: str) -> httpx2.Client:
     name = f"some-{role}"
     if name not in board.tokens:
         board.add(name, role=Role(role))
@@ -35,7 +35,7 @@ def somebody(board: RunningBoard, role: str) -> httpx2.Client:
 
 
 def new_board(board: RunningBoard, name: str, **roles: str) -> str:
-    boss = chief(board)
+    boss = admin_api(board)
     if boss.post("/admin/boards", json={"id": name, "name": name, **roles}).status_code == 409:
         boss.patch(f"/admin/boards/{name}", json=roles).raise_for_status()
     return name
@@ -55,14 +55,14 @@ def topic_on(board: RunningBoard, where: str, body: str = "words") -> tuple[str,
 
 # -------------------------------------------------------------------- boards
 @pytest.mark.parametrize("least", ROLES[1:])
-def test_a_board_is_there_only_for_those_who_may_read_it(board: RunningBoard, least: str) -> None:
+def test_a_board_exists_only_for_accounts_that_may_read_it(board: RunningBoard, least: str) -> None:
     where = new_board(board, f"read-{least}", read_role=least, post_role=max(least, "member", key=ROLES.index))
     before = board.client("admin").get("/changes").json()["now"]["id"]
     secret = f"a secret for {least}"
     topic, post = topic_on(board, where, secret)
     paths = [f"/topics/{topic}", f"/topics/{topic}/posts", f"/posts/{post}", f"/boards/{where}/topics"]
     for role in ROLES:
-        client, reads = somebody(board, role), ROLES.index(role) >= ROLES.index(least)
+        client, reads = client_with_role(board, role), ROLES.index(role) >= ROLES.index(least)
         assert {client.get(path).status_code for path in paths} == {200 if reads else 404}, role
         assert (where in [b["id"] for b in client.get("/boards").json()["items"]]) is reads
         assert (secret in client.get("/changes", params={"after": before}).text) is reads
@@ -72,7 +72,7 @@ def test_a_board_is_there_only_for_those_who_may_read_it(board: RunningBoard, le
         assert bool(shown) is reads, (role, shown)
 
 
-def test_many_events_on_a_closed_board_do_not_hold_a_reader_back(board: RunningBoard) -> None:
+def test_many_events_on_a_closed_board_do_not_delay_other_readers(board: RunningBoard) -> None:
     where = new_board(board, "noisy", read_role="admin", post_role="admin")
     topic, _ = topic_on(board, where)
     before = board.client("admin").get("/changes").json()["now"]["id"]
@@ -83,20 +83,18 @@ def test_many_events_on_a_closed_board_do_not_hold_a_reader_back(board: RunningB
     assert [e["post"]["raw"] for e in items] == ["for all"]
 
 
-def test_law_15_whoever_may_look_may_post_a_stop_and_nothing_else(board: RunningBoard) -> None:
+def test_law_15_whoever_may_read_a_board_may_post_a_stop_there(board: RunningBoard) -> None:
     where = new_board(board, "writers", post_role="operator")
     topic, _ = topic_on(board, where)
     for role, words in {"guest": 403, "member": 403, "operator": 201}.items():
-        client = somebody(board, role)
+        client = client_with_role(board, role)
         assert client.post(f"/topics/{topic}/posts", json={"body": "hello"}).status_code == words
         assert client.post(f"/topics/{topic}/posts", json={"body": "@quadruped stop!"}).status_code == 201
-    assert (
-        somebody(board, "guest").post("/topics", json={"board_id": "talk", "title": "x", "body": "y"}).status_code
-        == 403
-    )
+    new = {"board_id": "talk", "title": "x", "body": "y"}
+    assert client_with_role(board, "guest").post("/topics", json=new).status_code == 403
 
 
-def test_public_reading_shows_guests_what_is_open_to_guests(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_public_reading_shows_only_boards_open_to_guests(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board(public_read=True)
     new_board(board, "inside", read_role="member")
     topic, _ = topic_on(board, "inside")
@@ -106,7 +104,9 @@ def test_public_reading_shows_guests_what_is_open_to_guests(fresh_board: Callabl
     assert board.client("member").get(f"/topics/{topic}").status_code == 200
 
 
-def test_an_open_stream_ends_with_the_right_to_read(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_open_stream_ends_when_the_right_to_read_is_revoked(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("agentrob.board.events.streams.RECHECK_S", 0.05)
     board.add("leaver", role=Role.OPERATOR)
     where = new_board(board, "lab", read_role="operator", post_role="operator")
@@ -120,11 +120,11 @@ def test_an_open_stream_ends_with_the_right_to_read(board: RunningBoard, monkeyp
     assert not any("for operators" in line for line in rest)
 
 
-# -------------------------------------------------------------------- what is kept of reads is true
-def test_a_read_is_never_older_than_an_edit_a_hiding_or_a_lost_right(board: RunningBoard) -> None:
+# -------------------------------------------------------------------- cached reads
+def test_reads_reflect_edits_hidden_posts_and_revoked_rights_at_once(board: RunningBoard) -> None:
     topic, post = topic_on(board, "talk", "first")
     account = board.add("passing", role=Role.MEMBER)
-    reader, author, boss = board.client("passing"), board.client("author"), chief(board)
+    reader, author, boss = board.client("passing"), board.client("author"), admin_api(board)
 
     def seen() -> str:
         answer = reader.get(f"/topics/{topic}/posts")
@@ -141,7 +141,7 @@ def test_a_read_is_never_older_than_an_edit_a_hiding_or_a_lost_right(board: Runn
     assert seen() == "404"
     boss.patch("/admin/boards/talk", json={"read_role": "guest", "post_role": "member"}).raise_for_status()
     assert seen() == "text 19"
-    local_admin.change_account(board.settings, account, suspended=True)  # by another process
+    local_admin.change_account(board.settings, account, suspended=True)  # as another process would
     assert seen() == "403"
     local_admin.change_account(board.settings, account, suspended=False)
     assert seen() == "text 19"
@@ -150,8 +150,8 @@ def test_a_read_is_never_older_than_an_edit_a_hiding_or_a_lost_right(board: Runn
 
 
 # -------------------------------------------------------------------- robots
-def test_a_robot_s_rights_are_told_to_its_agent(board: RunningBoard) -> None:
-    boss = chief(board)
+def test_an_agent_can_read_its_robots_rights(board: RunningBoard) -> None:
+    boss = admin_api(board)
     board.add("keeper", role=Role.OPERATOR)
     told = {"owner": "keeper", "command": {"risky": "owner"}, "approval": ["move"], "release": "nobody"}
     assert boss.patch("/admin/robots/quadruped", json=told).status_code == 200
@@ -165,8 +165,8 @@ def test_a_robot_s_rights_are_told_to_its_agent(board: RunningBoard) -> None:
     assert boss.patch("/admin/robots/quadruped", json={"owner": "quadruped"}).status_code == 409
 
 
-def test_law_2_no_way_of_setting_rights_lets_less_than_an_operator_command(board: RunningBoard) -> None:
-    boss = chief(board)
+def test_law_2_no_setting_lets_a_role_below_operator_command(board: RunningBoard) -> None:
+    boss = admin_api(board)
     for word in ("guest", "member", "everybody", ""):
         assert boss.patch("/admin/robots/quadruped", json={"command": {"move": word}}).status_code == 422
         assert boss.patch("/admin/boards/talk", json={"command_role": word}).status_code == 422
@@ -176,8 +176,8 @@ def test_law_2_no_way_of_setting_rights_lets_less_than_an_operator_command(board
                 management.change_robot(connection, "shell", "quadruped", **change)
 
 
-def test_pictures_of_a_robot_s_camera_are_for_those_it_is_set_to(board: RunningBoard) -> None:
-    boss, robot = chief(board), board.client("quadruped")
+def test_camera_pictures_are_visible_to_the_configured_role_only(board: RunningBoard) -> None:
+    boss, robot = admin_api(board), board.client("quadruped")
     picture = jpeg()
     robot.put("/robots/quadruped/frame", content=picture, headers={"Content-Type": "image/jpeg"}).raise_for_status()
     image = robot.post("/images", files={"file": ("x.jpg", picture, "image/jpeg")}).json()
@@ -198,12 +198,12 @@ def test_pictures_of_a_robot_s_camera_are_for_those_it_is_set_to(board: RunningB
     )
 
 
-def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: RunningBoard) -> None:
+def test_camera_pictures_expire(board: RunningBoard) -> None:
     robot, folder = board.client("quadruped"), board.settings.images_dir
     image = robot.post("/images", files={"file": ("x.jpg", jpeg(7), "image/jpeg")}).json()["id"]
     topic, _ = topic_on(board, "talk")
     post = robot.post(f"/topics/{topic}/posts", json={"body": "look", "images": [image]}).json()["post"]["id"]
-    chief(board).patch("/admin/robots/quadruped", json={"camera_days": 2}).raise_for_status()
+    admin_api(board).patch("/admin/robots/quadruped", json={"camera_days": 2}).raise_for_status()
     digest = board.services.store.reader.image(image)[1]
     path = folder / digest[:2] / digest
 
@@ -225,11 +225,11 @@ def test_camera_pictures_are_gone_when_they_are_older_than_they_are_kept(board: 
         edited = robot.patch(f"/posts/{post}", json={"body": f"look {n}", "images": [more]})
         assert (edited.status_code, edited.json().get("images", [{}])[-1].get("id")) == (200, more), edited.text
     assert len(edited.json()["images"]) == 2
-    chief(board).patch("/admin/robots/quadruped", json={"camera_days": 0}).raise_for_status()
+    admin_api(board).patch("/admin/robots/quadruped", json={"camera_days": 0}).raise_for_status()
 
 
-def test_the_reset_button_is_for_those_who_may_command_it(board: RunningBoard) -> None:
-    boss = chief(board)
+def test_the_reset_button_is_for_accounts_that_may_command_the_robot(board: RunningBoard) -> None:
+    boss = admin_api(board)
     until = (datetime.now(UTC) + timedelta(hours=1)).isoformat()
     for change, status in [
         ({"command": {"move": "admin"}}, 403),
@@ -242,7 +242,7 @@ def test_the_reset_button_is_for_those_who_may_command_it(board: RunningBoard) -
         assert answer.status_code == status
         if "closed" in change and status == 403:
             assert answer.json()["detail"] == "this robot is in maintenance for another 1 hour"
-        assert somebody(board, "guest").post("/robots/quadruped/stop").status_code == 200, "a stop is for all"
+        assert client_with_role(board, "guest").post("/robots/quadruped/stop").status_code == 200, "a stop is for all"
 
 
 # -------------------------------------------------------------------- maintenance hours
@@ -269,7 +269,7 @@ def test_maintenance_hours(words: str, at: str, until: str | None) -> None:
     assert hours_from_words(rights.hours_in_words(kept.closed)) == kept.closed
 
 
-def test_a_robot_that_is_closed_day_and_night_is_closed_for_long_and_the_answer_comes() -> None:
+def test_a_robot_in_permanent_maintenance_is_answered_in_bounded_time() -> None:
     always = RobotSettings(
         closed=(MaintenanceWindow(start="00:00", end="12:00"), MaintenanceWindow(start="12:00", end="00:00"))
     )
@@ -280,7 +280,7 @@ def test_a_robot_that_is_closed_day_and_night_is_closed_for_long_and_the_answer_
 
 
 @pytest.mark.parametrize("words", ["mon", "mon 9-12", "mon 09:00-25:00", "xyz 09:00-10:00", "mon 09:00-10:00 Mars/X"])
-def test_hours_that_are_none_say_what_would_be(words: str) -> None:
+def test_invalid_hours_are_refused_with_an_example(words: str) -> None:
     with pytest.raises(BoardError) as caught:
         hours_from_words(words)
     assert caught.value.hint

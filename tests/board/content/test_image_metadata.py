@@ -1,4 +1,4 @@
-"""An uploaded picture keeps its pixels only, without location, owner or comment, in all formats."""
+"""Uploads are stripped of all metadata (location, owner, comments) in every format; only the pixels stay."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _EXIF_GPS = 0x8825
 KINDS = ("JPEG", "PNG", "WEBP", "GIF")
 
 
-def coded(kind: str, **options: object) -> bytes:
+def two_colours(kind: str, **options: object) -> bytes:
     """Return a picture whose two halves differ in colour, so that its orientation is visible."""
     picture = Image.new("RGB", (64, 48), (200, 100, 50))
     picture.paste((20, 40, 220), (0, 0, 32, 48))
@@ -30,7 +30,7 @@ def coded(kind: str, **options: object) -> bytes:
     return out.getvalue()
 
 
-def moving(kind: str, **options: object) -> bytes:
+def animation(kind: str, **options: object) -> bytes:
     frames = [Image.new("RGB", (32, 24), (n * 60, 10, 200)) for n in range(4)]
     out = io.BytesIO()
     frames[0].save(out, format=kind, save_all=True, append_images=frames[1:], loop=0, **options)
@@ -49,26 +49,26 @@ def png_chunk(name: bytes, content: bytes) -> bytes:
 
 
 def png_with(name: bytes, content: bytes) -> bytes:
-    plain = coded("PNG")
+    plain = two_colours("PNG")
     return plain[:33] + png_chunk(name, content) + plain[33:]
 
 
 def raw_profile() -> bytes:
-    """Write EXIF into a PNG like ImageMagick and many other programs."""
+    """Return a PNG with EXIF in a text chunk, as ImageMagick and other programs write it."""
     content = b"Exif\0\0" + exif(6).tobytes().removeprefix(b"Exif\0\0")
     text = f"\nexif\n{len(content):8}\n{content.hex()}\n"
     info = PngImagePlugin.PngInfo()
     info.add_text("Raw profile type exif", text, zip=True)
-    return coded("PNG", pnginfo=info)
+    return two_colours("PNG", pnginfo=info)
 
 
 def jpeg_with(mark: int, content: bytes) -> bytes:
-    plain = coded("JPEG")
+    plain = two_colours("JPEG")
     return plain[:2] + bytes([0xFF, mark]) + struct.pack(">H", len(content) + 2) + content + plain[2:]
 
 
 def webp_with(name: bytes) -> bytes:
-    plain = coded("WEBP", lossless=True)
+    plain = two_colours("WEBP", lossless=True)
     body = plain[8:] + name + struct.pack("<I", len(PLACE)) + PLACE + b"\0" * (len(PLACE) % 2)
     return b"RIFF" + struct.pack("<I", len(body)) + body
 
@@ -78,38 +78,38 @@ def gif_with(label: int, data: bytes) -> bytes:
     return data[:-1] + block + b";"
 
 
-TOLD: dict[str, Callable[[], bytes]] = {
-    "JPEG exif": lambda: coded("JPEG", exif=exif()),
+WITH_METADATA: dict[str, Callable[[], bytes]] = {
+    "JPEG exif": lambda: two_colours("JPEG", exif=exif()),
     "JPEG xmp": lambda: jpeg_with(0xE1, b"http://ns.adobe.com/xap/1.0/\0" + PLACE),
-    "JPEG comment": lambda: coded("JPEG", comment=PLACE),
+    "JPEG comment": lambda: two_colours("JPEG", comment=PLACE),
     "JPEG photoshop": lambda: jpeg_with(0xED, b"Photoshop 3.0\0" + PLACE),
     "JPEG of a maker": lambda: jpeg_with(0xE5, PLACE),
     "JPEG thumbnail": lambda: jpeg_with(0xE0, b"JFXX\0\x13" + PLACE),
-    "JPEG behind its end": lambda: coded("JPEG") + PLACE,
+    "JPEG behind its end": lambda: two_colours("JPEG") + PLACE,
     "JPEG profile": lambda: jpeg_with(0xE2, b"ICC_PROFILE\0\x01\x01" + PLACE),
     "PNG raw profile": raw_profile,
     "PNG tEXt": lambda: png_with(b"tEXt", b"Comment\0" + PLACE),
     "PNG zTXt": lambda: png_with(b"zTXt", b"Comment\0\0" + zlib.compress(PLACE)),
     "PNG iTXt": lambda: png_with(b"iTXt", b"XML:com.adobe.xmp\0\0\0\0\0" + PLACE),
-    "PNG eXIf": lambda: coded("PNG", exif=exif()),
+    "PNG eXIf": lambda: two_colours("PNG", exif=exif()),
     "PNG of a program": lambda: png_with(b"prVt", PLACE),
-    "PNG behind its end": lambda: coded("PNG") + PLACE,
-    "WEBP exif": lambda: coded("WEBP", exif=exif()),
-    "WEBP xmp": lambda: coded("WEBP", xmp=PLACE),
+    "PNG behind its end": lambda: two_colours("PNG") + PLACE,
+    "WEBP exif": lambda: two_colours("WEBP", exif=exif()),
+    "WEBP xmp": lambda: two_colours("WEBP", xmp=PLACE),
     "WEBP of a program": lambda: webp_with(b"prVt"),
-    "WEBP behind its end": lambda: coded("WEBP") + PLACE,
-    "GIF comment": lambda: gif_with(0xFE, coded("GIF")),
-    "GIF of a program": lambda: gif_with(0xFF, coded("GIF")),
-    "GIF behind its end": lambda: coded("GIF") + PLACE,
-    "GIF moving, comment": lambda: gif_with(0xFE, moving("GIF")),
-    "GIF moving, behind its end": lambda: moving("GIF") + PLACE,
-    "WEBP moving, behind its end": lambda: moving("WEBP") + PLACE,
+    "WEBP behind its end": lambda: two_colours("WEBP") + PLACE,
+    "GIF comment": lambda: gif_with(0xFE, two_colours("GIF")),
+    "GIF of a program": lambda: gif_with(0xFF, two_colours("GIF")),
+    "GIF behind its end": lambda: two_colours("GIF") + PLACE,
+    "GIF moving, comment": lambda: gif_with(0xFE, animation("GIF")),
+    "GIF moving, behind its end": lambda: animation("GIF") + PLACE,
+    "WEBP moving, behind its end": lambda: animation("WEBP") + PLACE,
 }
 
 
-@pytest.mark.parametrize("form", TOLD)
-def test_nothing_but_pixels_is_kept(form: str) -> None:
-    data = TOLD[form]()
+@pytest.mark.parametrize("form", WITH_METADATA)
+def test_all_metadata_is_removed(form: str) -> None:
+    data = WITH_METADATA[form]()
     kind = form.partition(" ")[0]
     assert image_metadata.only(data, kind) != data, "else this tests nothing"
     kept, clean = images.check(data)
@@ -122,23 +122,23 @@ def test_nothing_but_pixels_is_kept(form: str) -> None:
         assert getattr(shown, "n_frames", 1) == (4 if "moving" in form else 1)
 
 
-def test_a_png_is_turned_upright_by_what_is_then_taken_out() -> None:
+def test_the_exif_orientation_of_a_png_is_applied_and_removed() -> None:
     kept, clean = images.check(raw_profile())
     assert (kept.width, kept.height) == (48, 64)
     with Image.open(io.BytesIO(clean)) as shown:
         assert shown.convert("RGB").getpixel((24, 5)) == (20, 40, 220), "what was left is above"
 
 
-def test_colours_of_a_profile_are_kept_as_they_look() -> None:
+def test_colours_of_an_icc_profile_are_converted() -> None:
     profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    _, clean = images.check(coded("PNG", icc_profile=profile))
+    _, clean = images.check(two_colours("PNG", icc_profile=profile))
     with Image.open(io.BytesIO(clean)) as shown:
         assert "icc_profile" not in shown.info
         near = [abs(a - b) for a, b in zip(shown.convert("RGB").getpixel((50, 20)), (200, 100, 50), strict=True)]
         assert max(near) <= 2
 
 
-def test_what_is_transparent_stays_so() -> None:
+def test_transparency_is_kept() -> None:
     picture = Image.new("P", (8, 8), 0)
     picture.putpalette([255, 0, 0, 0, 255, 0])
     out, info = io.BytesIO(), PngImagePlugin.PngInfo()
@@ -150,15 +150,15 @@ def test_what_is_transparent_stays_so() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_picture_without_anything_else_is_kept_as_it_came(kind: str) -> None:
+def test_a_picture_without_metadata_is_unchanged(kind: str) -> None:
     options = {"progressive": True} if kind == "JPEG" else {}
-    data = coded(kind, **options)
+    data = two_colours(kind, **options)
     assert images.check(data)[1] == data
 
 
 @given(st.sampled_from(KINDS), st.integers(0, 2000), st.binary(min_size=1, max_size=8))
-def test_a_broken_file_is_no_endless_walk(kind: str, at: int, foul: bytes) -> None:
-    data = coded(kind)
+def test_a_broken_file_does_not_cause_an_endless_loop(kind: str, at: int, foul: bytes) -> None:
+    data = two_colours(kind)
     at %= len(data)
     broken = data[:at] + foul + data[at + len(foul) :]
     with suppress(ValueError, IndexError, struct.error):

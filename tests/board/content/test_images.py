@@ -1,4 +1,4 @@
-"""The files of pictures: one that a post shows is never deleted, and a missing one is reported."""
+"""Files of pictures: a file that a post shows is never deleted, and a missing file is reported."""
 
 from __future__ import annotations
 
@@ -36,53 +36,53 @@ def file_of(board: RunningBoard, image: str) -> Path:
     return images.path_of(board.settings.images_dir, board.services.store.reader.image(image)[1])
 
 
-def take_away(board: RunningBoard, digest: str) -> int:
-    """Run as `agentrob board expire` does, in a separate process."""
+def expire_file(board: RunningBoard, digest: str) -> int:
+    """Delete a picture's file as `agentrob board expire` does, without the server."""
     with local_admin.writing(board.settings) as connection:
         return moderation.take_away(Transaction(connection), board.settings.images_dir, [digest])
 
 
 @pytest.mark.parametrize("there_before", [False, True])
-def test_a_picture_whose_like_is_taken_away_meanwhile_is_kept(
+def test_a_picture_is_kept_although_an_identical_one_expires_meanwhile(
     board: RunningBoard, there_before: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The same picture of another account expires just after this one was written and before the database knows."""
+    """Another account's copy expires after this upload has written the file and before it has written the database."""
     data, keep, taken = picture(10 + there_before), images.keep, list[int]()
     if there_before:
         keep(board.settings.images_dir, data)
 
-    def and_then_it_expires(folder: Path, content: bytes) -> Path:
+    def keep_then_expire(folder: Path, content: bytes) -> Path:
         kept = keep(folder, content)
         if not taken:
-            taken.append(take_away(board, kept.name))
+            taken.append(expire_file(board, kept.name))
         return kept
 
-    monkeypatch.setattr(images, "keep", and_then_it_expires)
+    monkeypatch.setattr(images, "keep", keep_then_expire)
     image = posted(board, "op", data)
     assert taken == [1], "it was taken away once"
     shown = board.browser("member").get(f"/images/{image}")
     assert (shown.status_code, shown.content) == (200, data)
-    assert take_away(board, file_of(board, image).name) == 0, "a post shows it"
+    assert expire_file(board, file_of(board, image).name) == 0, "a post shows it"
 
 
-def test_a_picture_that_is_always_taken_away_is_refused_and_no_post_shows_it(
+def test_an_upload_whose_file_keeps_disappearing_is_refused(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     keep = images.keep
 
-    def and_then_it_expires(folder: Path, content: bytes) -> Path:
+    def keep_then_expire(folder: Path, content: bytes) -> Path:
         kept = keep(folder, content)
-        take_away(board, kept.name)
+        expire_file(board, kept.name)
         return kept
 
-    monkeypatch.setattr(images, "keep", and_then_it_expires)
+    monkeypatch.setattr(images, "keep", keep_then_expire)
     files = {"file": ("x", picture(20), "image/jpeg")}
     answer = board.client("op").post("/images", files=files)
     assert (answer.status_code, answer.json()["code"]) == (503, "storage")
 
 
 @pytest.mark.parametrize("moves", [False, True])
-def test_a_picture_whose_file_is_missing_is_said_to_be_so(board: RunningBoard, moves: bool) -> None:
+def test_a_missing_picture_file_is_reported(board: RunningBoard, moves: bool) -> None:
     data = picture(30, "GIF", 3) if moves else picture(30)
     image, browser = posted(board, "op", data), board.browser("member")
     file_of(board, image).unlink()

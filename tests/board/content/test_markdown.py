@@ -1,4 +1,4 @@
-"""How a post's Markdown is rendered, and that the result is never dangerous."""
+"""Rendering of a post's Markdown, and that the result is always safe HTML."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def html(raw: str) -> str:
 
 
 class Audit(HTMLParser):
-    """Parses HTML again and collects whatever should not be there; independent of the sanitiser."""
+    """Parses the HTML again, independently of the sanitiser, and collects everything that should not be in it."""
 
     TAGS = frozenset(
         {
@@ -72,35 +72,35 @@ def test_common_markdown_is_shown() -> None:
     assert html("```py\n<x>\n```") == "<pre><code>&lt;x&gt;\n</code></pre>"
 
 
-def test_headings_begin_below_those_of_the_page() -> None:
+def test_headings_are_below_those_of_the_page() -> None:
     assert html("# One") == "<h3>One</h3>"
     assert html("###### Six") == "<h6>Six</h6>"
 
 
-def test_links_are_marked_as_peoples_own() -> None:
+def test_links_are_marked_as_user_content() -> None:
     assert html("[a](https://example.org)") == '<p><a href="https://example.org" rel="nofollow noopener ugc">a</a></p>'
 
 
 @pytest.mark.parametrize("target", ["javascript:alert(1)", "JaVaScRiPt:x", "data:text/html,x", "vbscript:x", "foo:bar"])
-def test_a_link_elsewhere_than_web_and_mail_stays_text(target: str) -> None:
+def test_links_other_than_http_and_mail_stay_text(target: str) -> None:
     assert "<a" not in html(f"[a]({target})")
     assert "<a" not in html(f"<{target}>")
 
 
-def test_bare_addresses_become_links_without_the_full_stop() -> None:
+def test_bare_urls_become_links_without_the_full_stop() -> None:
     assert 'href="https://example.org/a_(b)"' in html("(see https://example.org/a_(b)).")
     assert 'href="https://example.org/x"' in html("看https://example.org/x，好")
     assert "<a" not in html("`https://example.org`")
 
 
-def test_our_own_pictures_are_shown_and_others_are_links() -> None:
+def test_pictures_of_the_forum_are_shown_and_others_are_links() -> None:
     assert html("![a](/images/ab12.jpg)") == '<p><img src="/images/ab12.jpg" alt="a" loading="lazy"></p>'
     assert html("![a](https://example.org/x.png)").startswith('<p><a href="https://example.org/x.png"')
     assert "<img" not in html("![a](/images/../robots/x) ![b](//images/x.png) ![c](images/x.png)")
     assert html("[![a](http://b/c.png)](http://d)").count("<a") == 1
 
 
-def test_names_of_accounts_are_links() -> None:
+def test_mentions_are_links() -> None:
     link = '<a href="/u/quadruped" class="mention" rel="nofollow noopener ugc">{}</a>'
     assert html("@quadruped walk") == f"<p>{link.format('@quadruped')} walk</p>"
     assert html("请@Quadruped前进1米") == f"<p>请{link.format('@Quadruped')}前进1米</p>"
@@ -116,7 +116,7 @@ def test_names_of_accounts_are_links() -> None:
         *("    @quadruped", "[@quadruped](http://x)", "@quadrupeds", "|a|\n|-|\n|@quadruped|"),
     ],
 )
-def test_what_is_not_said_to_an_account_is_no_mention(text: str) -> None:
+def test_names_in_code_links_and_addresses_are_not_mentions(text: str) -> None:
     assert "mention" not in html(text)
 
 
@@ -133,20 +133,20 @@ markup = st.lists(
 
 @settings(max_examples=400)
 @given(markup)
-def test_any_text_gives_safe_html(raw: str) -> None:
+def test_any_text_renders_to_safe_html(raw: str) -> None:
     assert Audit(render(raw, lambda _: True)).bad == []
 
 
 @settings(max_examples=200)
 @given(st.text(alphabet=st.characters(exclude_categories=[]), max_size=200))
-def test_any_unicode_even_half_surrogates_is_taken(raw: str) -> None:
+def test_any_unicode_is_accepted_even_lone_surrogates(raw: str) -> None:
     assert Audit(render(raw, known)).bad == []
 
 
 @settings(max_examples=200)
 @given(markup)
-def test_cleaning_again_changes_nothing(raw: str) -> None:
-    """A browser reads the result as it was meant: parsing it again gives the same."""
+def test_sanitising_twice_changes_nothing(raw: str) -> None:
+    """Parsing and sanitising the result again gives the same HTML, so a browser reads it as intended."""
     once = render(raw, known)
     assert render_wall(once) == once
 
@@ -157,7 +157,7 @@ def render_wall(text: str) -> str:
     return _CLEANER.clean(text)
 
 
-def test_an_address_with_an_endless_tail_does_not_hold_up_the_writer() -> None:
+def test_a_very_long_url_renders_quickly() -> None:
     started = time.thread_time()
     assert render("http://a" + ")" * 64_000, known).count("<a ") == 1
     assert time.thread_time() - started < 0.5
@@ -166,7 +166,7 @@ def test_an_address_with_an_endless_tail_does_not_hold_up_the_writer() -> None:
 @pytest.mark.parametrize(
     "nasty", ["[", "![", "*a ", "`a", "~~a", "> ", "@a-", "&", "<", "a_*", "http://", "[a](<", "|a"]
 )
-def test_long_nonsense_does_not_take_long(nasty: str) -> None:
+def test_pathological_texts_render_quickly(nasty: str) -> None:
     started = time.thread_time()
     assert Audit(render(nasty * (20_000 // len(nasty)), lambda _: True)).bad == []
     assert time.thread_time() - started < 5

@@ -1,4 +1,4 @@
-"""A robot reads as mentions and text exactly what the board shows as such (law 3)."""
+"""A robot reads exactly the mentions and the text that the board renders (law 3)."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def linked(html: str) -> set[str]:
 @example("@quad-**ruped**")
 @example("＠ｑｕ\u200dａｄ")
 @example("é＠ｑｕａｄ\u200d＠ｑｕａｄ")
-def test_law_3_a_robot_reads_those_mentions_that_the_board_links(raw: str) -> None:
+def test_law_3_a_robot_reads_exactly_the_mentions_that_the_board_links(raw: str) -> None:
     read = {name for name in mentions(visible_text(raw)) if name in ACCOUNTS}
     shown = linked(render(raw, ACCOUNTS.__contains__))
     assert read <= shown, raw
@@ -93,7 +93,7 @@ def test_law_3_a_robot_reads_those_mentions_that_the_board_links(raw: str) -> No
 @settings(max_examples=300)
 @given(st.lists(st.sampled_from(["walk", "93", "39", " ", "m", "\u202e", "\u202c", "\u2066", "\u2069", "\u200f",
        "&#x202e;", "&#8237;", "\u061c", "前进", "é", "**", "*", "."]), max_size=12).map("".join))  # fmt: skip
-def test_law_3_text_is_read_as_it_is_shown(words: str) -> None:
+def test_law_3_text_is_read_as_rendered(words: str) -> None:
     raw = f"say {words}"
     page = unescape(re.sub(r"<[^>]*>", "", render(raw, lambda _: False)))
     assert not set(page) & set("\u202e\u202d\u202c\u2066\u2069\u200f\u061c\u200b")
@@ -122,7 +122,7 @@ def test_law_3_text_is_read_as_it_is_shown(words: str) -> None:
         ("@quadruped-é walk 1 m", "quadruped"),
     ],
 )
-def test_law_3_what_is_not_linked_as_a_mention_is_none(raw: str, name: str) -> None:
+def test_law_3_a_name_that_is_not_linked_is_not_a_mention(raw: str, name: str) -> None:
     assert name not in linked(render(raw, ACCOUNTS.__contains__))
     assert name not in mentions(visible_text(raw))
 
@@ -138,20 +138,20 @@ def test_law_3_what_is_not_linked_as_a_mention_is_none(raw: str, name: str) -> N
         "**@quadruped** go",
     ],
 )
-def test_law_3_what_reads_as_a_mention_is_linked_as_one(raw: str) -> None:
+def test_law_3_every_mention_that_a_robot_reads_is_linked(raw: str) -> None:
     assert linked(render(raw, ACCOUNTS.__contains__)) == {"quadruped"}
     assert mentions(visible_text(raw)) == ("quadruped",)
 
 
-def test_law_3_words_of_a_link_are_no_command_and_leave_a_mark() -> None:
+def test_law_3_link_text_is_not_a_command_and_leaves_a_placeholder() -> None:
     assert visible_text("@quadruped [walk 5 m](https://example.org)") == f"@quadruped {OMITTED}"
     assert "5" not in visible_text("@quadruped walk [5](/x) m")
 
 
-def test_turned_around_digits_are_shown_in_the_order_in_which_they_are_read() -> None:
+def test_digits_after_a_direction_override_are_shown_in_reading_order() -> None:
     raw = "@quadruped turn \u202e93\u202c degrees"
     assert "turn 93 degrees" in render(raw, lambda _: False)
-    # Other forums show 39: there, as here, the mark at the end makes a robot ask back.
+    # Other forums show 39; on all of them the mark at the end makes a robot ask back.
     assert visible_text(raw) == f"@quadruped turn 93 degrees {OMITTED}"
 
     def intent(text: str) -> Intent:

@@ -1,4 +1,4 @@
-"""Tags of topics by API and pages, and what is new for each account: rights, limits, both ways of the database."""
+"""Tags of topics, and unread posts of each account, over the API and the pages: rights, limits and migrations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from agentrob.board.db.database import migrate, open_engine
 from agentrob.board.web import posts as pages_posts
 from agentrob.board.web import topics
 from agentrob.errors import BoardError
-from tests.board.auth.test_rights import chief, new_board, somebody, topic_on
+from tests.board.auth.test_rights import admin_api, client_with_role, new_board, topic_on
 from tests.board.events.test_streams import wait_for
 from tests.board.running_board import RunningBoard, running_board
 
@@ -31,26 +31,26 @@ ATOM = "{http://www.w3.org/2005/Atom}"
 
 
 @cache
-def program(board: RunningBoard, name: str) -> httpx2.Client:
-    """Making one takes longer than most of what it is asked."""
+def api_client(board: RunningBoard, name: str) -> httpx2.Client:
+    """Return a cached API client, because creating one takes longer than most requests."""
     return board.client(name)
 
 
 def topic(board: RunningBoard, by: str = "op", where: str = "talk", **fields: Any) -> dict[str, Any]:
     new = {"board_id": where, "title": "A topic", "body": "words"} | fields
-    answer = program(board, by).post("/topics", json=new)
+    answer = api_client(board, by).post("/topics", json=new)
     assert answer.status_code == 201, answer.text
     made: dict[str, Any] = answer.json()["topic"]
     return made
 
 
 def reply(board: RunningBoard, made: dict[str, Any], by: str = "op", body: str = "more") -> str:
-    answer = program(board, by).post(f"/topics/{made['id']}/posts", json={"body": body})
+    answer = api_client(board, by).post(f"/topics/{made['id']}/posts", json={"body": body})
     return str(answer.json()["post"]["id"])
 
 
-def named(page: str) -> list[str]:
-    """The ids of the topics that a page lists."""
+def listed_topics(page: str) -> list[str]:
+    """Return the ids of the topics that a page lists."""
     return re.findall(r'class="row-title" href="/t/(\d+)"', page)
 
 
@@ -63,12 +63,12 @@ def named(page: str) -> list[str]:
         (["<script>", "\u202eevil", "'; DROP", "--", ""], ("script", "evil", "drop")),
     ],
 )
-def test_words_become_plain_tags(words: list[str], made: tuple[str, ...]) -> None:
+def test_tags_are_normalised(words: list[str], made: tuple[str, ...]) -> None:
     assert tags.checked(words) == made
 
 
 @given(st.text(max_size=60))
-def test_a_tag_stays_what_it_is_and_has_nothing_but_letters_digits_and_hyphens(word: str) -> None:
+def test_normalising_a_tag_is_idempotent_and_leaves_letters_digits_and_hyphens(word: str) -> None:
     tag = tags.plain(word)
     assert tags.plain(tag) == tag
     assert len(tag) <= tags.LENGTH
@@ -84,7 +84,7 @@ def test_too_many_and_too_long_tags_are_refused(words: list[str], code: str) -> 
     assert (caught.value.status, caught.value.code) == (422, code)
 
 
-def test_a_topic_has_its_tags_everywhere(board: RunningBoard) -> None:
+def test_a_topic_shows_its_tags_on_every_page(board: RunningBoard) -> None:
     made = topic(board, tags=["Mapping", "red ball"], body="a wombat")
     other = topic(board, tags=["mapping"], body="a wombat too")
     assert made["tags"] == ["mapping", "red-ball"]
@@ -101,13 +101,13 @@ def test_a_topic_has_its_tags_everywhere(board: RunningBoard) -> None:
     browser = board.browser("op")
     for path in ("/", "/b/talk", f"/t/{made['id']}", "/tags"):
         assert 'href="/tags/red-ball"' in browser.get(path).text, path
-    assert named(browser.get("/tags/mapping").text) == [other["id"], made["id"]]
+    assert listed_topics(browser.get("/tags/mapping").text) == [other["id"], made["id"]]
     page = browser.get("/search", params={"q": "wombat", "tag": "red ball", "board": "talk"}).text
     assert (page.count('class="row-title"'), 'value="red-ball"' in page) == (1, True)
     assert browser.get("/search", params={"q": "wombat", "board": "robots"}).text.count('class="row-title"') == 0
 
 
-def test_a_tag_has_a_feed_and_entries_of_feeds_name_tags(board: RunningBoard) -> None:
+def test_a_tag_has_a_feed_and_feed_entries_list_tags(board: RunningBoard) -> None:
     made = topic(board, title="Fed", tags=["fed 喂"])
     newest = reply(board, made, "member", "the newest")
     topic(board, title="Not fed")
@@ -121,33 +121,33 @@ def test_a_tag_has_a_feed_and_entries_of_feeds_name_tags(board: RunningBoard) ->
     assert (terms["Fed"], terms["Not fed"]) == (["fed-喂"], [])
 
 
-def test_who_began_a_topic_and_moderators_choose_its_tags_and_nobody_else(board: RunningBoard) -> None:
+def test_only_the_author_and_moderators_may_tag_a_topic(board: RunningBoard) -> None:
     made = topic(board, "member", tags=["before"])
     path = f"/topics/{made['id']}/tags"
     assert board.client("member").put(path, json={"tags": ["mine"]}).json()["tags"] == ["mine"]
-    refused = somebody(board, "operator").put(path, json={"tags": ["theirs"]})
+    refused = client_with_role(board, "operator").put(path, json={"tags": ["theirs"]})
     assert refused.status_code == 403
-    changed = chief(board).put(path, json={"tags": ["Moderated", "moderated"]})
+    changed = admin_api(board).put(path, json={"tags": ["Moderated", "moderated"]})
     assert changed.json()["tags"] == ["moderated"]
-    log = chief(board).get("/admin/audit", params={"target": f"topic:{made['id']}"}).json()["items"]
+    log = admin_api(board).get("/admin/audit", params={"target": f"topic:{made['id']}"}).json()["items"]
     assert [(e["action"], e["detail"]["tags"]) for e in log] == [("topic.tags", ["moderated"])]
-    chief(board).post(f"/topics/{made['id']}/lock", json={"locked": True}).raise_for_status()
+    admin_api(board).post(f"/topics/{made['id']}/lock", json={"locked": True}).raise_for_status()
     assert board.client("member").put(path, json={"tags": []}).json()["code"] == "locked"
-    assert chief(board).put(path, json={"tags": []}).json()["tags"] == []
+    assert admin_api(board).put(path, json={"tags": []}).json()["tags"] == []
     assert board.client("member").put("/topics/999999/tags", json={"tags": []}).status_code == 404
     assert board.client("member").put(path, json={"tags": ["x"] * 6}).status_code == 422
 
 
-def test_tags_of_what_one_may_not_read_do_not_show(board: RunningBoard) -> None:
+def test_tags_of_unreadable_topics_are_not_listed(board: RunningBoard) -> None:
     where = new_board(board, "closed-tags", read_role="admin", post_role="admin")
     made = topic(board, "admin", where, tags=["hush"])
     member, browser = board.client("member"), board.browser("member")
     assert "hush" not in member.get("/tags").text
     assert "hush" not in browser.get("/tags").text
-    assert named(browser.get("/tags/hush").text) == []
+    assert listed_topics(browser.get("/tags/hush").text) == []
     assert "<entry>" not in browser.get("/tags/hush/feed.atom").text
     assert member.put(f"/topics/{made['id']}/tags", json={"tags": []}).status_code == 404
-    assert named(board.browser("admin").get("/tags/hush").text) == [made["id"]]
+    assert listed_topics(board.browser("admin").get("/tags/hush").text) == [made["id"]]
 
 
 def csrf(browser: httpx2.Client, path: str) -> str:
@@ -156,7 +156,7 @@ def csrf(browser: httpx2.Client, path: str) -> str:
     return found[1]
 
 
-def test_tags_by_form_are_kept_when_something_is_wrong_with_them(board: RunningBoard) -> None:
+def test_the_form_keeps_invalid_tags_for_correction(board: RunningBoard) -> None:
     browser = board.browser("member")
     form = {"csrf": csrf(browser, "/b/talk/new"), "title": "By form", "body": "x", "tags": "One, 二、three，One"}
     made = browser.post("/b/talk/new", data=form).headers["location"].removeprefix("/t/")
@@ -176,14 +176,14 @@ def test_tags_by_form_are_kept_when_something_is_wrong_with_them(board: RunningB
     assert browser.get("/tags/!!!").status_code == 404
 
 
-def test_what_a_person_s_topics_were_tagged_goes_with_them(board: RunningBoard) -> None:
+def test_erasing_an_account_deletes_the_tags_of_its_topics(board: RunningBoard) -> None:
     board.add("leaver")
     topic(board, "leaver", tags=["private-matter"])
     board.run(erase_content(board.services, "admin", "leaver"))
     assert "private-matter" not in board.client("op").get("/tags").text
 
 
-def test_what_a_person_has_read_is_forgotten_with_their_posts(board: RunningBoard) -> None:
+def test_erasing_an_account_deletes_its_read_positions(board: RunningBoard) -> None:
     board.add("forgetful")
     made = topic(board)
     board.client("forgetful").put(f"/topics/{made['id']}/read", json={}).raise_for_status()
@@ -195,16 +195,16 @@ def test_what_a_person_has_read_is_forgotten_with_their_posts(board: RunningBoar
         assert connection.execute(reads).scalar_one() == 0
 
 
-# -------------------------------------------------------------------- what is new
+# -------------------------------------------------------------------- unread posts
 def badges(page: str) -> dict[str, tuple[str, str]]:
-    """By topic: what its badge says, and where it leads."""
+    """Return for each topic the text of its badge and the post to which it links."""
     rows = re.findall(r'class="row-title" href="/t/(\d+)".*?</li>', page, re.DOTALL)
     parts = page.split('class="row-title" href="/t/')[1:]
     found = {n: re.search(r'class="count" href="/p/(\d+)">([^<]*)', part) for n, part in zip(rows, parts, strict=True)}
     return {n: (m[2], m[1]) for n, m in found.items() if m}
 
 
-def test_what_others_wrote_since_is_new_until_it_was_shown(board: RunningBoard) -> None:
+def test_posts_of_others_are_unread_until_shown(board: RunningBoard) -> None:
     old = topic(board)
     board.add("reader")
     browser = board.browser("reader")
@@ -215,19 +215,17 @@ def test_what_others_wrote_since_is_new_until_it_was_shown(board: RunningBoard) 
     reply(board, old, "reader", "their own is not new to them")
     seen = badges(browser.get("/b/talk").text)
     assert (seen[old["id"]], seen[made["id"]][0]) == (("2 new", first), "1 new")
-    assert named(browser.get("/unread").text) == [old["id"], made["id"]]
+    assert listed_topics(browser.get("/unread").text) == [old["id"], made["id"]]
     page = browser.get(f"/t/{old['id']}").text
     assert f'<strong>2 new</strong> for you: <a href="#post-{first}">' in page
     assert "for you" not in browser.get(f"/t/{old['id']}").text
-    assert named(browser.get("/unread").text) == [made["id"]]
+    assert listed_topics(browser.get("/unread").text) == [made["id"]]
     reply(board, old, "op")
     assert badges(browser.get("/").text)[old["id"]][0] == "1 new"
     assert badges(board.browser("op").get("/b/talk").text).keys() != badges(browser.get("/b/talk").text).keys()
 
 
-def test_a_long_topic_is_new_from_where_one_stopped_reading(
-    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_long_topic_is_unread_from_the_read_position_on(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(topics, "POSTS", 4)
     monkeypatch.setattr(pages_posts, "POSTS", 4)
     board.add("slow-reader")
@@ -243,7 +241,7 @@ def test_a_long_topic_is_new_from_where_one_stopped_reading(
     assert made["id"] not in badges(browser.get("/").text)
 
 
-def test_a_post_that_arrives_on_an_open_page_is_read_and_removed_ones_are_not_new(board: RunningBoard) -> None:
+def test_live_posts_count_as_read_and_removed_ones_are_never_unread(board: RunningBoard) -> None:
     board.add("watcher")
     made, browser = topic(board), board.browser("watcher")
     browser.get(f"/t/{made['id']}")
@@ -258,7 +256,7 @@ def test_a_post_that_arrives_on_an_open_page_is_read_and_removed_ones_are_not_ne
     assert made["id"] not in badges(browser.get("/").text)
 
 
-def test_everything_is_read_at_the_press_of_a_button_and_never_less_than_before(board: RunningBoard) -> None:
+def test_mark_all_as_read_never_moves_read_positions_back(board: RunningBoard) -> None:
     board.add("busy")
     made, browser = topic(board), board.browser("busy")
     page = browser.get("/unread").text
@@ -272,21 +270,21 @@ def test_everything_is_read_at_the_press_of_a_button_and_never_less_than_before(
     browser.post("/unread/all-read", data=form | {"up_to": "0"})
     assert len(badges(browser.get("/unread").text)) == 1
     browser.post("/unread/all-read", data=form | {"up_to": "9" * 18})
-    assert named(browser.get("/unread").text) == []
+    assert listed_topics(browser.get("/unread").text) == []
     reply(board, made)
     assert len(badges(browser.get("/unread").text)) == 1, "a number of the future hides nothing"
 
 
-def test_what_is_new_on_a_closed_board_is_told_to_nobody_who_may_not_read_it(board: RunningBoard) -> None:
+def test_unread_posts_on_an_unreadable_board_are_not_listed(board: RunningBoard) -> None:
     where = new_board(board, "closed-news", read_role="admin", post_role="admin")
     board.add("outsider")
     topic_on(board, where, "hushed")
     page = board.browser("outsider").get("/unread").text
-    assert named(page) == []
+    assert listed_topics(page) == []
     assert board.client().get("/../unread").status_code in (303, 401, 404)
 
 
-def marks(board: RunningBoard) -> int:
+def stored_positions(board: RunningBoard) -> int:
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:
         found = connection.execute(select(func.count()).select_from(db.topic_reads)).scalar_one()
@@ -295,13 +293,13 @@ def marks(board: RunningBoard) -> int:
 
 
 @pytest.fixture
-def never(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The clock writes no marks meanwhile."""
+def no_periodic_writes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Disable the periodic writing of read positions."""
     monkeypatch.setattr(unread, "WRITE_EVERY_S", 3600.0)
 
 
-def test_reading_writes_nothing_and_what_was_read_outlives_the_server(
-    never: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_reading_writes_nothing_at_once_and_positions_survive_a_restart(
+    no_periodic_writes: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with running_board(tmp_path) as board:
         board.add("silent")
@@ -316,17 +314,17 @@ def test_reading_writes_nothing_and_what_was_read_outlives_the_server(
         monkeypatch.setattr(known.store, "do", counted)
         for one in made[:3] * 3:
             assert browser.get(f"/t/{one['id']}").status_code == 200
-        assert (jobs, marks(board)) == ([], 0)
+        assert (jobs, stored_positions(board)) == ([], 0)
         board.run(known.marks.write(known.store))
         board.run(known.marks.write(known.store))
-        assert (len(jobs), marks(board)) == (1, 3)
+        assert (len(jobs), stored_positions(board)) == (1, 3)
         browser.get(f"/t/{made[3]['id']}")
     with running_board(tmp_path) as board:
-        assert named(board.browser("silent").get("/unread").text) == [], "the last one was written at the end"
+        assert listed_topics(board.browser("silent").get("/unread").text) == [], "the last one was written at the end"
 
 
-def test_marks_that_cannot_be_written_now_are_written_the_next_time(
-    never: None, fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch
+def test_read_positions_that_cannot_be_written_are_retried(
+    no_periodic_writes: None, fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     board = fresh_board()
     board.add("patient")
@@ -339,23 +337,23 @@ def test_marks_that_cannot_be_written_now_are_written_the_next_time(
     with monkeypatch.context() as patch:
         patch.setattr(known.store, "do", refused)
         board.run(known.marks.write(known.store))
-    assert marks(board) == 0
+    assert stored_positions(board) == 0
     board.run(known.marks.write(known.store))
-    assert marks(board) == 1
+    assert stored_positions(board) == 1
 
 
-def test_what_was_read_is_written_by_the_clock(
+def test_read_positions_are_written_periodically(
     fresh_board: Callable[..., RunningBoard], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(unread, "WRITE_EVERY_S", 0.02)
     board = fresh_board()
     board.add("early")
     board.browser("early").get(f"/t/{topic(board)['id']}")
-    wait_for(lambda: marks(board) == 1)
+    wait_for(lambda: stored_positions(board) == 1)
 
 
 # -------------------------------------------------------------------- the database
-def test_the_tables_come_and_go_and_what_was_there_before_counts_as_read(tmp_path: Path) -> None:
+def test_posts_from_before_the_migration_count_as_read(tmp_path: Path) -> None:
     with running_board(tmp_path) as board:
         made = topic(board, tags=["kept-not"])
     with local_admin.writing(board.settings) as connection:

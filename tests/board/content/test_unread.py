@@ -1,5 +1,4 @@
-"""Unread posts over the API: of all boards, of one board, of one topic; pages and API agree, and marks never go
-back."""
+"""Unread posts over the API, by board and by topic: pages and API agree, and read positions never go back."""
 
 from __future__ import annotations
 
@@ -11,36 +10,36 @@ import pytest
 from agentrob.board.admin import local_admin
 from agentrob.board.content import unread
 from agentrob.model import Role
-from tests.board.auth.test_rights import chief, new_board
-from tests.board.content.test_tags import program
+from tests.board.auth.test_rights import admin_api, new_board
+from tests.board.content.test_tags import api_client
 from tests.board.running_board import RunningBoard, running_board
 
 
 @pytest.fixture
 def newcomer(board: RunningBoard, request: pytest.FixtureRequest) -> httpx2.Client:
-    """Return an account for which nothing is new yet."""
+    """Return the client of an account without unread posts."""
     name = f"n-{abs(hash(request.node.name)) % 10**8}"
     board.add(name)
     return board.client(name)
 
 
 def topic_on(board: RunningBoard, where: str, by: str = "op") -> tuple[str, str]:
-    made = program(board, by).post("/topics", json={"board_id": where, "title": "t", "body": "words"}).json()
+    made = api_client(board, by).post("/topics", json={"board_id": where, "title": "t", "body": "words"}).json()
     return made["topic"]["id"], made["post"]["id"]
 
 
 def more(board: RunningBoard, topic: str, by: str = "op") -> str:
-    answer = program(board, by).post(f"/topics/{topic}/posts", json={"body": "more"})
+    answer = api_client(board, by).post(f"/topics/{topic}/posts", json={"body": "more"})
     return str(answer.json()["post"]["id"])
 
 
 def new(client: httpx2.Client, **asked: Any) -> dict[str, tuple[int, str]]:
-    """Return for each topic how many posts are new, and the first of them."""
+    """Return for each topic the number of unread posts and the first of them."""
     page = client.get("/unread", params=asked).raise_for_status().json()
     return {item["topic"]["id"]: (item["new"], item["first_post_id"]) for item in page["items"]}
 
 
-def test_what_others_wrote_is_unread_by_topic_and_by_board(board: RunningBoard, newcomer: httpx2.Client) -> None:
+def test_posts_of_others_are_unread_by_topic_and_by_board(board: RunningBoard, newcomer: httpx2.Client) -> None:
     assert new(newcomer) == {}
     (talk, first), (robots, asked) = topic_on(board, "talk"), topic_on(board, "robots")
     more(board, talk, "member")
@@ -54,7 +53,7 @@ def test_what_others_wrote_is_unread_by_topic_and_by_board(board: RunningBoard, 
     assert newcomer.get("/unread", params={"board_id": "nowhere"}).status_code == 404
 
 
-def test_a_topic_is_read_up_to_a_post_and_never_less(board: RunningBoard, newcomer: httpx2.Client) -> None:
+def test_a_topic_is_marked_read_up_to_a_post_and_never_back(board: RunningBoard, newcomer: httpx2.Client) -> None:
     topic, first = topic_on(board, "talk")
     second, third = more(board, topic), more(board, topic)
 
@@ -74,7 +73,9 @@ def test_a_topic_is_read_up_to_a_post_and_never_less(board: RunningBoard, newcom
     assert newcomer.put("/topics/999999/read", json={}).status_code == 404
 
 
-def test_a_board_or_everything_is_read_as_the_page_that_was_seen(board: RunningBoard, newcomer: httpx2.Client) -> None:
+def test_a_board_or_all_boards_are_marked_read_up_to_the_listed_posts(
+    board: RunningBoard, newcomer: httpx2.Client
+) -> None:
     (talk, _), (robots, asked) = topic_on(board, "talk"), topic_on(board, "robots")
     up_to = newcomer.get("/unread").json()["up_to"]
     later = more(board, talk)
@@ -90,7 +91,7 @@ def test_a_board_or_everything_is_read_as_the_page_that_was_seen(board: RunningB
     assert new(newcomer) == {}
 
 
-def test_what_is_read_by_api_is_read_on_pages_and_the_other_way_round(board: RunningBoard) -> None:
+def test_api_and_pages_share_read_positions(board: RunningBoard) -> None:
     board.add("both")
     client, browser = board.client("both"), board.browser("both")
     (one, _), (two, _) = topic_on(board, "talk"), topic_on(board, "talk")
@@ -101,11 +102,9 @@ def test_what_is_read_by_api_is_read_on_pages_and_the_other_way_round(board: Run
     assert 'class="count"' not in browser.get("/unread").text
 
 
-def test_what_was_read_by_api_is_kept_though_the_server_never_ends_well(
-    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_read_positions_set_by_api_survive_a_killed_server(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     async def killed(*_: object) -> None:
-        """ReadPositions of pages are not written."""
+        """Discard the read positions of pages, as when the server is killed."""
 
     monkeypatch.setattr(unread.ReadPositions, "write", killed)
     for n in range(2):
@@ -122,17 +121,17 @@ def test_what_was_read_by_api_is_kept_though_the_server_never_ends_well(
     assert second
 
 
-def test_what_may_not_be_read_is_neither_told_nor_marked(board: RunningBoard, newcomer: httpx2.Client) -> None:
+def test_unreadable_posts_are_neither_listed_nor_marked(board: RunningBoard, newcomer: httpx2.Client) -> None:
     where = new_board(board, "closed-unread", read_role="operator", post_role="operator")
     topic, _ = topic_on(board, where)
     assert new(newcomer) == {}
     assert newcomer.get("/unread", params={"board_id": where}).status_code == 404
     assert newcomer.put("/unread", json={"up_to": "0", "board_id": where}).status_code == 404
     assert newcomer.put(f"/topics/{topic}/read", json={}).status_code == 404
-    assert list(new(chief(board), board_id=where)) == [topic]
+    assert list(new(admin_api(board), board_id=where)) == [topic]
 
 
-def test_a_token_that_only_reads_says_what_was_read_and_a_browser_needs_its_csrf_token(board: RunningBoard) -> None:
+def test_a_read_only_token_may_mark_posts_read_and_a_browser_needs_its_csrf_token(board: RunningBoard) -> None:
     topic, _ = topic_on(board, "talk")
     account = board.add("reading")
     client = board.client()

@@ -1,4 +1,4 @@
-"""The board on PostgreSQL: the tests that SQLite passes, on a server that is started here; from one to the other."""
+"""The board on PostgreSQL: it passes the tests of the board on SQLite, and a forum moves between the two."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from agentrob.board.search import embeddings, search
 from agentrob.board.settings import BoardSettings
 from agentrob.config.board import BoardConfig
 from agentrob.errors import BoardError
-from tests.board.admin.test_backup import fill, told
+from tests.board.admin.test_backup import contents, fill
 from tests.board.board_processes import fresh_postgres
 from tests.board.running_board import POSTGRES, database_for, running_board
 
@@ -31,7 +31,7 @@ BOARD = (
     "api/test_posts", "test_access", "events/test_streams", "robots/test_robots", "auth/test_rights",
     "auth/test_limits", "admin/test_backup", "test_response_cache", "content/test_tags", "admin/test_retention",
 )  # fmt: skip
-SEARCH = ("search/test_semantic", "web/test_find")
+SEARCH = ("search/test_semantic", "web/test_search")
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def server() -> Iterator[str]:
 
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("names", [BOARD, SEARCH], ids=["board", "search"])
-def test_the_tests_of_the_board_pass_on_postgresql_too(server: str, names: tuple[str, ...]) -> None:
+def test_the_boards_tests_pass_on_postgresql(server: str, names: tuple[str, ...]) -> None:
     files = [f"tests/board/{name}.py" for name in names]
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not sqlite and not slow", *files]
     done = subprocess.run(
@@ -57,13 +57,13 @@ def settings(server: str, folder: Path) -> BoardSettings:
     return replace(made, database=database_for(server, folder))
 
 
-def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_path: Path) -> None:
+def test_migrations_on_postgresql_build_the_same_tables_and_can_be_undone(server: str, tmp_path: Path) -> None:
     there = settings(server, tmp_path)
     migrate(there)
     engine = open_engine(there, writes=False)
     with engine.connect() as connection:
         found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, embeddings.derived])
-        # The index of words is PostgreSQL's own kind of one, over an expression.
+        # The full-text index is an expression index, a feature of PostgreSQL.
         assert [d[1].name for d in found if d[0] != "remove_index"] == ["post_words"]
         assert {d[1].table.name for d in found if d[0] == "remove_index"} <= {"post_words"}
     engine.dispose()
@@ -74,7 +74,7 @@ def test_migrations_build_the_same_tables_there_and_lead_back(server: str, tmp_p
     assert local_admin.find_account(there, "somebody").name == "somebody"
 
 
-def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slow_search_is_aborted(server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     there = settings(server, tmp_path)
     local_admin.bootstrap(there)
     monkeypatch.setattr(search, "MOST_S", 0.05)
@@ -88,7 +88,7 @@ def test_a_search_that_takes_too_long_is_given_up(server: str, tmp_path: Path, m
     engine.dispose()
 
 
-def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tmp_path: Path) -> None:
+def test_writes_are_serialised_so_events_stay_in_order(server: str, tmp_path: Path) -> None:
     there = replace(settings(server, tmp_path), busy_timeout_s=0.2)
     local_admin.bootstrap(there)
     with local_admin.writing(there), pytest.raises(BoardError, match="busy"):
@@ -99,15 +99,15 @@ def test_who_writes_waits_for_who_writes_so_events_come_in_order(server: str, tm
         assert local_admin.create_account(there, "meanwhile").name == "meanwhile", "a backup keeps nobody waiting"
 
 
-def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server: str, tmp_path: Path) -> None:
+def test_a_forum_moves_between_sqlite_and_postgresql_without_loss(server: str, tmp_path: Path) -> None:
     with running_board(tmp_path / "here", database=f"sqlite:///{tmp_path}/here.sqlite3") as board:
         fill(board)
-        before = told(board)
+        before = contents(board)
         backup.backup(board.settings, tmp_path / "one")
     there = settings(server, tmp_path / "there")
     backup.restore(there, tmp_path / "one")
     with running_board(tmp_path / "there", database=there.database) as board:
-        assert told(board) == before
+        assert contents(board) == before
         assert (
             board.client("op").post("/topics", json={"board_id": "talk", "title": "t", "body": "new"}).status_code
             == 201
@@ -116,6 +116,6 @@ def test_a_forum_moves_from_sqlite_to_postgresql_and_back_with_all_it_has(server
     back = replace(BoardSettings.from_config(BoardConfig(), tmp_path / "back"))
     backup.restore(back, tmp_path / "two")
     with running_board(tmp_path / "back", database=back.database) as board:
-        after = told(board)
+        after = contents(board)
         assert after[1].pop()[1] == "post.created", "the one that was written there"
         assert after == before

@@ -1,4 +1,4 @@
-"""The database in trouble: locked, full, of another version, served twice; and how the writer handles a batch."""
+"""Database failures: locked, full, of another version, served twice; and how the writer handles a batch."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def settings(tmp_path: Path) -> BoardSettings:
     return replace(made, busy_timeout_s=0.05)
 
 
-def test_a_locked_database_is_503_and_nothing_is_lost(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_locked_database_is_503_and_loses_nothing(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board(busy_timeout_s=0.05)
     op = board.client("op")
     path = board.settings.database_path
@@ -57,7 +57,7 @@ def test_a_locked_database_is_503_and_nothing_is_lost(fresh_board: Callable[...,
     assert len(op.get("/boards/talk/topics").json()["items"]) == 1
 
 
-def test_a_stop_gets_through_though_the_database_is_locked(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_stop_gets_through_while_the_database_is_locked(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board(busy_timeout_s=0.6)
     op = board.client("op")
     topic = op.post("/topics", json=TOPIC).json()
@@ -95,7 +95,7 @@ def test_a_full_disk_is_503_and_the_server_goes_on(fresh_board: Callable[..., Ru
     assert len(op.get("/boards/talk/topics").json()["items"]) == 2
 
 
-def test_a_job_that_fails_undoes_only_itself(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_failed_job_rolls_back_only_itself(fresh_board: Callable[..., RunningBoard]) -> None:
     board = fresh_board()
     op = board.client("op")
     topic = op.post("/topics", json=TOPIC).json()["topic"]["id"]
@@ -122,7 +122,7 @@ def test_a_job_that_fails_undoes_only_itself(fresh_board: Callable[..., RunningB
     assert kinds == ["post.created"] * 6
 
 
-def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None:
+def test_writes_survive_a_restart(tmp_path: Path) -> None:
     with running_board(tmp_path) as first:
         made = first.client("op").post("/topics", json=TOPIC).json()
     settings = BoardSettings.from_config(BoardConfig(), tmp_path)
@@ -133,9 +133,7 @@ def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("more", [0, 1, 2, 5])
-def test_whoever_heard_what_a_backup_has_undone_is_told_so_however_much_came_after_it(
-    tmp_path: Path, more: int
-) -> None:
+def test_a_reader_ahead_of_a_restored_backup_is_told_even_after_newer_events(tmp_path: Path, more: int) -> None:
     def now(op: httpx2.Client) -> str:
         return str(op.get("/changes").json()["now"]["id"])
 
@@ -165,14 +163,14 @@ def test_migrations_build_exactly_the_tables_of_the_schema(settings: BoardSettin
     engine = open_engine(settings, writes=False)
     with engine.connect() as connection:
         found = compare_metadata(MigrationContext.configure(connection), [schema.metadata, embeddings.derived])
-    # The words of posts are a table of SQLite's own kind, which SQLAlchemy has no name for.
+    # The full-text index is a virtual table of SQLite, which SQLAlchemy cannot describe.
     tables = {d[1].name for d in found if isinstance(d, tuple) and d[0] == "remove_table"}
     assert len(tables) == len(found)
     assert all(name.startswith("post_words") for name in tables)
     engine.dispose()
 
 
-def test_bootstrap_again_and_from_many_threads_does_nothing_more(settings: BoardSettings) -> None:
+def test_bootstrap_is_idempotent_and_thread_safe(settings: BoardSettings) -> None:
     patient = replace(settings, busy_timeout_s=LIMIT_S)
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(lambda _: local_admin.bootstrap(patient), range(4)))
@@ -182,7 +180,7 @@ def test_bootstrap_again_and_from_many_threads_does_nothing_more(settings: Board
     engine.dispose()
 
 
-def test_accounts_are_made_and_changed_beside_a_running_server(board: RunningBoard) -> None:
+def test_accounts_can_be_changed_while_the_server_runs(board: RunningBoard) -> None:
     made = local_admin.create_account(
         board.settings, "Watcher", kind=AccountKind.MONITORING_AGENT, display_name="Watch dog"
     )
@@ -195,7 +193,7 @@ def test_accounts_are_made_and_changed_beside_a_running_server(board: RunningBoa
 
 
 @pytest.mark.parametrize("password", ["short", "x" * 201])
-def test_a_bad_password_makes_no_account(settings: BoardSettings, password: str) -> None:
+def test_an_invalid_password_creates_no_account(settings: BoardSettings, password: str) -> None:
     local_admin.bootstrap(settings)
     with pytest.raises(BoardError) as caught:
         local_admin.create_account(settings, "somebody", password=password)
@@ -204,14 +202,14 @@ def test_a_bad_password_makes_no_account(settings: BoardSettings, password: str)
         local_admin.find_account(settings, "somebody")
 
 
-def test_a_database_that_cannot_be_made_says_where(settings: BoardSettings, tmp_path: Path) -> None:
+def test_an_error_creating_the_database_names_its_path(settings: BoardSettings, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     bad = replace(settings, database=f"sqlite:///{tmp_path}/file/board.sqlite3")
     with pytest.raises(BoardError, match=r"file"):
         local_admin.bootstrap(bad)
 
 
-def test_a_file_that_is_no_database_is_one_clear_error(settings: BoardSettings, tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_database_is_one_clear_error(settings: BoardSettings, tmp_path: Path) -> None:
     (tmp_path / "x.sqlite3").write_text("this is not a database, but long enough to look at" * 100)
     with pytest.raises(BoardError, match="not a database"):
         local_admin.bootstrap(replace(settings, database=f"sqlite:///{tmp_path}/x.sqlite3"))
@@ -237,7 +235,7 @@ server.serve(settings, lambda s: print("ready", s.base_url, flush=True))
 
 
 @pytest.mark.parametrize("signal_name", ["SIGINT", "SIGTERM"])
-def test_a_second_server_of_the_same_data_is_refused_and_the_first_ends_cleanly(
+def test_a_second_server_on_the_same_data_is_refused_and_the_first_ends_cleanly(
     settings: BoardSettings, tmp_path: Path, signal_name: str
 ) -> None:
     command = [sys.executable, "-c", SERVE, str(tmp_path)]

@@ -1,5 +1,5 @@
-"""Several server processes on one PostgreSQL database serve one forum: each knows what another one accepted, whichever
-ends."""
+"""Several server processes serve one forum on one PostgreSQL database; each sees what the others accepted, also after
+one of them was killed."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def server() -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def forum(server: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Forum]:
-    """Two processes that were started at once on an empty database."""
+    """Serve a forum with two processes that start at the same time on an empty database."""
     with forum_of(server, tmp_path_factory.mktemp("forum")) as made:
         yield made
 
 
 # -------------------------------------------------------------------- starting
-def test_two_that_start_at_once_make_the_database_once(forum: Forum) -> None:
+def test_two_processes_that_start_together_create_the_database_once(forum: Forum) -> None:
     for process in forum.processes:
         boards = forum.as_("op", process).get("/boards").json()["items"]
         assert [b["id"] for b in boards] == ["robots", "talk"]
@@ -60,7 +60,7 @@ def test_two_that_start_at_once_make_the_database_once(forum: Forum) -> None:
     engine.dispose()
 
 
-def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> None:
+def test_a_served_forum_cannot_be_restored_or_migrated(forum: Forum) -> None:
     with (
         pytest.raises(BoardError, match="served by other processes") as caught,
         serving_lock.exclusive_access(forum.settings),
@@ -72,7 +72,7 @@ def test_nobody_restores_or_migrates_a_forum_that_is_served(forum: Forum) -> Non
     migrate(forum.settings)
 
 
-def test_one_whose_clock_differs_is_not_let_in(forum: Forum, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_with_a_wrong_clock_is_refused(forum: Forum, monkeypatch: pytest.MonkeyPatch) -> None:
     """Law 5: the age of a post is judged by the clock of the process that accepted it."""
     with serving_lock.serve_database(forum.settings):
         pass
@@ -82,8 +82,8 @@ def test_one_whose_clock_differs_is_not_let_in(forum: Forum, monkeypatch: pytest
         pass
 
 
-# -------------------------------------------------------------------- events and what is shown
-def test_events_of_both_come_on_one_stream_in_one_order(forum: Forum) -> None:
+# -------------------------------------------------------------------- events and reads
+def test_events_of_both_processes_come_in_one_order(forum: Forum) -> None:
     op = [forum.as_("op", process) for process in forum.processes]
     topic = post_topic(op[0])["topic"]["id"]
     start, count = now(op[0]), 30
@@ -101,8 +101,8 @@ def test_events_of_both_come_on_one_stream_in_one_order(forum: Forum) -> None:
     assert [e["post"]["id"] for e in changes["items"]] == written
 
 
-def test_a_key_used_on_both_at_once_is_one_post(forum: Forum) -> None:
-    """Law 6: also a claim, whose key two posts never share."""
+def test_a_key_used_on_both_processes_creates_one_post(forum: Forum) -> None:
+    """Law 6: an agent's claim uses such a key, so no post is claimed twice."""
     clients = [forum.as_("quadruped", process) for process in forum.processes]
     topic = post_topic(clients[0])["topic"]["id"]
 
@@ -119,28 +119,28 @@ def test_a_key_used_on_both_at_once_is_one_post(forum: Forum) -> None:
         assert len({post for _, post in same}) == 1
 
 
-def test_what_is_hidden_on_one_is_hidden_on_the_other_at_once(forum: Forum) -> None:
-    chief, reader = forum.as_("admin", forum.a), forum.as_("member", forum.b)
+def test_a_post_hidden_on_one_process_is_hidden_on_the_other_at_once(forum: Forum) -> None:
+    admin, reader = forum.as_("admin", forum.a), forum.as_("member", forum.b)
     made = post_topic(forum.as_("op", forum.a), "the words")
     topic, post = made["topic"]["id"], made["post"]["id"]
     shown = lambda: reader.get(f"/topics/{topic}/posts").json()["items"][0]  # noqa: E731
     with stream(forum.as_("member", forum.b)) as events:
         for _ in range(10):
             assert [shown()["raw"] for _ in range(3)] == ["the words"] * 3, "until it is hot"
-            chief.post(f"/posts/{post}/hide", json={"reason": "x"}).raise_for_status()
+            admin.post(f"/posts/{post}/hide", json={"reason": "x"}).raise_for_status()
             assert (shown()["removed"], shown()["raw"]) == (True, "")
-            chief.post(f"/posts/{post}/show", json={}).raise_for_status()
+            admin.post(f"/posts/{post}/show", json={}).raise_for_status()
         kinds = [e["event"] for e in until(events, 20)]
     assert kinds == ["post.removed", "post.edited"] * 10
 
 
-def test_a_right_that_is_lost_on_one_is_lost_on_the_other_at_once(forum: Forum) -> None:
-    chief = forum.as_("admin", forum.a)
+def test_a_right_revoked_on_one_process_is_revoked_on_the_other_at_once(forum: Forum) -> None:
+    admin = forum.as_("admin", forum.a)
     forum.add("leaver")
     leaver = forum.as_("leaver", forum.b)
     topic = post_topic(leaver)["topic"]["id"]
     get = lambda: leaver.get(f"/topics/{topic}/posts").status_code  # noqa: E731
-    change = lambda path, **new: chief.patch(f"/admin/{path}", json=new).raise_for_status()  # noqa: E731
+    change = lambda path, **new: admin.patch(f"/admin/{path}", json=new).raise_for_status()  # noqa: E731
     assert [get() for _ in range(3)] == [200] * 3
     change("boards/talk", read_role="moderator", post_role="moderator")
     assert get() == 404
@@ -153,7 +153,7 @@ def test_a_right_that_is_lost_on_one_is_lost_on_the_other_at_once(forum: Forum) 
 
 
 # -------------------------------------------------------------------- stops
-def test_law_14_a_stop_on_one_is_heard_on_the_other_in_a_quarter_of_a_second(forum: Forum) -> None:
+def test_law_14_a_stop_on_one_process_is_heard_on_the_other_in_a_quarter_of_a_second(forum: Forum) -> None:
     member = forum.as_("member", forum.a)
     took = []
     with stream(forum.as_("quadruped", forum.b), heartbeat=0.25) as events:
@@ -170,7 +170,7 @@ def kinds(client: httpx2.Client, after: str) -> list[str]:
     return [e["kind"] for e in client.get("/changes", params={"after": after}).json()["items"]]
 
 
-def test_law_15_a_stop_that_cannot_be_written_is_heard_on_the_other_too(forum: Forum) -> None:
+def test_law_15_a_stop_that_cannot_be_written_is_heard_on_the_other_process(forum: Forum) -> None:
     op = forum.as_("op", forum.a)
     newest = now(op)
     engine = create_engine(forum.settings.database, isolation_level="AUTOCOMMIT")
@@ -198,13 +198,13 @@ def test_law_15_a_stop_that_cannot_be_written_is_heard_on_the_other_too(forum: F
     engine.dispose()
 
 
-def test_law_16_a_process_that_cannot_hear_the_others_sends_no_beat(forum: Forum) -> None:
-    """An agent takes silence for the end of its stop channel; then the heartbeat resumes by itself."""
+def test_law_16_a_process_that_cannot_hear_the_others_sends_no_heartbeat(forum: Forum) -> None:
+    """An agent treats silence as the loss of its stop channel. The heartbeat resumes by itself."""
     patient = forum.as_("quadruped", forum.b)
     patient.timeout = httpx2.Timeout(LIMIT_S, read=2.0)
     with stream(patient, heartbeat=0.25) as events:
         assert [next(events)["event"] for _ in range(3)] == ["heartbeat"] * 3
-        with forum.database_gone():
+        with forum.database_blocked():
             gone_s = time.monotonic()
             last_s = gone_s
             try:
@@ -223,15 +223,15 @@ def test_law_16_a_process_that_cannot_hear_the_others_sends_no_beat(forum: Forum
         assert until(events, 1)[0]["event"] == "robot.stop"
 
 
-# -------------------------------------------------------------------- who comes in
-def test_who_signs_in_on_one_is_signed_in_on_the_other(forum: Forum) -> None:
+# -------------------------------------------------------------------- signing in
+def test_a_session_is_valid_on_both_processes(forum: Forum) -> None:
     local_admin.create_account(forum.settings, "ann", password="correct horse")
     with httpx2.Client(timeout=LIMIT_S) as browser:
         sign_in(browser, forum.a.url, "ann", "correct horse")
         assert [browser.get(p.url + "/api/v1/me").json()["name"] for p in forum.processes] == ["ann", "ann"]
 
 
-def test_what_was_read_on_one_is_soon_read_on_the_other(forum: Forum) -> None:
+def test_read_positions_reach_the_other_process(forum: Forum) -> None:
     topic = post_topic(forum.as_("op", forum.a))["topic"]["id"]
     here, there = (forum.as_("member", process) for process in forum.processes)
 
@@ -245,7 +245,7 @@ def test_what_was_read_on_one_is_soon_read_on_the_other(forum: Forum) -> None:
     wait_for(lambda: topic not in new(there))
 
 
-def test_guesses_are_counted_over_both(forum: Forum) -> None:
+def test_password_guesses_are_counted_across_processes(forum: Forum) -> None:
     local_admin.create_account(forum.settings, "eve", password="correct horse")
     with httpx2.Client(timeout=LIMIT_S) as browser:
         urls = [p.url for p in forum.processes]
@@ -265,7 +265,7 @@ def sign_in(browser: httpx2.Client, url: str, name: str, password: str) -> int:
 
 
 # -------------------------------------------------------------------- robots
-def test_a_robot_whose_agent_tells_one_is_seen_on_the_other(forum: Forum) -> None:
+def test_a_robots_presence_on_one_process_is_seen_on_the_other(forum: Forum) -> None:
     robot, viewer = forum.as_("quadruped", forum.a), forum.as_("member", forum.b)
     card = {"model": "go2", "state": "idle", "battery_percent": 81.5, "odd": "机器\u0000人"}
     robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
@@ -288,7 +288,7 @@ def test_a_robot_whose_agent_tells_one_is_seen_on_the_other(forum: Forum) -> Non
     assert forum.as_("member", forum.a).get("/robots/quadruped").json()["viewers"] == 0
 
 
-def test_no_picture_stays_in_the_database_when_it_is_not_live(forum: Forum) -> None:
+def test_camera_frames_are_deleted_from_the_database_when_no_longer_live(forum: Forum) -> None:
     forum.as_("quadruped", forum.a).put("/robots/quadruped/frame", content=picture()).raise_for_status()
     engine = create_engine(forum.settings.database, isolation_level="AUTOCOMMIT")
     kept = select(db.stage.c.frame).where(db.stage.c.frame.is_not(None))
@@ -299,7 +299,7 @@ def test_no_picture_stays_in_the_database_when_it_is_not_live(forum: Forum) -> N
     engine.dispose()
 
 
-def test_a_picture_of_a_post_on_one_is_shown_by_the_other(forum: Forum) -> None:
+def test_a_picture_posted_on_one_process_is_served_by_the_other(forum: Forum) -> None:
     op = forum.as_("op", forum.a)
     image = op.post("/images", files={"file": ("x.jpg", jpeg(7), "image/jpeg")}).json()["id"]
     op.post("/topics", json={"board_id": "talk", "title": "t", "body": "see", "images": [image]}).raise_for_status()
@@ -310,7 +310,7 @@ def test_a_picture_of_a_post_on_one_is_shown_by_the_other(forum: Forum) -> None:
 
 
 # -------------------------------------------------------------------- when one dies
-def test_when_one_is_killed_the_other_goes_on_and_takes_its_duties(server: str, tmp_path: Path) -> None:
+def test_when_one_process_is_killed_the_other_takes_over(server: str, tmp_path: Path) -> None:
     with receiver(200) as (url, got), forum_of(server, tmp_path, hooks={"agent": (url, "secret-of-both")}) as forum:
         wait_for(lambda: any("has_the_duties" in p.logged for p in forum.processes))
         assert sum("has_the_duties" in p.logged for p in forum.processes) == 1

@@ -57,7 +57,7 @@ def _parsed(lines: Iterator[str]) -> Iterator[dict]:
 
 
 def until(events: Iterator[dict], count: int) -> list[dict]:
-    """Return the next events other than heartbeats."""
+    """Return the next `count` events that are not heartbeats."""
     found = []
     while len(found) < count:
         event = next(events)
@@ -104,7 +104,7 @@ def test_a_stream_resumes_after_the_last_id_which_wins_over_after(board: Running
     assert event["data"]["post"]["raw"] == "post 2"
 
 
-def test_a_post_is_delivered_as_it_is_now(board: RunningBoard) -> None:
+def test_a_post_is_delivered_in_its_current_version(board: RunningBoard) -> None:
     op = board.client("op")
     start = now(op)
     post = post_topic(op, "secret")["post"]
@@ -114,12 +114,12 @@ def test_a_post_is_delivered_as_it_is_now(board: RunningBoard) -> None:
     assert [e["post"]["raw"] for e in items] == ["", ""]
 
 
-def test_an_id_that_never_was_is_an_error_and_not_silence(board: RunningBoard) -> None:
+def test_an_id_that_was_never_issued_is_an_error(board: RunningBoard) -> None:
     answer = board.client("op").get("/events", params={"after": "99999"})
     assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event")
 
 
-def test_an_id_of_another_history_is_an_error_though_its_number_is_there(board: RunningBoard) -> None:
+def test_an_id_of_another_history_is_an_error_even_if_its_number_exists(board: RunningBoard) -> None:
     op = board.client("op")
     post_topic(op)
     number, mark = now(op).split("-")
@@ -132,7 +132,7 @@ def test_an_id_of_another_history_is_an_error_though_its_number_is_there(board: 
             assert (answer.status_code, answer.json()["code"]) == (404, "no_such_event"), other
 
 
-def test_a_bare_number_is_the_id_that_a_board_of_before_gave_out(board: RunningBoard) -> None:
+def test_ids_issued_by_earlier_versions_are_accepted(board: RunningBoard) -> None:
     op = board.client("op")
     start = now(op)
     post_topic(op, "one")
@@ -153,11 +153,11 @@ def test_heartbeats_come_when_nothing_happens(board: RunningBoard) -> None:
 
 
 @pytest.mark.parametrize("heartbeat", ["0.2", "31", "nan", "x"])
-def test_heartbeats_have_bounds(board: RunningBoard, heartbeat: str) -> None:
+def test_the_heartbeat_interval_is_limited(board: RunningBoard, heartbeat: str) -> None:
     assert board.client("op").get("/events", params={"heartbeat": heartbeat}).status_code == 422
 
 
-def test_a_stream_of_one_topic_tells_of_that_topic_only(board: RunningBoard) -> None:
+def test_a_stream_of_one_topic_has_only_events_of_that_topic(board: RunningBoard) -> None:
     op = board.client("op")
     topic = post_topic(op)["topic"]["id"]
     start = now(op)
@@ -192,7 +192,7 @@ async def raw_stream(board: RunningBoard, who: str = "op", **params: str) -> Asy
         writer.close()
 
 
-async def test_two_hundred_listeners_hear_everything_in_order(board: RunningBoard) -> None:
+async def test_two_hundred_listeners_receive_all_events_in_order(board: RunningBoard) -> None:
     posts = 20
     async with AsyncExitStack() as stack:
         people = [board.add(f"reader{n}").name for n in range(5)] * 40
@@ -221,7 +221,7 @@ def wait_for(condition: Callable[[], bool]) -> None:
         pause.wait(0.01)
 
 
-def test_a_listener_that_goes_is_forgotten(board: RunningBoard) -> None:
+def test_a_disconnected_listener_is_removed(board: RunningBoard) -> None:
     hub = board.services.hub
     wait_for(lambda: hub.listeners == 0)
     with stream(board.client("op"), heartbeat=0.25) as events:
@@ -230,7 +230,7 @@ def test_a_listener_that_goes_is_forgotten(board: RunningBoard) -> None:
     wait_for(lambda: hub.listeners == 0)
 
 
-def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
+def test_a_slow_listener_is_disconnected_and_can_resume_without_a_gap(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agentrob.board.events.hub.MAX_PENDING", 10)
@@ -247,8 +247,8 @@ def test_a_listener_that_does_not_read_is_cut_off_and_misses_nothing(
         assert [e["data"]["post"]["raw"] for e in until(events, wanted + 1)][1:] == [str(n) for n in range(wanted)]
 
 
-def test_a_listener_whose_socket_is_full_is_let_go(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its sender waits for a socket that nobody reads: it is cancelled, and nothing of it stays in memory."""
+def test_a_listener_with_a_full_socket_is_disconnected(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The task that sends to a socket nobody reads is cancelled and leaves nothing in memory."""
     monkeypatch.setattr("agentrob.board.events.hub.MAX_PENDING", 10)
     hub = board.services.hub
     wait_for(lambda: hub.listeners == 0)
@@ -283,7 +283,7 @@ async def test_an_error_while_receiving_ends_the_stream(board: RunningBoard) -> 
     writer.close()
 
 
-def test_no_account_takes_the_streams_of_others(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_account_cannot_use_up_all_streams(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agentrob.board.events.hub.MAX_PER_ACCOUNT", 2)
     greedy = [board.services.hub.listen(None, "1") for _ in range(2)]
     with pytest.raises(BoardError, match="this account has too many event streams") as caught:
@@ -297,7 +297,7 @@ def test_no_account_takes_the_streams_of_others(board: RunningBoard, monkeypatch
         board.services.hub.leave(listener)
 
 
-def test_the_server_ends_soon_though_streams_are_open(tmp_path: Path) -> None:
+def test_the_server_shuts_down_soon_although_streams_are_open(tmp_path: Path) -> None:
     ended: list[float] = []
     with running_board(tmp_path) as board:
         streams = [board.client("op").stream("GET", "/events") for _ in range(5)]
@@ -314,7 +314,7 @@ def test_the_server_ends_soon_though_streams_are_open(tmp_path: Path) -> None:
     assert ended[0] < 1.5
 
 
-def test_a_lost_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_revoked_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agentrob.board.events.streams.RECHECK_S", 0.05)
     account = board.add("leaver")
     with stream(board.client("leaver"), heartbeat=0.25) as events:
@@ -323,7 +323,7 @@ def test_a_lost_right_ends_the_stream(board: RunningBoard, monkeypatch: pytest.M
         assert all(e["event"] == "heartbeat" for e in events)
 
 
-def test_robot_events_say_who_pressed(board: RunningBoard) -> None:
+def test_robot_events_name_the_account_that_pressed(board: RunningBoard) -> None:
     op = board.client("op")
     start = now(op)
     op.post("/robots/quadruped/stop")
@@ -335,10 +335,10 @@ def test_robot_events_say_who_pressed(board: RunningBoard) -> None:
     ]
 
 
-def test_law_16_a_hub_that_has_to_prove_that_it_hears_does_not_for_long(
+def test_law_16_a_hub_must_prove_delivery_again_after_a_moment(
     board: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A database that was restored from a backup disconnects everybody, and a resume reports it."""
+    """After a restore from a backup all streams end, and resuming one is an error."""
     post_topic(board.client("op"))
     engine = open_engine(board.settings, writes=False)
     with engine.connect() as connection:

@@ -24,7 +24,7 @@ Got = Queue[tuple[dict[str, str], bytes]]
 
 @contextmanager
 def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
-    """A receiver that answers with these statuses, the last one for ever."""
+    """Run a receiver that answers with these statuses in order, and with the last one from then on."""
     got: Got = Queue()
     left = list(answers)
 
@@ -39,7 +39,7 @@ def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
             self.end_headers()
 
         def log_message(self, *_: object) -> None:
-            """Keep the log out of the test's output."""
+            """Log nothing."""
 
     server = HTTPServer(("127.0.0.1", 0), Handler)
     thread = threading.Thread(target=server.serve_forever, daemon=True)
@@ -52,14 +52,14 @@ def receiver(*answers: int) -> Iterator[tuple[str, Got]]:
 
 
 @contextmanager
-def board_that_tells(folder: Path, url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningBoard]:
+def board_with_webhook(folder: Path, url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningBoard]:
     monkeypatch.setenv("HOOK_SECRET", SECRET)
     with running_board(folder, hooks={"agent": HookOutConfig(url=url, secret_env="HOOK_SECRET")}) as board:
         yield board
 
 
-def test_what_is_written_is_told_signed_by_its_ids_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with receiver(200) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
+def test_a_webhook_is_signed_and_contains_only_ids(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with receiver(200) as (url, got), board_with_webhook(tmp_path, url, monkeypatch) as board:
         op = board.client("op")
         wrote = op.post(
             "/topics", json={"board_id": "robots", "title": "T", "body": "@quadruped a private word"}
@@ -75,24 +75,24 @@ def test_what_is_written_is_told_signed_by_its_ids_only(tmp_path: Path, monkeypa
     assert json.loads(stop)["data"]["robot"] == "quadruped"
 
 
-def test_what_is_not_taken_is_sent_again_under_the_same_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_refused_delivery_is_retried_under_the_same_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(webhooks, "PAUSES_S", (0.01, 0.01))
-    with receiver(500, 204) as (url, got), board_that_tells(tmp_path, url, monkeypatch) as board:
+    with receiver(500, 204) as (url, got), board_with_webhook(tmp_path, url, monkeypatch) as board:
         board.client("op").post("/topics", json={"board_id": "robots", "title": "T", "body": "hello"})
         (first, body), (second, again) = got.get(timeout=LIMIT_S), got.get(timeout=LIMIT_S)
     assert body == again
     assert first["webhook-id"] == second["webhook-id"]
 
 
-def test_a_receiver_that_is_gone_holds_nobody_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with board_that_tells(tmp_path, "http://127.0.0.1:9/hook", monkeypatch) as board:
+def test_an_unreachable_receiver_delays_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with board_with_webhook(tmp_path, "http://127.0.0.1:9/hook", monkeypatch) as board:
         op = board.client("op")
         for n in range(3):
             answer = op.post("/topics", json={"board_id": "robots", "title": f"T{n}", "body": "hello"})
             assert answer.status_code == 201
 
 
-def test_a_hook_without_its_secret_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_webhook_without_its_secret_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("NO_SECRET", raising=False)
     hooks = {"agent": HookOutConfig(url="http://127.0.0.1:9/", secret_env="NO_SECRET")}
     with pytest.raises(ConfigError, match="NO_SECRET"), running_board(tmp_path, hooks=hooks):

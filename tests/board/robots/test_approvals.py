@@ -13,8 +13,8 @@ from tests.board.running_board import RunningBoard
 BUTTON = 'value="approve"'
 
 
-def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
-    """Post a command of op's for which the robot waits, with `more` on its card; return topic, post and status."""
+def waiting_command(board: RunningBoard, **more: str) -> tuple[str, str, str]:
+    """Post a command by `op` that waits for an approval; return its topic, its post and the robot's status post."""
     made = (
         board.client("op").post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped flip"}).json()
     )
@@ -26,8 +26,8 @@ def waiting(board: RunningBoard, **more: str) -> tuple[str, str, str]:
     return topic, post, str(answer.json()["post"]["id"])
 
 
-def pressed(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
-    """Send the form of the page, like a browser without scripts."""
+def submit_decision(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
+    """Submit the approval form of a page, like a browser without scripts."""
     form = re.search(r'<form class="approve-form".*?</form>', page, re.DOTALL)
     assert form
     fields = dict(re.findall(r'name="(\w+)" value="([^"]*)"', form[0].partition("<button")[0]))
@@ -36,36 +36,36 @@ def pressed(browser: httpx2.Client, page: str, do: str) -> httpx2.Response:
     return browser.post(action[1], data=fields | {"do": do})
 
 
-def test_approving_stands_in_the_thread_for_those_who_may_until_it_was_done(board: RunningBoard) -> None:
-    topic, post, status = waiting(board)
-    chief, path = board.browser("admin"), f"/t/{topic}"
-    for name in ("member", "op"):  # op asked
+def test_approvers_see_the_approval_buttons_until_a_decision(board: RunningBoard) -> None:
+    topic, post, status = waiting_command(board)
+    admin, path = board.browser("admin"), f"/t/{topic}"
+    for name in ("member", "op"):  # op gave the command
         assert BUTTON not in board.browser(name).get(path).text
-    page = chief.get(path).text
+    page = admin.get(path).text
     assert BUTTON in page
-    assert BUTTON in chief.get(f"/p/{status}/fragment").text, "also where scripts put it in"
-    assert pressed(chief, page, "approve").status_code == 303
+    assert BUTTON in admin.get(f"/p/{status}/fragment").text, "also where scripts put it in"
+    assert submit_decision(admin, page, "approve").status_code == 303
     said = board.client("op").get(f"/topics/{topic}/posts").json()["items"][-1]
     assert (said["raw"], said["reply_to"], said["author"]["name"]) == ("@quadruped approve", post, "admin")
     for gone in (path, f"/c/{post}", f"/p/{status}/fragment"):
-        assert BUTTON not in chief.get(gone).text, "it is decided, though its agent has not said so yet"
+        assert BUTTON not in admin.get(gone).text, "it is decided, though its agent has not said so yet"
 
 
 @pytest.mark.parametrize("decision", ["approve", "deny"])
 def test_approving_and_denying_are_two_calls_of_the_api_that_write_the_same_reply(
     board: RunningBoard, decision: str
 ) -> None:
-    topic, post, _ = waiting(board)
+    topic, post, _ = waiting_command(board)
     path, body = f"/commands/{post}/{decision}", {"robot": "quadruped"}
     assert board.client("op").post(path, json=body).status_code == 403, "op asked for it"
-    chief, key = board.client("admin"), {"Idempotency-Key": decision}
-    assert [chief.post(path, json=body, headers=key).status_code for _ in range(2)] == [201, 200]
+    admin, key = board.client("admin"), {"Idempotency-Key": decision}
+    assert [admin.post(path, json=body, headers=key).status_code for _ in range(2)] == [201, 200]
     said = board.client("op").get(f"/topics/{topic}/posts").json()["items"][2:]
     assert [(p["raw"], p["reply_to"], p["author"]["name"]) for p in said] == [(f"@quadruped {decision}", post, "admin")]
 
 
-def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(board: RunningBoard) -> None:
-    _, post, status = waiting(board, until="2026-11-22T21:14:05+01:00")
+def test_the_deadline_of_an_approval_is_shown_in_the_readers_time_zone(board: RunningBoard) -> None:
+    _, post, status = waiting_command(board, until="2026-11-22T21:14:05+01:00")
     board.client("quadruped").put("/robots/quadruped", json={"card": {"line": [post]}}).raise_for_status()
     shown = 'until <time datetime="2026-11-22T20:14:05.000Z"'
     for path in (f"/p/{status}/fragment", f"/c/{post}", "/robots/quadruped/fragment", "/notifications"):
@@ -78,14 +78,14 @@ def test_until_when_it_may_be_approved_is_shown_as_a_time_of_the_reader_s_zone(b
 
 
 @pytest.mark.parametrize("until", ["", "soon", "2026-11-22T21:14:05", "0001-01-01T00:00:00+14:00", "<b>"])
-def test_a_time_that_is_none_is_not_shown(board: RunningBoard, until: str) -> None:
-    _, _, status = waiting(board, until=until)
+def test_an_invalid_deadline_is_not_shown(board: RunningBoard, until: str) -> None:
+    _, _, status = waiting_command(board, until=until)
     answer = board.browser("admin").get(f"/p/{status}/fragment")
     assert (answer.status_code, "until" in answer.text) == (200, False)
 
 
-def test_what_a_newer_agent_says_on_its_card_is_left_out_and_its_post_is_kept(board: RunningBoard) -> None:
-    topic, post, status = waiting(board, until="2026-11-22T20:14:05+00:00", mood="x" * 5_000)
+def test_unknown_fields_of_a_newer_agents_card_are_ignored(board: RunningBoard) -> None:
+    topic, post, status = waiting_command(board, until="2026-11-22T20:14:05+00:00", mood="x" * 5_000)
     kept = board.client("op").get(f"/posts/{status}").json()
     assert kept["reply_to"] == post
     assert kept["card"]["until"] == "2026-11-22T20:14:05+00:00"
@@ -94,40 +94,43 @@ def test_what_a_newer_agent_says_on_its_card_is_left_out_and_its_post_is_kept(bo
     assert board.client("quadruped").post(f"/topics/{topic}/posts", json=told).status_code == 422
 
 
-def test_who_may_approve_is_told_while_the_command_waits(board: RunningBoard) -> None:
-    """Also if the robot's status post, first its claim, is edited to it; and no longer once the command has ended."""
-    board.add("watcher", role=Role.MODERATOR)
-    topic, _, status = waiting(board)
+def test_approvers_are_notified_while_the_command_waits(board: RunningBoard) -> None:
+    """Approvers are also notified if the status post (first the claim) is edited to `waiting`.
 
-    def told() -> dict[str, list[str]]:
+    The notification is withdrawn when the command has ended.
+    """
+    board.add("watcher", role=Role.MODERATOR)
+    topic, _, status = waiting_command(board)
+
+    def notifications() -> dict[str, list[str]]:
         items = {n: board.client(n).get("/notifications").json()["items"] for n in ("watcher", "admin", "member", "op")}
         return {n: [i["kind"] for i in found if i["id"] == status] for n, found in items.items()}
 
-    def tell(state: str) -> None:
+    def set_state(state: str) -> None:
         card = {"robot": "quadruped", "state": state}
         board.client("quadruped").patch(f"/posts/{status}", json={"body": state, "card": card}).raise_for_status()
 
     asked = {"watcher": ["approve"], "admin": ["approve"], "member": [], "op": ["reply"]}
-    assert told() == asked
+    assert notifications() == asked
     page = board.browser("watcher").get("/notifications").text
     assert "waits for your approval" in page
     assert f'href="/p/{status}"' in page
-    tell("running")
-    assert told() == asked | {"watcher": [], "admin": []}
-    tell("waiting")
-    assert told() == asked
+    set_state("running")
+    assert notifications() == asked | {"watcher": [], "admin": []}
+    set_state("waiting")
+    assert notifications() == asked
     assert BUTTON in board.browser("watcher").get(f"/t/{topic}").text
 
 
-def test_a_command_that_lapsed_has_no_buttons(board: RunningBoard) -> None:
-    topic, _, status = waiting(board)
+def test_an_expired_command_has_no_approval_buttons(board: RunningBoard) -> None:
+    topic, _, status = waiting_command(board)
     card = {"robot": "quadruped", "state": "expired"}
     board.client("quadruped").patch(f"/posts/{status}", json={"body": "Too late.", "card": card}).raise_for_status()
     assert BUTTON not in board.browser("admin").get(f"/t/{topic}").text
 
 
-def test_the_page_of_a_robot_s_own_report_is_that_of_the_command(board: RunningBoard) -> None:
-    _, post, status = waiting(board)
+def test_the_command_page_is_reached_from_the_robots_report(board: RunningBoard) -> None:
+    _, post, status = waiting_command(board)
     browser = board.browser("op")
     moved = browser.get(f"/c/{status}")
     assert (moved.status_code, moved.headers["location"]) == (303, f"/c/{post}")

@@ -1,4 +1,4 @@
-"""The page of a command and the robot's page: they show agents' records, whatever these contain."""
+"""The command page and the robot page show the agents' records, whatever these contain."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from agentrob.board.robots.command_view import command_view
 from agentrob.board.robots.commands import CommandRecord
 from agentrob.model import Account, AccountKind, Role
 from tests.board.web.browser_windows import RUNNING, jpeg
-from tests.board.web.page_world import CARD, World, running_world
+from tests.board.web.forum_site import CARD, Site, running_site
 
 RECORD: dict[str, Any] = {
     "status": "failed",
@@ -49,19 +49,19 @@ RECORD: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board")) as world:
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board")) as site:
+        yield site
 
 
-def asked(world: World) -> tuple[str, str]:
+def post_command(site: Site) -> tuple[str, str]:
     body = {"board_id": "robots", "title": "Go", "body": "@quadruped walk forward 2 m"}
-    made = world.api("alice").post("/topics", json=body).json()
+    made = site.api("alice").post("/topics", json=body).json()
     return made["topic"]["id"], made["post"]["id"]
 
 
-def told(world: World, topic: str, command: str, pictures: int = 2) -> str:
-    robot = world.api("quadruped")
+def report_command(site: Site, topic: str, command: str, pictures: int = 2) -> str:
+    robot = site.api("quadruped")
     shown = [
         robot.post("/images", files={"file": ("a.jpg", jpeg(n), "image/jpeg")}).json()["id"] for n in range(pictures)
     ]
@@ -71,10 +71,10 @@ def told(world: World, topic: str, command: str, pictures: int = 2) -> str:
     return str(made)
 
 
-def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: World) -> None:
-    topic, command = asked(world)
-    reply = told(world, topic, command)
-    page = world.browser("bob").get(f"/c/{command}").text
+def test_the_command_page_shows_the_decision_and_the_measurements(site: Site) -> None:
+    topic, command = post_command(site)
+    reply = report_command(site, topic, command)
+    page = site.browser("bob").get(f"/c/{command}").text
     for shown in (
         "2.00 m",
         "0.40 m",
@@ -89,20 +89,20 @@ def test_the_page_of_a_command_shows_what_decided_and_what_was_measured(world: W
     assert "Path that was measured" in page
     assert "&lt;b&gt;near&lt;/b&gt;" in page
     assert f'href="/p/{reply}"' in page
-    assert f'href="/c/{command}"' in world.browser("bob").get(f"/p/{reply}").text
-    items = world.api("bob").get(f"/commands/{command}").json()["items"]
+    assert f'href="/c/{command}"' in site.browser("bob").get(f"/p/{reply}").text
+    items = site.api("bob").get(f"/commands/{command}").json()["items"]
     assert [(i["robot"], i["reply_id"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
-    assert items[0]["url"] == f"{world.base}/c/{command}"
+    assert items[0]["url"] == f"{site.base}/c/{command}"
 
 
-def test_what_strayed_by_nothing_is_left_out_and_no_amount_is_a_negative_nothing(world: World) -> None:
-    _, command = asked(world)
+def test_zero_drift_is_hidden_and_no_amount_is_negative_zero(site: Site) -> None:
+    _, command = post_command(site)
 
     def said(**measured: float) -> str:
         steps = [{**RECORD["steps"][0], "measured": measured}]
         record = RECORD | {"steps": steps, "notes": ["I read `2 metres` as 2 m."]}
-        world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
-        page = world.browser("bob").get(f"/c/{command}").text
+        site.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+        page = site.browser("bob").get(f"/c/{command}").text
         assert "I read &#34;2 metres&#34; as 2 m." in page
         found = re.search(r'<th scope="row">1</th><td>[^<]*</td><td>([^<]*)</td>', page)
         assert found
@@ -114,17 +114,17 @@ def test_what_strayed_by_nothing_is_left_out_and_no_amount_is_a_negative_nothing
     assert said(distance_m=-0.001) == "0.00 m"
 
 
-def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world: World) -> None:
-    topic, command = asked(world)
-    reply = told(world, topic, command)
-    robot = world.api("quadruped")
+def test_a_record_can_be_replaced_only_by_the_robot_that_replied(site: Site) -> None:
+    topic, command = post_command(site)
+    reply = report_command(site, topic, command)
+    robot = site.api("quadruped")
     robot.put(
         f"/commands/{command}", json={"reply_id": reply, "record": RECORD | {"status": "done"}}
     ).raise_for_status()
-    items = world.api("bob").get(f"/commands/{command}").json()["items"]
+    items = site.api("bob").get(f"/commands/{command}").json()["items"]
     assert [i["record"]["status"] for i in items] == ["done"]
     answers = [
-        world.api("alice").put(f"/commands/{command}", json={"record": RECORD}),
+        site.api("alice").put(f"/commands/{command}", json={"record": RECORD}),
         robot.put(f"/commands/{command}", json={"reply_id": command, "record": RECORD}),
         robot.put("/commands/999999", json={"record": RECORD}),
         robot.put(f"/commands/{command}", json={"record": {"a": "x" * 70_000}}),
@@ -134,14 +134,14 @@ def test_a_record_can_be_sent_again_and_only_by_a_robot_of_its_own_answer(world:
     assert [a.status_code for a in answers] == [403, 403, 404, 413, 422, 422]
 
 
-def test_who_stopped_denied_or_approved_is_said_in_words_without_markdown(world: World) -> None:
-    robot, surfer = world.api("quadruped"), world.browser("bob")
+def test_stopped_denied_and_approved_by_are_plain_text_without_markdown(site: Site) -> None:
+    robot, visitor = site.api("quadruped"), site.browser("bob")
     at = datetime.now(UTC).isoformat()
 
     def page(**record: object) -> str:
-        _, command = asked(world)
+        _, command = post_command(site)
         robot.put(f"/commands/{command}", json={"record": RECORD | record}).raise_for_status()
-        return surfer.get(f"/c/{command}").text
+        return visitor.get(f"/c/{command}").text
 
     stopped = page(status="stopped", message="carol", stopped_by="carol")
     assert '<dt>Stopped by</dt><dd dir="auto">carol</dd>' in stopped
@@ -155,36 +155,36 @@ def test_who_stopped_denied_or_approved_is_said_in_words_without_markdown(world:
         page(approval={"approved": True, "by": "carol", "at": wrong})
 
 
-def test_of_a_removed_post_nothing_is_told(world: World) -> None:
-    topic, command = asked(world)
-    told(world, topic, command)
-    world.api("alice").delete(f"/posts/{command}").raise_for_status()
-    page = world.browser("bob").get(f"/c/{command}")
+def test_the_page_of_a_removed_command_shows_nothing_of_it(site: Site) -> None:
+    topic, command = post_command(site)
+    report_command(site, topic, command)
+    site.api("alice").delete(f"/posts/{command}").raise_for_status()
+    page = site.browser("bob").get(f"/c/{command}")
     assert page.status_code == 200
     assert "This post was removed" in page.text
     assert "0.40 m" not in page.text
-    assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
-    assert world.api("quadruped").put(f"/commands/{command}", json={"record": RECORD}).status_code == 404
+    assert site.api("bob").get(f"/commands/{command}").json()["items"] == []
+    assert site.api("quadruped").put(f"/commands/{command}", json={"record": RECORD}).status_code == 404
 
 
 @pytest.mark.parametrize("whose", ["who asked", "the robot"])
-def test_erasing_an_account_deletes_the_records_of_its_commands(world: World, whose: str) -> None:
+def test_erasing_an_account_deletes_the_records_of_its_commands(site: Site, whose: str) -> None:
     name = "erased1" if whose == "who asked" else "erased2"
-    world.board.add(name, kind=AccountKind.HUMAN if whose == "who asked" else AccountKind.ROBOT_AGENT)
+    site.board.add(name, kind=AccountKind.HUMAN if whose == "who asked" else AccountKind.ROBOT_AGENT)
     by = name if whose == "who asked" else "alice"
     robot = "quadruped" if whose == "who asked" else name
     body = {"board_id": "talk", "title": "Go", "body": f"@{robot} walk on"}
-    command = world.api(by).post("/topics", json=body).json()["post"]["id"]
-    kept = asked(world)[1]
+    command = site.api(by).post("/topics", json=body).json()["post"]["id"]
+    kept = post_command(site)[1]
     record = RECORD | {"message": "axolotl"}
     for post, sent_by in ((command, robot), (kept, "quadruped")):
-        world.api(sent_by).put(f"/commands/{post}", json={"record": record}).raise_for_status()
-    assert "axolotl" in world.browser("bob").get(f"/c/{command}").text
-    world.board.run(erase_content(world.board.services, "root", name))
-    assert world.api("bob").get(f"/commands/{command}").json()["items"] == []
-    assert "axolotl" not in world.browser("bob").get(f"/c/{command}").text
-    assert len(world.api("bob").get(f"/commands/{kept}").json()["items"]) == 1
-    engine = open_engine(world.settings, writes=False)
+        site.api(sent_by).put(f"/commands/{post}", json={"record": record}).raise_for_status()
+    assert "axolotl" in site.browser("bob").get(f"/c/{command}").text
+    site.board.run(erase_content(site.board.services, "root", name))
+    assert site.api("bob").get(f"/commands/{command}").json()["items"] == []
+    assert "axolotl" not in site.browser("bob").get(f"/c/{command}").text
+    assert len(site.api("bob").get(f"/commands/{kept}").json()["items"]) == 1
+    engine = open_engine(site.settings, writes=False)
     with engine.connect() as connection:
         left = connection.execute(
             text("SELECT post_id FROM commands WHERE post_id IN (:a, :b)"), {"a": int(command), "b": int(kept)}
@@ -193,34 +193,34 @@ def test_erasing_an_account_deletes_the_records_of_its_commands(world: World, wh
     engine.dispose()
 
 
-def test_a_robot_that_has_not_ended_a_command_can_be_stopped_on_its_page(world: World) -> None:
-    topic, command = asked(world)
-    surfer = world.browser("bob")
+def test_an_unfinished_command_can_be_stopped_on_its_page(site: Site) -> None:
+    topic, command = post_command(site)
+    visitor = site.browser("bob")
     for path in (f"/c/{command}", f"/c/{command}?part=views"):
-        assert 'action="/robots/quadruped/stop"' in surfer.get(path).text
-    told(world, topic, command)
-    assert "/stop" not in surfer.get(f"/c/{command}").text
+        assert 'action="/robots/quadruped/stop"' in visitor.get(path).text
+    report_command(site, topic, command)
+    assert "/stop" not in visitor.get(f"/c/{command}").text
 
 
-def test_a_post_without_a_record_says_so_and_what_is_none_is_404(world: World) -> None:
-    _, command = asked(world)
-    surfer = world.browser("bob")
-    assert "No robot has recorded this command" in surfer.get(f"/c/{command}").text
-    assert [surfer.get(f"/c/{wrong}").status_code for wrong in ("999999", "abc", "4f1c22aa")] == [404] * 3
+def test_a_command_without_a_record_says_so_and_other_posts_are_404(site: Site) -> None:
+    _, command = post_command(site)
+    visitor = site.browser("bob")
+    assert "No robot has recorded this command" in visitor.get(f"/c/{command}").text
+    assert [visitor.get(f"/c/{wrong}").status_code for wrong in ("999999", "abc", "4f1c22aa")] == [404] * 3
 
 
-def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(world: World) -> None:
-    _, command = asked(world)
+def test_steps_that_never_started_and_external_recordings_are_shown(site: Site) -> None:
+    _, command = post_command(site)
     links = [
         {"kind": "recording", "step": 0, "url": "https://bucket.example/a?b=c", "until": "2026-11-22T00:00:00+00:00"},
         {"kind": "data", "step": 0, "url": "javascript:alert(1)", "until": ""},
     ]
     plan = [{"op": "move", "direction": "forward", "distance_m": 90.0}]
     record = RECORD | {"status": "refused", "steps": [], "plan": plan, "links": links}
-    waiting = world.browser("bob").get(f"/c/{command}").text
+    waiting = site.browser("bob").get(f"/c/{command}").text
     assert f'data-refresh="/c/{command}?part=views"' in waiting
-    world.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
-    page = world.browser("bob").get(f"/c/{command}?part=views").text
+    site.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
+    page = site.browser("bob").get(f"/c/{command}?part=views").text
     assert "<html" not in page
     assert "move forward, 90.00 m" in page
     assert "not started" in page
@@ -229,20 +229,20 @@ def test_what_was_asked_and_never_begun_and_what_is_kept_elsewhere_is_shown_too(
     assert "javascript:" not in page
 
 
-def test_pictures_of_a_camera_that_is_for_others_are_no_broken_pictures(world: World) -> None:
-    topic, command = asked(world)
-    reply = told(world, topic, command)
-    chief = world.chief()
+def test_camera_pictures_hidden_from_the_reader_are_replaced_by_a_note(site: Site) -> None:
+    topic, command = post_command(site)
+    reply = report_command(site, topic, command)
+    admin_api = site.admin_api()
     paths = (f"/t/{topic}", f"/c/{command}", f"/p/{reply}/fragment")
     try:
-        chief.patch("/admin/robots/quadruped", json={"camera_role": "operator"}).raise_for_status()
+        admin_api.patch("/admin/robots/quadruped", json={"camera_role": "operator"}).raise_for_status()
         for path in paths:
-            page = world.browser("bob").get(path).text
+            page = site.browser("bob").get(path).text
             assert "are hidden from you by its owner" in page, path
             assert "/images/" not in page, path
-            assert "/images/" in world.browser("alice").get(path).text, path
+            assert "/images/" in site.browser("alice").get(path).text, path
     finally:
-        chief.patch("/admin/robots/quadruped", json={"camera_role": "guest"}).raise_for_status()
+        admin_api.patch("/admin/robots/quadruped", json={"camera_role": "guest"}).raise_for_status()
 
 
 plain = st.recursive(
@@ -254,7 +254,7 @@ plain = st.recursive(
 
 @settings(suppress_health_check=list(HealthCheck), max_examples=60)
 @given(st.fixed_dictionaries({}, optional=dict.fromkeys(RECORD, plain)), st.sampled_from(["steps", "models", "looked"]))
-def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) -> None:
+def test_any_record_can_be_rendered(record: dict[str, Any], wrapped: str) -> None:
     author = Account("1", "alice", AccountKind.HUMAN, Role.OPERATOR)
     post = StoredPost("1", "1", "robots", author, "", "", 1, datetime.now(UTC))
     for one in (record, record | {wrapped: [record]}, record | {"looked": {"turns": [record], "usage": [record]}}):
@@ -262,17 +262,17 @@ def test_any_record_of_a_robot_has_a_view(record: dict[str, Any], wrapped: str) 
 
 
 # -------------------------------------------------------------------- the robot's page
-def test_the_robots_page_has_its_owner_queue_and_last_picture(world: World) -> None:
-    topic, command = asked(world)
-    told(world, topic, command)
-    robot = world.api("quadruped")
-    waiting = asked(world)[1]
+def test_the_robots_page_has_its_owner_queue_and_last_picture(site: Site) -> None:
+    topic, command = post_command(site)
+    report_command(site, topic, command)
+    robot = site.api("quadruped")
+    waiting = post_command(site)[1]
     robot.put("/robots/quadruped", json={"card": CARD | {"line": [waiting, "999999", 7, "x"]}}).raise_for_status()
-    page = world.browser("bob").get("/robots/quadruped").text
+    page = site.browser("bob").get("/robots/quadruped").text
     queue = page.split('class="queue"')[1].split("</ol>")[0]
     assert queue.count("<li>") == 1
     assert f'href="/p/{waiting}"' in queue
     assert "The last picture in a reply by quadruped" in page
     assert 'href="/b/robots"' in page
-    fragment = world.browser("bob").get("/robots/quadruped/fragment").text
+    fragment = site.browser("bob").get("/robots/quadruped/fragment").text
     assert f'href="/p/{waiting}"' in fragment

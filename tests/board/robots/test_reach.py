@@ -1,5 +1,4 @@
-"""A post that addresses no robot, or one that is not listening, gets one line of help: in the preview and after
-posting."""
+"""A post that addresses no robot, or one that is offline, gets one line of help, in the preview and after posting."""
 
 from __future__ import annotations
 
@@ -9,19 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from tests.board.web.page_world import CARD, World, running_world
+from tests.board.web.forum_site import CARD, Site, running_site
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("reach")) as made:
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("reach")) as made:
         card = {**CARD, "boards": ["robots"]}
         made.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
         yield made
 
 
-def noted(page: str) -> str:
-    """Return the line of help on a page as text; empty without one."""
+def hint_on(page: str) -> str:
+    """Return the line of help on a page, or an empty string."""
     found = re.search(r'<p class="note"[^>]*dir="auto">(.*?)</p>', page)
     return found[1].replace("&#39;", "'") if found else ""
 
@@ -41,28 +40,28 @@ LINES = {
 
 
 @pytest.mark.parametrize(("text", "line"), LINES.items())
-def test_the_author_is_told_before_posting_and_after(world: World, text: str, line: str) -> None:
-    alice = world.browser("alice")
+def test_the_author_is_told_before_posting_and_after(site: Site, text: str, line: str) -> None:
+    alice = site.browser("alice")
     shown = alice.send("/b/robots/new", title="A try", body=text, do="preview")
-    assert noted(shown.text).startswith(line)
-    assert bool(noted(shown.text)) is bool(line)
+    assert hint_on(shown.text).startswith(line)
+    assert bool(hint_on(shown.text)) is bool(line)
     posted = alice.send("/b/robots/new", title="A try", body=text)
-    assert noted(posted.text).startswith(line)
-    assert bool(noted(posted.text)) is bool(line)
-    assert noted(world.browser("bob").get(posted.url.path).text) == "", "only its author is told"
+    assert hint_on(posted.text).startswith(line)
+    assert bool(hint_on(posted.text)) is bool(line)
+    assert hint_on(site.browser("bob").get(posted.url.path).text) == "", "only its author is told"
 
 
-def test_where_no_robot_acts_the_page_and_the_preview_say_so(world: World) -> None:
-    alice = world.browser("alice")
+def test_a_board_without_robots_says_so_on_the_page_and_in_the_preview(site: Site) -> None:
+    alice = site.browser("alice")
     assert "No robot acts on this board." in alice.get("/b/talk/new").text
     assert "No robot acts on this board." not in alice.get("/b/robots/new").text
     shown = alice.send("/b/talk/new", title="A try", body="@quadruped walk forward 1 metre", do="preview")
-    assert noted(shown.text) == "@quadruped does not act on this board (talk): it acts on robots."
+    assert hint_on(shown.text) == "@quadruped does not act on this board (talk): it acts on robots."
     shown = alice.send("/b/talk/new", title="A try", body="walk forward 1 metre", do="preview")
-    assert noted(shown.text) == "No robot acts on this board."
+    assert hint_on(shown.text) == "No robot acts on this board."
 
 
-def test_an_agent_that_is_away_does_not_answer_and_the_author_is_told(tmp_path: Path) -> None:
-    with running_world(tmp_path) as world:
-        shown = world.browser("alice").send("/b/robots/new", title="A try", body="@quadruped wave", do="preview")
-        assert noted(shown.text).startswith("@quadruped is not connected now, so it does not answer.")
+def test_the_author_is_told_when_the_agent_is_offline(tmp_path: Path) -> None:
+    with running_site(tmp_path) as site:
+        shown = site.browser("alice").send("/b/robots/new", title="A try", body="@quadruped wave", do="preview")
+        assert hint_on(shown.text).startswith("@quadruped is not connected now, so it does not answer.")

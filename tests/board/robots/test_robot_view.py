@@ -1,4 +1,4 @@
-"""Whatever a robot's agent sends as its card, the page stores it and renders no markup from it."""
+"""The board stores any card that a robot's agent sends, and the page renders no markup from it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from agentrob.board.robots.view import robot_view
 from agentrob.board.web.templating import EXCERPT_FROM, excerpt, own_path, status_card
-from tests.board.web.page_world import CARD, World, running_world
+from tests.board.web.forum_site import CARD, Site, running_site
 
 json = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -27,7 +27,7 @@ cards = st.dictionaries(fields, json, max_size=10)
 
 
 @given(cards)
-def test_any_card_of_a_robot_has_a_view(card: dict[str, Any]) -> None:
+def test_any_card_of_a_robot_can_be_rendered(card: dict[str, Any]) -> None:
     view = robot_view("quadruped", card, None)
     assert not view.live
     assert view.battery is None or 0 <= view.battery <= 100
@@ -36,7 +36,7 @@ def test_any_card_of_a_robot_has_a_view(card: dict[str, Any]) -> None:
 
 
 @given(cards)
-def test_any_card_of_a_command_has_a_view(card: dict[str, Any]) -> None:
+def test_any_card_of_a_command_can_be_rendered(card: dict[str, Any]) -> None:
     view = status_card(card)
     assert view.state.replace("_", "").isalpha() or view.state.strip("_") == ""
     assert view.step >= 0
@@ -51,7 +51,7 @@ def test_any_text_has_an_excerpt_of_one_line(raw: str) -> None:
 
 
 @given(st.text(alphabet="a |-:*`#\n", max_size=40))
-def test_an_excerpt_keeps_words_and_no_marks(raw: str) -> None:
+def test_an_excerpt_keeps_the_words_and_drops_the_markup(raw: str) -> None:
     text = excerpt(raw)
     assert not set(text) & set("*`|#")
     assert text == "(a picture)" or text.count("a") == raw.count("a")
@@ -59,7 +59,7 @@ def test_an_excerpt_keeps_words_and_no_marks(raw: str) -> None:
 
 @pytest.mark.parametrize("hostile", ["|", "-", "--", "| ", "\n", "|-:", "*", "--- a"])
 def test_an_excerpt_of_a_hostile_post_does_not_hold_up_the_event_loop(hostile: str) -> None:
-    """The cost of a post of 64 KiB is bounded by its first words: a page shows ten of them."""
+    """Only the first words of a post of 64 KiB are parsed, because a page shows ten excerpts."""
     raw = hostile * (64 * 1024 // len(hostile))
     started = time.thread_time()
     assert excerpt(raw) == excerpt(raw[:EXCERPT_FROM])
@@ -67,7 +67,7 @@ def test_an_excerpt_of_a_hostile_post_does_not_hold_up_the_event_loop(hostile: s
 
 
 @given(st.text())
-def test_any_address_to_go_back_to_is_on_this_forum(path: str) -> None:
+def test_a_return_address_is_always_on_this_forum(path: str) -> None:
     own = own_path(path)
     assert own.startswith("/")
     assert not own.startswith(("//", "/\\"))
@@ -75,19 +75,19 @@ def test_any_address_to_go_back_to_is_on_this_forum(path: str) -> None:
     assert own.isprintable()
 
 
-def test_a_number_beyond_all_measure_is_no_error() -> None:
+def test_an_absurdly_large_number_is_not_an_error() -> None:
     view = robot_view("quadruped", {"battery_percent": 10**400, "limits": {"speed_mps": 10**400}}, None)
     assert view.battery is None
     assert view.limits == (("Speed", "? m/s"),)
 
 
-def test_a_robot_is_live_while_its_agent_tells() -> None:
+def test_a_robot_is_live_while_its_agent_sends_cards() -> None:
     now = datetime.now(UTC)
     assert robot_view("quadruped", CARD, now).live
     assert not robot_view("quadruped", CARD, now - timedelta(seconds=20)).live
 
 
-def test_limits_of_one_command_are_one_line() -> None:
+def test_the_limits_of_a_command_are_one_line() -> None:
     view = robot_view("quadruped", CARD, None)
     assert view.limits == (("Speed", "0.5 m/s"), ("One command", "10 m, 60 s"))
     assert view.ops == ("move", "turn", "wave", "take a photo")
@@ -95,34 +95,34 @@ def test_limits_of_one_command_are_one_line() -> None:
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board")) as world:
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board")) as site:
+        yield site
 
 
-def test_a_robot_without_a_camera_has_no_place_for_its_picture(world: World) -> None:
-    robot, surfer = world.api("quadruped"), world.browser("bob")
+def test_the_page_of_a_robot_without_a_camera_has_no_picture_area(site: Site) -> None:
+    robot, visitor = site.api("quadruped"), site.browser("bob")
     for card, there in (({"model": "rover", "camera": False}, False), ({"model": "go2", "camera": True}, True)):
         robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
-        page = surfer.get("/robots/quadruped").text
-        assert ("camera.mjpg" in page) is ("The camera starts" in page) is there
+        page = visitor.get("/robots/quadruped").text
+        assert ("camera.mjpg" in page) is ("The camera runs while you watch" in page) is there
     robot.put("/robots/quadruped", json={"card": {"model": "of before"}}).raise_for_status()
-    assert "camera.mjpg" in surfer.get("/robots/quadruped").text
+    assert "camera.mjpg" in visitor.get("/robots/quadruped").text
 
 
 LOCK = {"by": "bob", "why": "an emergency stop", "at": "2026-11-22T16:00:05.123+00:00"}
 
 
-def publish(world: World, **card: Any) -> None:
-    world.api("quadruped").put("/robots/quadruped", json={"card": CARD | card}).raise_for_status()
+def publish(site: Site, **card: Any) -> None:
+    site.api("quadruped").put("/robots/quadruped", json={"card": CARD | card}).raise_for_status()
 
 
-def test_law_17_a_locked_robot_is_red_and_says_who_why_when_and_how(world: World) -> None:
-    publish(world, lock=LOCK, state="halted", owner="alice", homed=True)
-    bob, root, alice = world.browser("bob"), world.browser("root"), world.browser("alice")
+def test_law_17_a_locked_robot_is_red_and_shows_who_locked_it_when_and_why(site: Site) -> None:
+    publish(site, lock=LOCK, state="halted", owner="alice", homed=True)
+    bob, root, alice = site.browser("bob"), site.browser("root"), site.browser("alice")
     for path in ("/robots/quadruped", "/robots/quadruped/fragment?part=lock"):
-        for surfer, may in ((bob, False), (root, True), (alice, True)):
-            page = surfer.get(path).text
+        for visitor, may in ((bob, False), (root, True), (alice, True)):
+            page = visitor.get(path).text
             assert 'class="note bad lock"' in page
             assert "Locked by bob since" in page
             assert "22 Nov 2026, 16:00 UTC" in page
@@ -135,7 +135,7 @@ def test_law_17_a_locked_robot_is_red_and_says_who_why_when_and_how(world: World
         assert "Locked by bob since" in page
         assert "is-locked" in page
     assert "(locked)" in bob.get("/b/robots/new").text
-    publish(world, lock=None, homed=True)
+    publish(site, lock=None, homed=True)
     for path in ("/robots/quadruped", "/robots/quadruped/fragment?part=lock", "/", "/robots"):
         page = root.get(path).text
         assert "Locked" not in page
@@ -143,9 +143,9 @@ def test_law_17_a_locked_robot_is_red_and_says_who_why_when_and_how(world: World
         assert "/release" not in page
 
 
-def test_law_17_release_is_confirmed_by_plain_forms_and_says_what_came_of_it(world: World) -> None:
-    publish(world, lock=LOCK, homed=True)
-    root, bob = world.browser("root"), world.browser("bob")
+def test_law_17_release_needs_a_confirmation_and_shows_its_outcome(site: Site) -> None:
+    publish(site, lock=LOCK, homed=True)
+    root, bob = site.browser("root"), site.browser("bob")
     assert bob.get("/robots/quadruped/release").status_code == 403
     assert bob.client.post("/robots/quadruped/release", data={"csrf": bob.csrf("/robots/quadruped")}).status_code == 403
     asked = root.get("/robots/quadruped/release").text
@@ -162,22 +162,22 @@ def test_law_17_release_is_confirmed_by_plain_forms_and_says_what_came_of_it(wor
         "done": True,
         "said": "It was locked.",
     }
-    publish(world, lock=None, homed=True, told=told)
+    publish(site, lock=None, homed=True, told=told)
     assert "Released (root, " in bob.get("/robots/quadruped").text
-    publish(world, lock=LOCK, told=told | {"done": False, "said": "I could not."})
+    publish(site, lock=LOCK, told=told | {"done": False, "said": "I could not."})
     page = bob.get("/robots/quadruped").text
     assert "Not released (root, " in page
     assert "I could not." in page
-    publish(world, lock=LOCK, told=told | {"at": "2026-11-22T16:00:05+00:00"})
+    publish(site, lock=LOCK, told=told | {"at": "2026-11-22T16:00:05+00:00"})
     assert "Released (root, " not in bob.get("/robots/quadruped").text, "that was long ago"
-    publish(world)
+    publish(site)
 
 
-def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(world: World) -> None:
-    publish(world, homed=False)
-    root, bob = world.browser("root"), world.browser("bob")
-    for surfer, may in ((bob, False), (root, True)):
-        page = surfer.get("/robots/quadruped").text
+def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(site: Site) -> None:
+    publish(site, homed=False)
+    root, bob = site.browser("root"), site.browser("bob")
+    for visitor, may in ((bob, False), (root, True)):
+        page = visitor.get("/robots/quadruped").text
         assert "It has no home, so it refuses to move." in page
         assert "agentrob home quadruped" in page
         assert ('href="/robots/quadruped/home"' in page) is may
@@ -185,40 +185,40 @@ def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(world: World) 
     assert "Set the home of @quadruped here?" in root.get("/robots/quadruped/home").text
     assert bob.get("/robots/quadruped/home").status_code == 403
     assert root.send("/robots/quadruped/home").url.path == "/robots/quadruped"
-    publish(world, homed=True)
+    publish(site, homed=True)
     assert "has no home" not in root.get("/robots/quadruped").text
 
 
-def test_law_17_emergency_stop_is_a_button_of_its_own_for_everybody_signed_in(world: World) -> None:
-    publish(world)
-    before = world.api("quadruped").get("/changes").json()["now"]["id"]
-    page = world.browser("bob").send("/robots/quadruped/estop", "/robots/quadruped")
+def test_law_17_everybody_signed_in_has_a_separate_emergency_stop_button(site: Site) -> None:
+    publish(site)
+    before = site.api("quadruped").get("/changes").json()["now"]["id"]
+    page = site.browser("bob").send("/robots/quadruped/estop", "/robots/quadruped")
     assert "Emergency stop sent to <strong>@quadruped</strong>" in page.text
     assert "stays locked until its owner releases it" in page.text
-    events = world.api("quadruped").get("/changes", params={"after": before}).json()["items"]
+    events = site.api("quadruped").get("/changes", params={"after": before}).json()["items"]
     assert [(e["kind"], e["account"]["name"]) for e in events] == [("robot.estop", "bob")]
-    assert world.browser().client.post("/robots/quadruped/estop").status_code in (401, 403)
+    assert site.browser().client.post("/robots/quadruped/estop").status_code in (401, 403)
 
 
-def test_a_card_of_before_has_neither_lock_nor_home(world: World) -> None:
-    publish(world)
-    page = world.browser("root").get("/robots/quadruped").text
+def test_a_card_of_an_earlier_version_has_neither_lock_nor_home(site: Site) -> None:
+    publish(site)
+    page = site.browser("root").get("/robots/quadruped").text
     assert "Locked" not in page
     assert "has no home" not in page
 
 
-def test_markup_in_cards_is_shown_as_text(world: World) -> None:
+def test_markup_in_cards_is_shown_as_text(site: Site) -> None:
     nasty = "<img src=x onerror=alert(1)>\"'"
-    robot = world.api("quadruped")
+    robot = site.api("quadruped")
     card = {"model": nasty, "state": nasty, "ops": [nasty], "limits": {nasty: nasty}, nasty: [nasty], "board": nasty}
     robot.put("/robots/quadruped", json={"card": card}).raise_for_status()
-    surfer = world.browser("bob")
+    visitor = site.browser("bob")
     status = {"robot": "quadruped", "state": nasty[:32], "doing": nasty, "trace_id": nasty}
     topic = robot.post("/topics", json={"board_id": "robots", "title": nasty, "body": "x"}).json()["topic"]["id"]
     other = {"body": nasty, "card": status | {"robot": nasty}}
     assert robot.post(f"/topics/{topic}/posts", json=other).status_code == 403, "no other name, least of all this"
     robot.post(f"/topics/{topic}/posts", json={"body": nasty, "card": status}).raise_for_status()
     for path in ("/", "/b/robots", f"/t/{topic}", "/robots", "/robots/quadruped", "/robots/quadruped/fragment"):
-        page = surfer.get(path)
+        page = visitor.get(path)
         assert page.status_code == 200
         assert "<img src=x" not in page.text

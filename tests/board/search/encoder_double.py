@@ -1,4 +1,4 @@
-"""A double of the model for meanings: words for the same thing have the same vector, in two languages."""
+"""A test double of the embedding model: words for the same thing have the same vector, in two languages."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _WORD = re.compile("|".join(sorted((w for w in _KNOWN if not w.isascii()), key=l
 
 
 class Concepts:
-    """Knows `THINGS`; every other word has a unique vector. `out` makes it fail until it is cleared."""
+    """Encodes the words in `THINGS`; every other word has a vector of its own. While `out` is set, encoding fails."""
 
     def __init__(self) -> None:
         self.asked: list[str] = []

@@ -1,4 +1,4 @@
-"""Search by meaning: what it finds, for whom, and that it follows all changes of posts."""
+"""Search by meaning: its results, who may see them, and that the index follows every change of a post."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def found(forum: RunningBoard, query: str, by: str = "op", **params: str | int) 
 
 
 def until(board: RunningBoard, holds: Callable[[], bool]) -> None:
-    """Wait for the follower, which works in parallel with the board."""
+    """Wait for the indexer, which runs in parallel with the board."""
     end_s = time.monotonic() + LIMIT_S
     while not holds():
         assert time.monotonic() < end_s, "it never came to hold"
@@ -57,7 +57,7 @@ def until(board: RunningBoard, holds: Callable[[], bool]) -> None:
 
 
 def vectors(board: RunningBoard) -> dict[int, int]:
-    """Return the version of which each post has a vector in the database."""
+    """Return for each post the version whose vector is in the database."""
     engine = open_engine(board.settings, writes=False)
     m = embeddings.post_meanings.c
     with engine.connect() as connection:
@@ -66,8 +66,8 @@ def vectors(board: RunningBoard) -> dict[int, int]:
     return kept
 
 
-# -------------------------------------------------------------------- what is found
-def test_posts_are_found_by_what_they_mean_in_another_language_too_most_alike_first(talk: RunningBoard) -> None:
+# -------------------------------------------------------------------- results
+def test_posts_are_found_by_meaning_across_languages_best_match_first(talk: RunningBoard) -> None:
     near = say(talk, "a weary hound")
     far = say(talk, "a hound in the rain")
     until(talk, lambda: found(talk, "exhausted dog") == [near, far])
@@ -77,12 +77,12 @@ def test_posts_are_found_by_what_they_mean_in_another_language_too_most_alike_fi
     assert words["items"] == [], "words are looked for unless meaning is asked for"
 
 
-def test_the_first_post_of_a_topic_means_what_its_title_says_too(talk: RunningBoard) -> None:
+def test_the_vector_of_a_first_post_includes_the_title(talk: RunningBoard) -> None:
     post = say(talk, "look", title="Automobile")
     until(talk, lambda: found(talk, "vehicle") == [post])
 
 
-def test_pages_go_on_where_the_last_ended(talk: RunningBoard) -> None:
+def test_paging_continues_where_the_last_page_ended(talk: RunningBoard) -> None:
     posts = {say(talk, f"电池 {n}") for n in range(5)}
     until(talk, lambda: set(found(talk, "power")) == posts)
     client, pages, cursor = talk.client("op"), list[list[str]](), ""
@@ -97,12 +97,12 @@ def test_pages_go_on_where_the_last_ended(talk: RunningBoard) -> None:
 
 
 @pytest.mark.parametrize("query", ["", "  ", '"', "😀", "\0", "x" * 200])
-def test_what_means_nothing_finds_nothing(talk: RunningBoard, query: str) -> None:
+def test_a_query_without_meaning_finds_nothing(talk: RunningBoard, query: str) -> None:
     assert found(talk, query) == []
 
 
-# -------------------------------------------------------------------- whatever happens to posts
-def test_an_edited_post_is_found_by_its_new_meaning_and_at_once_no_more_by_its_old_one(
+# -------------------------------------------------------------------- changes of posts
+def test_an_edit_replaces_the_meaning_of_a_post_at_once(
     fresh_board: Callable[..., RunningBoard],
 ) -> None:
     made: list[Concepts] = []
@@ -128,7 +128,7 @@ def test_hidden_posts_are_not_found_until_they_are_shown_again(talk: RunningBoar
     assert post not in found(talk, "stroll")
 
 
-def test_erased_posts_leave_no_meaning_behind(talk: RunningBoard) -> None:
+def test_erased_posts_leave_no_vectors(talk: RunningBoard) -> None:
     talk.add("carol")
     post = say(talk, "puppy puppy", by="carol")
     until(talk, lambda: int(post) in vectors(talk))
@@ -137,7 +137,7 @@ def test_erased_posts_leave_no_meaning_behind(talk: RunningBoard) -> None:
     assert post not in found(talk, "dog")
 
 
-def test_a_post_erased_while_its_vector_is_made_gets_none(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_post_erased_during_encoding_gets_no_vector(fresh_board: Callable[..., RunningBoard]) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
     class Slow(Concepts):
@@ -157,7 +157,7 @@ def test_a_post_erased_while_its_vector_is_made_gets_none(fresh_board: Callable[
     assert list(vectors(board)) == [int(other)]
 
 
-def test_what_is_on_a_board_one_may_not_read_is_not_found(talk: RunningBoard) -> None:
+def test_posts_on_unreadable_boards_are_not_found(talk: RunningBoard) -> None:
     token = local_admin.issue_token(
         talk.settings, local_admin.find_account(talk.settings, "admin"), scopes=("read", "write", "admin")
     )
@@ -174,7 +174,7 @@ def test_what_is_on_a_board_one_may_not_read_is_not_found(talk: RunningBoard) ->
     assert talk.client().get("/search", params={"q": "car", "mode": "meaning"}).status_code == 401
 
 
-def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_made_twice(
+def test_posts_of_other_processes_and_older_posts_are_indexed_once(
     fresh_board: Callable[..., RunningBoard], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     folder = tmp_path_factory.mktemp("again")
@@ -195,8 +195,8 @@ def test_posts_of_other_processes_and_of_before_are_found_and_vectors_are_not_ma
         until(board, lambda: found(board, "vehicle") == [old])
 
 
-# -------------------------------------------------------------------- beside everything else
-def test_a_forum_without_it_says_what_it_needs_and_offers_words(board: RunningBoard) -> None:
+# -------------------------------------------------------------------- isolation from other functions
+def test_without_an_encoder_the_forum_names_what_is_missing_and_offers_word_search(board: RunningBoard) -> None:
     refused = board.client("op").get("/search", params={"q": "dog", "mode": "meaning"})
     assert (refused.status_code, refused.json()["code"]) == (404, "no_meaning")
     assert "agentrob[semantic]" in refused.json()["hint"]
@@ -205,7 +205,7 @@ def test_a_forum_without_it_says_what_it_needs_and_offers_words(board: RunningBo
     assert board.client("op").get("/search", params={"q": "dog", "mode": "smell"}).status_code == 422
 
 
-def test_the_page_offers_it_where_it_is_there(talk: RunningBoard) -> None:
+def test_the_page_offers_search_by_meaning_if_available(talk: RunningBoard) -> None:
     post = say(talk, "power power")
     until(talk, lambda: post in found(talk, "battery"))
     assert talk.client("op").get("/search/modes").json() == {"items": ["words", "meaning"]}
@@ -215,7 +215,7 @@ def test_the_page_offers_it_where_it_is_there(talk: RunningBoard) -> None:
     assert f'href="/p/{post}"' not in talk.browser("op").get("/search", params={"q": "battery"}).text
 
 
-def test_a_model_that_fails_is_said_and_nothing_else_minds(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_a_failing_encoder_is_reported_and_affects_nothing_else(fresh_board: Callable[..., RunningBoard]) -> None:
     model = Concepts()
     board = fresh_board(encoder=lambda: model)
     model.out.set()
@@ -227,7 +227,7 @@ def test_a_model_that_fails_is_said_and_nothing_else_minds(fresh_board: Callable
     until(board, lambda: found(board, "dog") == [post])
 
 
-def test_law_15_who_writes_and_who_stops_waits_for_no_model(fresh_board: Callable[..., RunningBoard]) -> None:
+def test_law_15_posts_and_stops_do_not_wait_for_the_encoder(fresh_board: Callable[..., RunningBoard]) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
     class Stuck(Concepts):
@@ -246,7 +246,7 @@ def test_law_15_who_writes_and_who_stops_waits_for_no_model(fresh_board: Callabl
     until(board, lambda: found(board, "dog") == [post])
 
 
-def test_all_that_are_alike_are_looked_at_until_enough_may_be_seen(
+def test_search_continues_until_enough_readable_posts_are_found(
     talk: RunningBoard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from agentrob.board.search import semantic
@@ -262,7 +262,7 @@ def test_all_that_are_alike_are_looked_at_until_enough_may_be_seen(
     assert not set(hidden) & set(found(talk, "tired", limit=100))
 
 
-def test_there_is_one_vector_for_each_post_however_many_there_are(talk: RunningBoard) -> None:
+def test_each_post_has_one_vector_however_many_posts_there_are(talk: RunningBoard) -> None:
     posts = [say(talk, f"number {n}") for n in range(20)]
     until(talk, lambda: {int(p) for p in posts} <= vectors(talk).keys())
     engine = open_engine(talk.settings, writes=False)

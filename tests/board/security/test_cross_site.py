@@ -21,23 +21,23 @@ from agentrob.board.auth import attempts
 from agentrob.board.auth.attempts import PER_NAME
 from agentrob.errors import BoardError
 from tests.board.auth.test_rights import jpeg
-from tests.board.web.page_world import PASSWORD, World, running_world
+from tests.board.web.forum_site import PASSWORD, Site, running_site
 
 FORM = re.compile(r'<form[^>]*method="post"[^>]*action="([^"]*)"')
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board"), sign_up=True) as site:
+        yield site
 
 
-def everything(world: World) -> list[tuple[str, str]]:
-    """Return every form on every page that an admin sees: the page, and the form's target."""
-    api = world.api("root")
+def everything(site: Site) -> list[tuple[str, str]]:
+    """Return every form on every page that an admin sees, as the page and the form's action."""
+    api = site.api("root")
     made = api.post("/topics", json={"board_id": "robots", "title": "t", "body": "b"}).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
-    invite = world.board.services.settings.base_url and "/invite/" + "x" * 43
+    invite = site.board.services.settings.base_url and "/invite/" + "x" * 43
     pages = ["/", "/b/robots", "/b/robots/new", f"/t/{topic}", f"/t/{topic}/moderate", f"/p/{post}/edit"]
     pages += [
         f"/p/{post}/remove",
@@ -50,21 +50,21 @@ def everything(world: World) -> list[tuple[str, str]]:
     ]
     pages += ["/password/" + "x" * 43, "/enter/" + "x" * 43]
     pages += [f"/admin/{page}" for page in ("accounts", "accounts/bob", "boards", "robots/quadruped", "invites")]
-    browser = world.browser("root")
+    browser = site.browser("root")
     found = [(page, action) for page in pages for action in set(FORM.findall(browser.get(page).text))]
-    anybody = world.browser()
+    anybody = site.browser()
     return found + [
         (page, action) for page in ("/sign-in", "/sign-up") for action in FORM.findall(anybody.get(page).text)
     ]
 
 
-def test_every_form_needs_its_token_and_comes_from_this_site(world: World) -> None:
-    forms = everything(world)
+def test_every_form_requires_a_csrf_token_and_the_same_origin(site: Site) -> None:
+    forms = everything(site)
     assert len(forms) > 25
-    browser, other = world.browser("root"), world.browser("bob")
+    browser, other = site.browser("root"), site.browser("bob")
     mine, theirs = browser.csrf("/u/root"), other.csrf("/u/bob")
-    newest = world.api("root").get("/changes").json()["now"]["id"]
-    rows = _audit_rows(world)
+    newest = site.api("root").get("/changes").json()["now"]["id"]
+    rows = _audit_rows(site)
     for _, action in forms:
         for token in (None, "", theirs):
             sent = {"csrf": token} if token is not None else {}
@@ -73,62 +73,62 @@ def test_every_form_needs_its_token_and_comes_from_this_site(world: World) -> No
         for header in ({"Origin": "https://evil.example"}, {"Sec-Fetch-Site": "cross-site"}):
             answer = browser.client.post(action, data={"csrf": mine}, headers=header, follow_redirects=False)
             assert answer.status_code == 403, (action, header)
-        token = {"Authorization": f"Bearer {world.board.tokens['root']}"}
+        token = {"Authorization": f"Bearer {site.board.tokens['root']}"}
         for csrf in ("", mine):
-            assert (
-                httpx2.post(world.base + action, data={"csrf": csrf}, headers=token, timeout=60).status_code == 403
-            ), action
-    assert world.api("root").get("/changes").json()["now"]["id"] == newest, "nothing happened"
-    assert _audit_rows(world) == rows
+            assert httpx2.post(site.base + action, data={"csrf": csrf}, headers=token, timeout=60).status_code == 403, (
+                action
+            )
+    assert site.api("root").get("/changes").json()["now"]["id"] == newest, "nothing happened"
+    assert _audit_rows(site) == rows
 
 
-def _audit_rows(world: World) -> int:
+def _audit_rows(site: Site) -> int:
     from agentrob.board.db import audit
 
-    with local_admin.writing(world.settings) as connection:
+    with local_admin.writing(site.settings) as connection:
         return len(connection.execute(audit.statement(None, 10_000)).all())
 
 
 # -------------------------------------------------------------------- sessions
-def test_a_session_that_somebody_else_chose_is_not_the_one_that_is_signed_in(world: World) -> None:
+def test_signing_in_replaces_a_session_id_chosen_by_an_attacker(site: Site) -> None:
     chosen = "A" * 43
-    browser, name = world.browser(), world.settings.cookie
+    browser, name = site.browser(), site.settings.cookie
     browser.client.cookies.set(name, chosen, domain="127.0.0.1")
     browser.send("/sign-in", name="bob", password=PASSWORD)
     assert browser.client.get("/api/v1/me").json()["name"] == "bob"
     assert chosen not in [c.value for c in browser.client.cookies.jar if c.path == "/"]
-    thief = httpx2.Client(base_url=world.base, cookies={name: chosen}, timeout=60)
+    thief = httpx2.Client(base_url=site.base, cookies={name: chosen}, timeout=60)
     assert thief.get("/api/v1/me").status_code == 401
 
 
-def test_signing_out_voids_the_cookie_and_not_only_forgets_it(world: World) -> None:
-    browser, name = world.browser("bob"), world.settings.cookie
+def test_signing_out_invalidates_the_session_on_the_server(site: Site) -> None:
+    browser, name = site.browser("bob"), site.settings.cookie
     (secret,) = {str(c.value) for c in browser.client.cookies.jar if c.name == name}
     browser.send("/sign-out", "/u/bob")
-    assert httpx2.get(world.base + "/api/v1/me", cookies={name: secret}, timeout=60).status_code == 401
+    assert httpx2.get(site.base + "/api/v1/me", cookies={name: secret}, timeout=60).status_code == 401
 
 
-def test_guessing_a_password_at_the_page_is_stopped_also_for_who_is_signed_in(world: World) -> None:
-    world.board.add("guessed", password=PASSWORD)
-    browser = world.browser("guessed")
-    with local_admin.writing(world.settings) as connection:
+def test_password_guesses_are_limited_for_signed_in_accounts_too(site: Site) -> None:
+    site.board.add("guessed", password=PASSWORD)
+    browser = site.browser("guessed")
+    with local_admin.writing(site.settings) as connection:
         for _ in range(PER_NAME - 1):
             attempts.record(connection, "guessed", "127.0.0.1")
     tries = [browser.send("/password", old="wrong words", password="another password") for _ in range(2)]
     assert [t.status_code for t in tries] == [401, 429]
     with pytest.raises(BoardError) as caught:
-        world.board.run(access.sign_in(world.board.services, "guessed", PASSWORD, "127.0.0.1"))
+        site.board.run(access.sign_in(site.board.services, "guessed", PASSWORD, "127.0.0.1"))
     assert caught.value.status == 429
-    assert world.board.run(access.sign_in(world.board.services, "guessed", PASSWORD, "10.0.0.9")), "not elsewhere"
+    assert site.board.run(access.sign_in(site.board.services, "guessed", PASSWORD, "10.0.0.9")), "not elsewhere"
 
 
-def test_a_revoked_token_and_a_narrow_one_do_no_more_than_they_say(world: World) -> None:
-    account = local_admin.find_account(world.settings, "root")
+def test_tokens_are_limited_to_their_scopes_and_a_revoked_one_is_refused(site: Site) -> None:
+    account = local_admin.find_account(site.settings, "root")
     made = {
-        s: local_admin.issue_token(world.settings, account, s, s.split("+")) for s in ("read", "write", "read+admin")
+        s: local_admin.issue_token(site.settings, account, s, s.split("+")) for s in ("read", "write", "read+admin")
     }
     ask = lambda token, method, path, **more: httpx2.request(  # noqa: E731
-        method, f"{world.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more, timeout=60
+        method, f"{site.base}/api/v1{path}", headers={"Authorization": f"Bearer {token}"}, **more, timeout=60
     )
     topic = {"board_id": "talk", "title": "t", "body": "b"}
     assert [ask(t, "POST", "/topics", json=topic).status_code for t in made.values()] == [403, 201, 403]
@@ -151,8 +151,8 @@ ELSEWHERE = [
 
 
 @pytest.mark.parametrize("where", ELSEWHERE)
-def test_no_address_of_ours_sends_anybody_elsewhere_or_adds_a_header(world: World, where: str) -> None:
-    signed_in, client = world.browser("bob"), httpx2.Client(base_url=world.base, timeout=60)
+def test_no_url_redirects_to_another_site_or_injects_a_header(site: Site, where: str) -> None:
+    signed_in, client = site.browser("bob"), httpx2.Client(base_url=site.base, timeout=60)
     csrf = signed_in.csrf("/u/bob")
     answers = [signed_in.client.get("/sign-in", params={"next": where}, follow_redirects=False)]
     form = {"csrf": csrf, "back": where}
@@ -171,9 +171,9 @@ def test_no_address_of_ours_sends_anybody_elsewhere_or_adds_a_header(world: Worl
      "/images/1%00.jpg", "/robots/..%2fadmin", "/p/..%2f..%2f1/raw", "/api/v1/posts/..%2fme", "/u/..%2f..%2fetc",
      "/static/x/%2e%2e%2f%2e%2e%2fserver.py", "/api/v1/robots/a%2fb/frame.jpg", "/t/9999999999999999999999"],
 )  # fmt: skip
-def test_crafted_paths_lead_nowhere(world: World, path: str) -> None:
-    with socket.create_connection(("127.0.0.1", world.settings.port)) as raw:  # a client would normalise the path
-        cookie = "; ".join(f"{c.name}={c.value}" for c in world.browser("bob").client.cookies.jar)
+def test_crafted_paths_reach_no_file(site: Site, path: str) -> None:
+    with socket.create_connection(("127.0.0.1", site.settings.port)) as raw:  # a client would normalise the path
+        cookie = "; ".join(f"{c.name}={c.value}" for c in site.browser("bob").client.cookies.jar)
         head = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: {cookie}\r\nConnection: close\r\n\r\n"
         raw.sendall(head.encode())
         answer = b"".join(iter(lambda: raw.recv(65536), b""))
@@ -182,18 +182,18 @@ def test_crafted_paths_lead_nowhere(world: World, path: str) -> None:
     assert b"import" not in answer
 
 
-def test_links_in_posts_make_this_server_ask_nobody(world: World) -> None:
+def test_links_in_posts_cause_no_requests_by_the_server(site: Site) -> None:
     with socket.create_server(("127.0.0.1", 0)) as trap:
         trap.setblocking(False)
         bait = f"http://127.0.0.1:{trap.getsockname()[1]}/x.png"
         body = f"{bait} [x]({bait}) ![x]({bait}) <img src={bait}> <{bait}>\n\n[y]: {bait}\n\n![z][y] @quadruped"
-        made = world.api("alice").post("/topics", json={"board_id": "talk", "title": bait, "body": body}).json()
-        browser = world.browser("bob")
+        made = site.api("alice").post("/topics", json={"board_id": "talk", "title": bait, "body": body}).json()
+        browser = site.browser("bob")
         for page in ("/", "/b/talk", made["topic"]["url"], f"/p/{made['post']['id']}/history", "/u/alice"):
             assert browser.get(page).status_code == 200
         page = browser.get(made["topic"]["url"]).text
         assert not re.search(rf"<(img|link|script|iframe)[^>]*{re.escape(bait)}", page)
-        world.api("alice").patch(f"/posts/{made['post']['id']}", json={"body": body + "!"}).raise_for_status()
+        site.api("alice").patch(f"/posts/{made['post']['id']}", json={"body": body + "!"}).raise_for_status()
         with pytest.raises(BlockingIOError):
             trap.accept()
 
@@ -234,19 +234,19 @@ LIES: dict[str, bytes] = {
 
 
 @pytest.mark.parametrize("what", LIES)
-def test_a_file_that_lies_is_no_picture(world: World, what: str) -> None:
+def test_a_file_with_a_wrong_type_is_refused(site: Site, what: str) -> None:
     for name, kind in (("x.png", "image/png"), ("x.html", "text/html"), ("../../x.jpg", "image/jpeg")):
-        answer = world.api("alice").post("/images", files={"file": (name, LIES[what], kind)})
+        answer = site.api("alice").post("/images", files={"file": (name, LIES[what], kind)})
         assert answer.status_code in (413, 415, 422), (what, answer.status_code)
 
 
 @pytest.mark.parametrize("name", ["x.html", "../../../etc/cron.d/x", "x\r\nX-Evil: 1.jpg", "<script>.jpg", "x" * 3000])
-def test_a_file_s_name_is_nothing_and_its_type_is_what_it_is(world: World, name: str) -> None:
-    picture = jpeg() + HTML  # a picture that is also a page, to those who guess
-    answer = world.api("alice").post("/images", files={"file": (name, picture, "text/html")})
+def test_a_files_name_is_ignored_and_its_type_is_detected(site: Site, name: str) -> None:
+    picture = jpeg() + HTML  # a picture that a browser would take for HTML if it guessed the type
+    answer = site.api("alice").post("/images", files={"file": (name, picture, "text/html")})
     assert answer.status_code in (201, 400), answer.text
     if answer.status_code == 201:
-        served = httpx2.get(answer.json()["url"], headers=world.api("alice").headers, timeout=60)
+        served = httpx2.get(answer.json()["url"], headers=site.api("alice").headers, timeout=60)
         assert (served.headers["content-type"], served.headers["x-content-type-options"]) == ("image/jpeg", "nosniff")
         assert "filename" not in served.headers.get("content-disposition", "")
         assert "script-src 'self'" in served.headers["content-security-policy"]
@@ -269,35 +269,35 @@ LOOKS_LIKE = [
 
 
 @pytest.mark.parametrize("shown", LOOKS_LIKE)
-def test_law_1_a_display_name_that_looks_like_a_robot_s_or_a_role_is_refused(world: World, shown: str) -> None:
+def test_law_1_a_display_name_that_looks_like_a_robot_s_or_a_role_is_refused(site: Site, shown: str) -> None:
     with pytest.raises(BoardError) as caught:
-        local_admin.create_account(world.settings, "imitator", display_name=shown)
+        local_admin.create_account(site.settings, "imitator", display_name=shown)
     assert caught.value.status == 422
 
 
 @pytest.mark.parametrize("name", ["quadrup3d", "quad-ruped", "quad_ruped", "quadrupecl"])
-def test_law_1_a_name_that_looks_like_a_robot_s_is_refused_at_sign_up(world: World, name: str) -> None:
-    sign_up = access.sign_up(world.board.services, name, PASSWORD, "10.0.0.7")
+def test_law_1_a_name_that_looks_like_a_robot_s_is_refused_at_sign_up(site: Site, name: str) -> None:
+    sign_up = access.sign_up(site.board.services, name, PASSWORD, "10.0.0.7")
     with pytest.raises(BoardError) as caught:
-        world.board.run(sign_up)
+        site.board.run(sign_up)
     assert caught.value.code == "looks_like_a_robot"
 
 
 @pytest.mark.parametrize(
     "shown", ["Ann", "Анна Петрова", "王小明", "Robotics club", "José", "Administrative staff", "🤖"]
 )
-def test_other_people_s_names_are_theirs(world: World, shown: str) -> None:
+def test_ordinary_display_names_are_accepted(site: Site, shown: str) -> None:
     name = "n" + format(zlib.crc32(shown.encode()), "x")
-    assert local_admin.create_account(world.settings, name, display_name=shown).display_name == shown
+    assert local_admin.create_account(site.settings, name, display_name=shown).display_name == shown
 
 
-def test_only_a_robot_s_agent_has_its_badge_and_text_tags_are_text(world: World) -> None:
+def test_only_an_agent_has_the_robot_badge_and_html_is_shown_as_text(site: Site) -> None:
     body = '[robot] <span class="badge badge-robot-agent">robot</span> **quadruped**: done'
-    made = world.api("alice").post("/topics", json={"board_id": "talk", "title": "t", "body": body}).json()
-    page = world.browser("bob").get(made["topic"]["url"]).text
+    made = site.api("alice").post("/topics", json={"board_id": "talk", "title": "t", "body": body}).json()
+    page = site.browser("bob").get(made["topic"]["url"]).text
     assert '<span class="badge badge-robot-agent"' not in page
     assert "by-robot" not in page
     assert "[robot]" in page
     card: dict[str, Any] = {"robot": "quadruped", "state": "done"}
-    answer = world.api("alice").post(f"/topics/{made['topic']['id']}/posts", json={"body": "x", "card": card})
+    answer = site.api("alice").post(f"/topics/{made['topic']['id']}/posts", json={"body": "x", "card": card})
     assert answer.json()["code"] == "not_a_robot"

@@ -1,4 +1,4 @@
-"""What admins, owners and moderators do by pages and forms, without scripts."""
+"""Administration, robot settings and moderation with plain forms, without scripts."""
 
 from __future__ import annotations
 
@@ -9,39 +9,39 @@ import pytest
 
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import rights
-from tests.board.web.page_world import PASSWORD, World, running_world
+from tests.board.web.forum_site import PASSWORD, Site, running_site
 
 SECRET = re.compile(r'<textarea id="secret"[^>]*>([^<]*)</textarea>')
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=False) as world:
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board"), sign_up=False) as site:
+        yield site
 
 
-def kept(world: World) -> rights.RobotSettings:
-    return rights.settings_of(world.board.services.store.everything, "quadruped")
+def kept(site: Site) -> rights.RobotSettings:
+    return rights.settings_of(site.board.services.store.everything, "quadruped")
 
 
-def test_an_account_from_its_making_to_its_password(world: World) -> None:
-    root = world.browser("root")
+def test_an_account_is_created_and_gets_a_password(site: Site) -> None:
+    root = site.browser("root")
     page = root.send("/admin/accounts", name="newbie", display_name="New B.", role="operator", kind="human")
     link = SECRET.search(page.text)
     assert link
     assert page.headers["cache-control"] == "no-store"
-    newbie = world.browser()
-    path = link[1].removeprefix(world.base)
+    newbie = site.browser()
+    path = link[1].removeprefix(site.base)
     assert newbie.send(path, password=PASSWORD).url.path == "/"
     assert "newbie" in newbie.get("/").text
     assert root.get("/admin/accounts/newbie").text.count("selected") == 1
     root.send("/admin/accounts/newbie/change", "/admin/accounts/newbie", role="member", display_name="", suspended="on")
-    found = local_admin.find_account(world.settings, "newbie")
+    found = local_admin.find_account(site.settings, "newbie")
     assert (found.role, found.suspended) == ("member", True)
 
 
-def test_what_cannot_be_says_so_on_the_page_and_keeps_what_was_typed(world: World) -> None:
-    root = world.browser("root")
+def test_errors_are_shown_on_the_page_and_keep_the_input(site: Site) -> None:
+    root = site.browser("root")
     page = root.send("/admin/accounts", name="quadrup3d", display_name="Tidy", role="member", kind="human")
     assert page.status_code == 422
     assert "looks like the robot @quadruped" in page.text
@@ -52,8 +52,8 @@ def test_what_cannot_be_says_so_on_the_page_and_keeps_what_was_typed(world: Worl
     assert ">sometimes</textarea>" in page.text
 
 
-def test_a_token_is_shown_once_and_can_be_revoked(world: World) -> None:
-    root, page = world.browser("root"), "/admin/accounts/alice"
+def test_a_token_is_shown_once_and_can_be_revoked(site: Site) -> None:
+    root, page = site.browser("root"), "/admin/accounts/alice"
     shown = root.send(f"{page}/token", page, label="sensor", write="on")
     secret = SECRET.search(shown.text)
     assert secret
@@ -66,39 +66,37 @@ def test_a_token_is_shown_once_and_can_be_revoked(world: World) -> None:
     assert f'value="{token_id}"' not in root.get(page).text
 
 
-def test_boards_and_invites(world: World) -> None:
-    root = world.browser("root")
+def test_boards_and_invites(site: Site) -> None:
+    root = site.browser("root")
     fields = {"name": "The lab", "description": "", "read_role": "operator", "post_role": "operator"}
     root.send("/admin/boards", id="lab", command_role="operator", **fields)
-    assert "The lab" in world.browser("alice").get("/").text
-    assert "The lab" not in world.browser("bob").get("/").text
+    assert "The lab" in site.browser("alice").get("/").text
+    assert "The lab" not in site.browser("bob").get("/").text
     shown = root.send("/admin/invites", role="member", uses="1", days="3")
     link = SECRET.search(shown.text)
     assert link
-    path = link[1].removeprefix(world.base)
-    assert world.browser().send(path, name="invited", password=PASSWORD).url.path == "/"
-    late = world.browser()
+    path = link[1].removeprefix(site.base)
+    assert site.browser().send(path, name="invited", password=PASSWORD).url.path == "/"
+    late = site.browser()
     assert "was used up" in late.send(path, name="late", password=PASSWORD).text
 
 
-def test_the_owner_sets_what_a_robot_may_be_asked_and_nobody_else_does(world: World) -> None:
-    root, path = world.browser("root"), "/admin/robots/quadruped"
+def test_only_the_owner_may_change_a_robots_rights(site: Site) -> None:
+    root, path = site.browser("root"), "/admin/robots/quadruped"
     fields = {f"command_{c}": "operator" for c in ("photo", "gesture", "move")} | {"command_risky": "nobody"}
     fields |= {"approve": "moderator", "release": "owner", "camera_role": "member", "camera_days": "7"}
     root.send(path, owner="@alice", closed="mon-fri 22:00-06:00", **fields)
-    assert (kept(world).owner, kept(world).camera_days, kept(world).command["risky"]) == ("alice", 7, "nobody")
-    owner = world.browser("alice")
+    assert (kept(site).owner, kept(site).camera_days, kept(site).command["risky"]) == ("alice", 7, "nobody")
+    owner = site.browser("alice")
     owner.send(path, owner="bob", closed="", **fields)
-    assert (kept(world).owner, kept(world).closed) == ("alice", ()), "the owner gives it to nobody"
-    assert world.browser("bob").get(path).status_code == 403
+    assert (kept(site).owner, kept(site).closed) == ("alice", ()), "the owner gives it to nobody"
+    assert site.browser("bob").get(path).status_code == 403
 
 
-def test_hiding_showing_locking_and_moving_by_forms(world: World) -> None:
-    made = (
-        world.api("alice").post("/topics", json={"board_id": "talk", "title": "A topic", "body": "rude words"}).json()
-    )
+def test_hiding_showing_locking_and_moving_by_forms(site: Site) -> None:
+    made = site.api("alice").post("/topics", json={"board_id": "talk", "title": "A topic", "body": "rude words"}).json()
     topic, post = made["topic"]["id"], made["post"]["id"]
-    root, bob = world.browser("root"), world.browser("bob")
+    root, bob = site.browser("root"), site.browser("bob")
     root.send(f"/p/{post}/moderate", reason="rude")
     assert "rude words" not in bob.get(f"/t/{topic}").text
     assert "rude words" in root.get(f"/p/{post}/moderate").text
@@ -113,10 +111,10 @@ def test_hiding_showing_locking_and_moving_by_forms(world: World) -> None:
     assert all(word in log for word in ("post.hide", "post.show", "topic.lock", "topic.move", "rude"))
 
 
-def test_erasing_asks_for_the_name_first(world: World) -> None:
-    world.board.add("gone")
-    world.api("gone").post("/topics", json={"board_id": "talk", "title": "Soon gone", "body": "b"}).raise_for_status()
-    root, page = world.browser("root"), "/admin/accounts/gone"
+def test_erasing_requires_typing_the_name(site: Site) -> None:
+    site.board.add("gone")
+    site.api("gone").post("/topics", json={"board_id": "talk", "title": "Soon gone", "body": "b"}).raise_for_status()
+    root, page = site.browser("root"), "/admin/accounts/gone"
     assert root.send(f"{page}/erase", page, sure="").status_code == 422
     assert "Soon gone" in root.get("/").text
     root.send(f"{page}/erase", page, sure="gone")

@@ -1,4 +1,4 @@
-"""The API page: every call of the API is on it, for everybody, and its links lead somewhere."""
+"""The API page lists every operation, is open to everybody, and has no broken links."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import re
 from tests.board.running_board import RunningBoard
 
 
-def test_every_call_and_schema_of_the_document_is_on_the_page(board: RunningBoard) -> None:
+def test_the_page_lists_every_operation_and_schema(board: RunningBoard) -> None:
     page = html.unescape(board.browser().get("/docs").raise_for_status().text)
     document = board.client().get("/openapi.json").json()
     for path, methods in document["paths"].items():
@@ -19,7 +19,7 @@ def test_every_call_and_schema_of_the_document_is_on_the_page(board: RunningBoar
         assert f'id="schema-{name}"' in page
 
 
-def test_links_within_the_page_lead_somewhere(board: RunningBoard) -> None:
+def test_links_within_the_page_have_targets(board: RunningBoard) -> None:
     page = board.browser().get("/docs").text
     links, ids = set(re.findall(r'href="#([^"]+)"', page)), re.findall(r' id="([^"]+)"', page)
     assert len(ids) == len(set(ids))

@@ -1,1 +1,1 @@
-"""A Discourse to try things on: the part of its API that AgentRob uses, stateful, on loopback, without Ruby."""
+"""A stateful test double of Discourse: the part of its API that AgentRob uses, on loopback, without Ruby."""

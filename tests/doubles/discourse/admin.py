@@ -1,4 +1,4 @@
-"""What an admin of the double does over HTTP: settings, categories, groups, keys, suspension, approval."""
+"""The double's admin endpoints: settings, categories, groups, keys, suspension, approval."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ async def unsuspend(request: Request, caller: Caller) -> Response:
 
 
 async def review(request: Request, caller: Caller) -> Response:
-    """A moderator approves or rejects what waits."""
+    """Approve or reject a queued post, as a moderator."""
     number = int(request.path_params["id"])
     if number not in caller.site.waiting:
         raise missing()
@@ -97,7 +97,7 @@ async def review(request: Request, caller: Caller) -> Response:
 
 
 def _admins_only(handler: Handler) -> Handler:
-    """Answer 404 to everybody else, as Discourse does."""
+    """Answer 404 to everybody but admins, as Discourse does."""
 
     async def guarded(request: Request, caller: Caller) -> Response:
         if not caller.user.admin:

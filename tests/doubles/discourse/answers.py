@@ -1,4 +1,4 @@
-"""The double's answers: what is known of the state, filled up to what Discourse's document requires."""
+"""The double's responses: fields from its state; other fields that Discourse's OpenAPI document requires are empty."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _AVATAR = "/letter_avatar_proxy/v4/letter/x/{size}.png"
 
 
 def post(site: Site, p: Post, viewer: User | None, raw: bool = True) -> Json:
-    """A post as `PostSerializer` gives it; `raw` only where it is asked for."""
+    """Return a post like `PostSerializer`; `raw` is included on request only."""
     user, topic = site.users[p.user], site.topics[p.topic]
     mine = viewer is not None and viewer.id == user.id
     known = {
@@ -45,7 +45,7 @@ def latest_posts(site: Site, viewer: User, before: int | None) -> Json:
 
 
 def topic_view(site: Site, topic: Topic, viewer: User, username: str | None) -> Json:
-    """A topic with the first posts of those chosen (without raw), and the ids of all of them."""
+    """Return a topic with the first of the selected posts (without raw) and the ids of all of them."""
     seen = [p for n in topic.posts if site.visible(viewer, p := site.posts[n])]
     chosen = [p for p in seen if username is None or p.number == 1 or site.users[p.user].username.lower() == username]
     posts = []
@@ -98,7 +98,7 @@ def categories(site: Site, viewer: User) -> Json:
 
 
 def category_path(site: Site, c: Category) -> str:
-    """The slugs of a category and of the one above it; one without a slug has its number."""
+    """Return the slugs of a category and its parent; a category without a slug is named by its number."""
     above = f"{category_path(site, site.categories[c.parent])}/" if c.parent else ""
     return above + (c.slug or f"{c.id}-category")
 
@@ -109,7 +109,7 @@ def _category(c: Category) -> Json:
 
 
 def category_topics(site: Site, category: Category, viewer: User, page: int) -> Json:
-    """Latest activity first, thirty a page, with those of its subcategories."""
+    """Return the topics of a category and its subcategories, latest activity first, thirty per page."""
     wanted = {category.id, *(c.id for c in site.categories.values() if c.parent == category.id)}
     found = [t for t in site.topics.values() if t.category in wanted and site.sees(viewer, t)]
     found.sort(key=lambda t: -t.posts[-1])
@@ -133,7 +133,7 @@ def category_topics(site: Site, category: Category, viewer: User, page: int) -> 
 
 
 def profile(site: Site, user: User) -> Json:
-    """`/u/{username}.json`: groups with the automatic ones, suspension only when there is one."""
+    """Return `/u/{username}.json`, with the automatic groups, and with a suspension only if there is one."""
     automatic = [f"trust_level_{n}" for n in range(user.trust_level + 1)]
     automatic += [name for name, has in (("admins", user.admin), ("moderators", user.moderator)) if has]
     groups = [{"id": 10 + n, "automatic": True, "name": g, "display_name": g} for n, g in enumerate(automatic)]
@@ -151,7 +151,7 @@ def profile(site: Site, user: User) -> Json:
 
 
 def actions(site: Site, user: User, viewer: User, wanted: set[str], offset: int) -> Json:
-    """What somebody did, newest first, thirty a page: 4 topics, 5 replies."""
+    """Return a user's actions, newest first, thirty per page: type 4 for topics, 5 for replies."""
     found = []
     for p in sorted(site.posts.values(), key=lambda p: -p.id):
         kind = 4 if p.number == 1 else 5
@@ -170,7 +170,7 @@ def actions(site: Site, user: User, viewer: User, wanted: set[str], offset: int)
 
 
 def search(site: Site, viewer: User, term: str, page: int) -> Json:
-    """Posts that have all words, newest first, fifty a page; `#parent:child` is a category."""
+    """Return posts that contain all words, newest first, fifty per page; `#parent:child` selects a category."""
     words = [w for w in term.lower().split() if not w.startswith("#") and ":" not in w]
     places = [w[1:].replace(":", "/") for w in term.split() if w.startswith("#")]
     wanted = {c.id for c in site.categories.values() if not places or category_path(site, c) in places}

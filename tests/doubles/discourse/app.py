@@ -1,4 +1,4 @@
-"""The double over HTTP: `create_app(site)` is an ASGI app with Discourse's addresses."""
+"""The double over HTTP: `create_app(site)` returns an ASGI app with Discourse's routes."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ async def upload(request: Request, caller: Caller) -> Response:
     return JSONResponse(filled("post", "/uploads.json", known))
 
 
-# ---------------------------------------------------------------- accounts, and what happens
+# ---------------------------------------------------------------- accounts and the message bus
 async def sign_up(request: Request, caller: Caller) -> Response:
     return JSONResponse(caller.visitors.sign_up(await body(request), caller.known if caller.by_api else None))
 
@@ -217,7 +217,7 @@ async def current(request: Request, caller: Caller) -> Response:
 
 
 async def poll(request: Request, caller: Caller) -> Response:
-    """Held open in pieces, or answered at once (`dlp=t`)."""
+    """Hold the request open and send chunks, or answer at once (`dlp=t`)."""
     places = {k: int(v) for k, v in (await body(request)).items() if k != "__seq"}
     user = caller.known
     who, groups = (None, set()) if user is None else (user.id, None if user.admin else user.groups)

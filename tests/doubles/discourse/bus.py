@@ -1,4 +1,4 @@
-"""The double's message bus: channels of numbered messages, polled at once or held open in pieces."""
+"""The double's message bus: channels of numbered messages, by polling or by long polling with chunks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class _Channel:
 
 
 class MessageBus:
-    """Messages may be for a group or for some users only."""
+    """Channels of messages; a message may be restricted to a group or to some users."""
 
     def __init__(self) -> None:
         self._channels: dict[str, _Channel] = defaultdict(_Channel)
@@ -38,7 +38,8 @@ class MessageBus:
             waiting.set()
 
     def backlog(self, places: dict[str, int], user: int | None, groups: set[int] | None) -> list[dict[str, Any]]:
-        """What is due; `places` move on. A place of -1, or one ahead of the channel, is answered with where it is."""
+        """Return the messages after `places` and advance these; report the position of a channel if a place is -1 or
+        ahead of it."""
         due, status = [], {}
         for channel, place in list(places.items()):
             at = self._channels[channel]
@@ -60,7 +61,7 @@ class MessageBus:
     async def held(
         self, places: Mapping[str, int], user: int | None, groups: set[int] | None, seconds: float
     ) -> AsyncIterator[str]:
-        """Pieces of a held request, the first at once, until its time is over."""
+        """Yield the chunks of a long-polling request, the first at once, until it times out."""
         at, waiting = dict(places), asyncio.Event()
         self._waiting.add(waiting)
         try:

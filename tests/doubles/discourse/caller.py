@@ -1,4 +1,4 @@
-"""The account behind a request to the double, and what it may see."""
+"""The account that sends a request to the double, and what it may see."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Handler = Callable[[Request, "Caller"], Awaitable[Response]]
 
 
 class Caller:
-    """Who asks, as the headers or the session's cookie say."""
+    """The caller, identified by headers or by the session cookie."""
 
     def __init__(self, site: Site, visitors: Visitors, user: User | None, by_api: bool) -> None:
         self.site, self.visitors, self._user, self.by_api = site, visitors, user, by_api

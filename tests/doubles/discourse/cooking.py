@@ -1,4 +1,4 @@
-"""Markdown to the HTML that Discourse shows, as far as robots care: mentions that resolve, uploads, quotes."""
+"""Render Markdown like Discourse, as far as robots need it: mentions that resolve, uploads, quotes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ATTRIBUTES = {"a": {"href", "class"}, "img": {"src", "alt", "class"}, "aside": 
 
 
 def cook(raw: str, known: Callable[[str], bool], upload: Callable[[str], str]) -> str:
-    """`known` says whether a name is an account, `upload` gives the address of an `upload://` link."""
+    """Render a post; `known` tests whether a name is an account, `upload` resolves an `upload://` link."""
     tokens = _MARKDOWN.parse(_QUOTE.sub(r'<aside class="quote">\n\n\1\n\n</aside>\n', raw))
     for token in tokens:
         for child in token.children or ():

@@ -1,7 +1,7 @@
-"""Discourse's own OpenAPI document, as far as it is needed: answers are built from it, and held against it in tests.
+"""The needed part of Discourse's OpenAPI document: the double's responses are built from it and validated against it.
 
 `openapi.json` is an extract of https://docs.discourse.org/openapi.json (MIT licence). The document is generated from
-examples of one test run, so some of it is narrower than what Discourse answers; `DEPARTURES` says where and why.
+examples of one test run, so parts of it are narrower than real responses; `DEPARTURES` lists where and why.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ Schema = dict[str, Any]
 _NUMBER: Schema = {"type": ["integer", "null"]}
 _TEXT: Schema = {"type": "string"}
 
-#: (operation, beside, property, what it really is, why): each object of that operation that has the property `beside`
-#: has this one. The operation `*` is every one.
+#: (operation, beside, property, real schema, reason): each object of the operation that has the property `beside` also
+#: has this property. The operation `*` means all.
 DEPARTURES: tuple[tuple[str, str, str, Schema, str], ...] = (
     ("*", "reply_to_post_number", "reply_to_post_number", _NUMBER, "null in the example; it is a number"),
     ("*", "reviewable_id", "reviewable_id", _NUMBER, "null in some examples, 0 in others"),
@@ -35,7 +35,7 @@ DEPARTURES: tuple[tuple[str, str, str, Schema, str], ...] = (
 
 @cache
 def paths() -> dict[str, dict[str, Any]]:
-    """The extract's paths, with the departures."""
+    """Return the paths of the extract with the departures applied."""
     text = (files(__package__) / "openapi.json").read_text(encoding="utf-8")
     found: dict[str, dict[str, Any]] = json.loads(text)["paths"]
     for path, methods in found.items():
@@ -54,14 +54,14 @@ def _depart(at: Any, beside: str, name: str, schema: Schema) -> None:
 
 
 def response_schema(method: str, path: str) -> Schema:
-    """The schema of a good answer."""
+    """Return the schema of a successful response."""
     answer = paths()[path][method]["responses"]["200"]
     schema: Schema = answer["content"]["application/json"]["schema"]
     return schema
 
 
 def filled(method: str, path: str, known: Mapping[str, Any]) -> dict[str, Any]:
-    """What is known, and for all else that the document requires the emptiest value that it allows."""
+    """Return the known fields; other required fields get the emptiest value that the document allows."""
     answer: dict[str, Any] = _fill(response_schema(method, path), known)
     return answer
 

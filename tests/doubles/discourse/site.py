@@ -1,4 +1,4 @@
-"""The state of the double: accounts, topics, posts, pictures, and the rules that Discourse holds writers to."""
+"""The state of the double: accounts, topics, posts and pictures, and Discourse's rules and limits for posting."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.doubles.discourse.cooking import cook
 
 STUB = "(post deleted by author)"
 
-#: Discourse's own defaults. The first block is site settings, the second is set where Discourse is started.
+#: Discourse's defaults: first site settings, then settings of its start-up configuration.
 DEFAULTS: Mapping[str, float] = {
     "min_post_length": 20,
     "min_first_post_length": 20,
@@ -37,7 +37,7 @@ DEFAULTS: Mapping[str, float] = {
     "max_reqs_per_ip_per_10_seconds": 0,
     "long_polling_interval_s": 25,
 }
-#: What `docs/discourse.md` asks an admin to lift.
+#: The limits that `docs/discourse.md` asks an admin to lift.
 LIFTED: Mapping[str, float] = {
     "min_post_length": 5,
     "min_first_post_length": 5,
@@ -53,7 +53,7 @@ LIFTED: Mapping[str, float] = {
 
 
 class Refusal(Exception):
-    """An answer that is no good one; `wait_s` only with 429, whose `text` may be plain."""
+    """An error response; `wait_s` is set for 429 only, which may be plain text."""
 
     def __init__(self, status: int, said: str, kind: str = "", wait_s: int | None = None, plain: bool = False) -> None:
         super().__init__(said)
@@ -91,7 +91,7 @@ class User:
 class Group:
     id: int
     name: str
-    #: Whether anybody may join.
+    #: True if anybody may join.
     public_admission: bool = False
 
 
@@ -137,7 +137,7 @@ class Post:
 
 
 class Site:
-    """Everything. `settings` are `DEFAULTS` with what is given; times are the machine's clock."""
+    """The whole state. `settings` override `DEFAULTS`; times come from the system clock."""
 
     def __init__(self, settings: Mapping[str, float] | None = None) -> None:
         self.settings = {**DEFAULTS, **(settings or {})}
@@ -148,11 +148,11 @@ class Site:
         self.topics: dict[int, Topic] = {}
         self.posts: dict[int, Post] = {}
         self.uploads: dict[str, tuple[str, bytes]] = {}
-        #: Files that lie elsewhere, on S3 say.
+        #: Files that are stored elsewhere, for example on S3.
         self.moved: dict[str, str] = {}
         self.waiting: dict[int, tuple[int, dict[str, Any]]] = {}
         self.notifications: list[dict[str, Any]] = []
-        #: API keys: of one account, or (None) of all; and users' own keys.
+        #: API keys, each for one account or (None) for all; then users' own keys.
         self.api_keys: dict[str, int | None] = {}
         self.user_keys: dict[str, int] = {}
         self._times: dict[tuple[str, Any], deque[float]] = defaultdict(deque)
@@ -162,7 +162,7 @@ class Site:
         self.add_user("system", admin=True)
         self.add_category("General", "general")
 
-    # ---------------------------------------------------------------- people and places
+    # ---------------------------------------------------------------- accounts and categories
     def add_user(self, username: str, **more: Any) -> User:
         if self.named(username) is not None:
             raise Refusal(422, "Username must be unique")
@@ -184,7 +184,7 @@ class Site:
         return category
 
     def add_key(self, user: User | None = None) -> str:
-        """An API key as that account, or one for all accounts."""
+        """Create an API key of one account, or one for all accounts."""
         key = secrets.token_hex(32)
         self.api_keys[key] = user.id if user else None
         return key
@@ -203,7 +203,7 @@ class Site:
 
     # ---------------------------------------------------------------- limits
     def limit(self, what: str, who: Any, count: float, seconds: float, plain: bool = False) -> None:
-        """At most `count` in so many seconds; 0 is no limit. Raises 429."""
+        """Count one use; raise 429 beyond `count` uses in this many seconds. A count of 0 means no limit."""
         if count <= 0:
             return
         times, now_s = self._times[what, who], time.monotonic()
@@ -221,8 +221,8 @@ class Site:
 
     # ---------------------------------------------------------------- writing
     def create(self, user: User, wanted: dict[str, Any], by_api: bool) -> dict[str, Any]:
-        """What `POST /posts.json` does: `{post}`, or `{action: enqueued}`. With an API key, the same content again
-        within 120 s is answered with the same answer, whatever that was."""
+        """Handle `POST /posts.json`: return `{post}` or `{action: enqueued}`. With an API key, the same content gets
+        the same response again for 120 s, even an error."""
         signature = hashlib.sha1(repr((user.id, sorted(wanted.items()))).encode()).hexdigest()
         at_s, old = self._answers.get(signature, (-1e9, {}))
         if by_api and time.monotonic() - at_s < 120:
@@ -281,7 +281,7 @@ class Site:
         self._may_write(user, f"create_{what}", self.settings[f"rate_limit_create_{what}"])
 
     def write(self, user: User, wanted: Mapping[str, Any], post_id: int | None = None) -> Post:
-        """Put a post there, checked or not. `post_id`: one that was reserved before others (written late)."""
+        """Store a post without checks. `post_id` may be an id reserved earlier, so that the post appears late."""
         now = datetime.now(UTC)
         now = now.replace(microsecond=now.microsecond // 1000 * 1000)
         topic = self.topics.get(int(wanted["topic_id"])) if wanted.get("topic_id") else None
@@ -303,17 +303,17 @@ class Site:
         return post
 
     def reserve(self) -> int:
-        """A post's id; they are given out in order, but need not appear in order."""
+        """Reserve the next post id; posts need not appear in the order of their ids."""
         self._post_ids += 1
         return self._post_ids
 
     def approve(self, number: int) -> Post:
-        """A moderator approves a post that waits."""
+        """Publish a queued post, as when a moderator approves it."""
         user_id, wanted = self.waiting.pop(number)
         return self.write(self.users[user_id], wanted)
 
     def revise(self, user: User, post: Post, raw: str) -> None:
-        """An edit. Within the grace period, by the same person, the version stays what it was."""
+        """Edit a post. Within the grace period an edit by the same user adds no version."""
         if not (user.staff or user.id == post.user):
             raise denied()
         if not user.staff:
@@ -327,7 +327,7 @@ class Site:
         self.say(post, "revised")
 
     def delete(self, user: User, post: Post) -> None:
-        """By staff it is gone for others (with the topic, when it is the first post); by its author a stub stays."""
+        """Delete a post. Staff hide it from others (the first post with its topic); its author leaves a stub."""
         if user.staff:
             post.deleted_at = datetime.now(UTC)
             self.topics[post.topic].deleted |= post.number == 1
@@ -365,7 +365,7 @@ class Site:
         return name
 
     def _notify(self, post: Post, topic: Topic) -> None:
-        """Who is mentioned (1); whose post is answered (2), once."""
+        """Notify mentioned users (type 1) and the author of the post replied to (type 2), each once."""
         found = dict.fromkeys(re.findall(r'class="mention" href="/u/([^"]+)"', post.cooked), 1)
         if post.reply_to is not None:
             answered = self.posts[topic.posts[post.reply_to - 1]]

@@ -1,4 +1,4 @@
-"""Who is at the door of the double: keys, sessions with their CSRF token, and sign-up."""
+"""Authentication of the double: keys, sessions with their CSRF token, and sign-up."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ class Visitors:
         self._honeypot = {"value": secrets.token_hex(16), "challenge": secrets.token_hex(16)}
 
     def who(self, request: Request) -> tuple[User | None, bool]:
-        """The account and whether an API key says so. Limits of address and key come first."""
+        """Return the account, and whether an API key identified it. Rate limits by address and key are checked
+        first."""
         site, address = self._site, request.client.host if request.client else ""
         for count, seconds in (("per_minute", 60), ("per_10_seconds", 10)):
             site.limit(f"ip_{seconds}", address, site.settings[f"max_reqs_per_ip_{count}"], seconds, plain=True)
@@ -38,14 +39,15 @@ class Visitors:
         return site.users.get(number or 0), False
 
     def who_or_nobody(self, request: Request) -> tuple[User | None, bool]:
-        """The message bus takes a key that is refused or limited for nobody's, and says nothing."""
+        """Identify a caller of the message bus, which treats a rejected or limited key as anonymous without an
+        error."""
         try:
             return self.who(request)
         except Refusal:
             return None, False
 
     def _of_api_key(self, key: str, name: str | None) -> User | None:
-        """A key of one account is for no other; one of all needs a name."""
+        """Return the account of an API key: a key for one account allows no other, a key for all needs a name."""
         if key not in self._site.api_keys:
             return None
         number = self._site.api_keys[key]
@@ -70,7 +72,7 @@ class Visitors:
         return response
 
     def sign_in(self, request: Request, given: dict[str, Any]) -> Response:
-        """A wrong password is answered with 200."""
+        """Sign in; like Discourse, answer a wrong password with status 200."""
         user = self._site.named(str(given.get("login", "")))
         if user is None or not user.password or user.password != given.get("password"):
             return JSONResponse({"error": "Incorrect username, email or password"})
@@ -87,7 +89,8 @@ class Visitors:
         return self._honeypot
 
     def sign_up(self, given: dict[str, Any], admin: User | None) -> dict[str, Any]:
-        """With an admin's key at once; a visitor must have read the honeypot, and waits for an e-mail."""
+        """Create an account: active at once with an admin's key; a visitor needs the honeypot and confirms by
+        e-mail."""
         by_admin = admin is not None and admin.admin
         read = given.get("password_confirmation") == self._honeypot["value"]
         if not by_admin and not (read and given.get("challenge") == self._honeypot["challenge"][::-1]):
@@ -95,7 +98,7 @@ class Visitors:
                 "success": True,
                 "active": False,
                 "message": "You're all set! Check your email.",
-            }  # a robot: no account
+            }  # the honeypot caught a bot: no account
         try:
             names = {k: str(given.get(k, "")) for k in ("name", "email", "password")}
             user = self._site.add_user(str(given["username"]), **names, active=by_admin and bool(given.get("active")))

@@ -1,6 +1,6 @@
-"""The contract's face of a Discourse, double or real, and a double that is served, checked and broken at will.
+"""The contract's interface to a Discourse, real or double, and a served double with validation and fault injection.
 
-Everything goes over HTTP with an admin's key, so that what is tried on the double is what runs on a real Discourse.
+Everything goes over HTTP with an admin's key, so the same code runs against the double and a real Discourse.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ _OF_KIND = {
 _OF_ROLE = {Role.OPERATOR: "robot-operators", Role.ADMIN: "robot-admins"}
 CREATED, EDITED, REMOVED = EventKind.POST_CREATED, EventKind.POST_EDITED, EventKind.POST_REMOVED
 PASSWORD = "a long enough password"
-#: Site settings that docs/discourse.md asks an admin to change; the others are set where Discourse is started.
+#: Site settings that docs/discourse.md asks an admin to change; the others belong to the start-up configuration.
 SITE_SETTINGS = {k: v for k, v in LIFTED.items() if not k.startswith("max_") or k == "max_edits_per_day"}
 
 
 class DiscourseWorld:
-    """Accounts, groups and the board `robots` on a Discourse, by an admin's API key for all users."""
+    """Manages accounts, groups and the board `robots` of a Discourse with an admin's API key for all users."""
 
     def __init__(self, url: str, key: str, admin: str = "system", **options: Any) -> None:
         self.url, self.key, self.admin = url, key, admin
@@ -95,10 +95,10 @@ class DiscourseWorld:
         return self.at(self.url, f"{name}:{self.key}")
 
     def grant(self, name: str) -> None:
-        """Make an account an admin of the Discourse itself, which its API cannot do."""
+        """Make an account an admin of the Discourse itself; its API cannot do this."""
 
     async def regroup(self, name: str, kind: AccountKind = AccountKind.HUMAN, role: Role = Role.MEMBER) -> None:
-        """Return the groups of an account of an earlier test on a Discourse that is not new."""
+        """Set the groups of an account that an earlier test created on this Discourse."""
         for group in self.groups:
             method = "PUT" if group in (_OF_KIND.get(kind), _OF_ROLE.get(role)) else "DELETE"
             await self._member(method, group, name)
@@ -128,7 +128,7 @@ class DiscourseWorld:
 
 
 class LiveWorld(DiscourseWorld):
-    """The same on a Discourse that other tests have used before."""
+    """A real Discourse that other tests may have used before."""
 
     newcomer = f"planner-{uuid4().hex[:8]}"
 
@@ -143,7 +143,7 @@ class LiveWorld(DiscourseWorld):
 
 
 class DoubledWorld(DiscourseWorld):
-    """The same on the double `site`, where whoever is named is made its admin."""
+    """The double `site`, on which any account can be made an admin."""
 
     site: Site
 
@@ -154,7 +154,7 @@ class DoubledWorld(DiscourseWorld):
 
 
 class Double:
-    """An ASGI app around the double's: holds what passes against Discourse's document, and breaks it at will."""
+    """Wraps the double's ASGI app: validates traffic against Discourse's OpenAPI document and injects faults."""
 
     def __init__(self, site: Site) -> None:
         self.site = site
@@ -162,7 +162,7 @@ class Double:
         self.requests: list[tuple[str, str]] = []
         self.headers: list[dict[str, str]] = []
         self.violations: list[str] = []
-        #: Requests of this method and path are carried out, but their response is lost; how often.
+        #: For each method and path, how many requests are carried out although their response is lost.
         self.lose: dict[tuple[str, str], int] = {}
         self._app = create_app(site)
         self.visitors = self._app.state.visitors
@@ -237,7 +237,7 @@ class Double:
 
 
 def _form(body: bytes) -> dict[str, Any]:
-    """The fields of a multipart body; a file is its name, "true" is a boolean."""
+    """Return the fields of a multipart body, with a file's name for the file and booleans for "true"."""
     fields = re.findall(rb'name="([^"]+)"(?:; filename="([^"]*)")?[^\r]*\r\n(?:[^\r]+\r\n)*\r\n([^\r]*)', body)
     values = {name.decode(): (file or value).decode(errors="replace") for name, file, value in fields}
     return {name: {"true": True, "false": False}.get(value, value) for name, value in values.items()}
@@ -260,9 +260,10 @@ def _matches(template: str, path: str) -> bool:
 
 @asynccontextmanager
 async def served(settings: dict[str, float] | None = None) -> AsyncIterator[Double]:
-    """The double on a port of its own, in this event loop; at the end nothing may have left Discourse's document."""
+    """Serve the double on a free port, in this event loop; at the end assert that all traffic matched the document."""
     double = Double(Site(settings))
-    # asyncio switches Nagle's delay (40 ms an answer) off only where the protocol is named; create_server names none.
+    # asyncio sets TCP_NODELAY only if the socket's protocol is given, which create_server does not do; without it each
+    # response takes 40 ms longer.
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.bind(("127.0.0.1", 0))
     listener.listen()
@@ -272,7 +273,7 @@ async def served(settings: dict[str, float] | None = None) -> AsyncIterator[Doub
     server = uvicorn.Server(config)
     server.lifespan = config.lifespan_class(config)
     await server.startup(sockets=[listener])
-    await server.on_tick(0)  # the date of its answers; its main loop would only tick on
+    await server.on_tick(0)  # sets the `Date` header; nothing else of uvicorn's main loop is needed
     try:
         yield double
     finally:
@@ -285,7 +286,7 @@ async def served(settings: dict[str, float] | None = None) -> AsyncIterator[Doub
 async def double_world(
     settings: dict[str, float] | None = None, **options: Any
 ) -> AsyncIterator[tuple[DiscourseWorld, Double]]:
-    """Return a prepared world on a double without limits, except the given ones."""
+    """Yield a prepared world on a double with all limits lifted, except the given ones."""
     async with served({**LIFTED, **(settings or {})}) as double:
         world = DoubledWorld(double.url, double.site.add_key(), **options)
         world.site = double.site
@@ -311,7 +312,7 @@ def write(site: Site, post_id: int | None = None, **wanted: object) -> Post:
     return site.write(site.users[1], wanted, post_id)
 
 
-def told(events: tuple[Event, ...]) -> list[tuple[EventKind, str]]:
+def kinds_and_posts(events: tuple[Event, ...]) -> list[tuple[EventKind, str]]:
     return [(e.kind, e.post.id if e.post else "") for e in events]
 
 

@@ -48,7 +48,7 @@ async def answer(reader: DiscourseForum, post: Post, states: set[str], limit_s: 
     raise AssertionError("the stream ended")
 
 
-async def test_a_command_is_done_reported_and_another_one_stopped(driver: Driver, tmp_path: Path) -> None:
+async def test_a_command_is_executed_and_reported_and_another_one_stopped(driver: Driver, tmp_path: Path) -> None:
     async with double_world() as (world, double):
         alice, bob = await world.sign_in("alice", role=Role.OPERATOR), await world.sign_in("bob")
         async with served(world, driver, tmp_path):
@@ -68,10 +68,9 @@ async def test_a_command_is_done_reported_and_another_one_stopped(driver: Driver
 
 
 @pytest.mark.slow  # it waits as long as an unmodified Discourse requires
-async def test_law_6_with_the_limits_of_an_untouched_discourse_each_command_is_answered_once(
-    driver: Driver, tmp_path: Path
-) -> None:
-    """Limits of posts and edits, 60 requests a minute and key, polling; only its people's limits are lifted."""
+async def test_law_6_with_default_limits_each_command_is_answered_once(driver: Driver, tmp_path: Path) -> None:
+    """The robot works with Discourse's default limits (posts, edits, 60 requests a minute) and with polling; only the
+    people's limits are lifted."""
     async with double_world(requests_per_minute=60) as (world, double):
         alice = world.at(world.url, f"system:{double.site.add_key()}", requests_per_minute=100_000)
         own = double.site.add_key()
@@ -113,7 +112,7 @@ async def _written(double: Double) -> None:
 
 
 def _told_once(double: Double) -> None:
-    """Check that no two posts of the robot have the same key."""
+    """Assert that no two posts of the robot have the same key."""
     robot = double.site.named(ROBOT)
     assert robot is not None
     keys = [unmark(p.raw).key for p in double.site.posts.values() if p.user == robot.id]

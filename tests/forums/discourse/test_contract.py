@@ -1,9 +1,9 @@
-"""The Discourse adapter keeps the contract against the double, and against a real Discourse where one is named.
+"""The Discourse adapter fulfils the contract on the double, and on a real Discourse if one is configured.
 
-    AGENTROB_TEST_DISCOURSE_URL=https://forum.example AGENTROB_TEST_DISCOURSE_KEY=… pytest tests/forums/…
+    AGENTROB_TEST_DISCOURSE_URL=https://forum.example AGENTROB_TEST_DISCOURSE_KEY=… pytest tests/forums/discourse
 
-The key is an admin's for all users, of a Discourse that is for tests: accounts are made and suspended, and settings
-changed. `python -m tests.doubles.discourse --lifted` serves one to try that on.
+The key must be an admin's key for all users. Use a Discourse for tests only, because this creates and suspends accounts
+and changes settings. `python -m tests.doubles.discourse --lifted` serves the double for the same purpose.
 """
 
 from __future__ import annotations

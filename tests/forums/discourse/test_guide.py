@@ -1,4 +1,5 @@
-"""docs/discourse.md is accurate: its configuration, its double as a command, and the document it was built from."""
+"""docs/discourse.md is accurate; the double can be started as a command and departs from Discourse's document only
+where stated."""
 
 from __future__ import annotations
 
@@ -27,14 +28,14 @@ ROOT = Path(__file__).parents[3]
 GUIDE = (ROOT / "docs/discourse.md").read_text(encoding="utf-8")
 
 
-def test_the_configuration_of_the_guide_is_one() -> None:
+def test_the_configuration_in_the_guide_is_valid() -> None:
     (text,) = re.findall(r"^```toml\n(.*?)^```", GUIDE, re.MULTILINE | re.DOTALL)
     forum = load.parse(tomllib.loads(text)).forum
     options = DiscourseOptions.of(forum.options)
     assert (forum.kind, options.operators) == ("discourse", ("robot-operators", "trust_level_3"))
 
 
-def test_what_is_lifted_is_a_setting_of_discourse() -> None:
+def test_lifted_limits_are_settings_of_discourse() -> None:
     assert LIFTED.keys() <= DEFAULTS.keys()
     for name in ("rate limit create post", "max edits per day", "approve post count"):
         assert name in GUIDE
@@ -49,7 +50,7 @@ def _properties(at: Any, beside: str) -> Iterator[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("departure", DEPARTURES, ids=lambda d: f"{d[0]} {d[2]}")
-def test_each_departure_from_the_document_is_still_one(departure: tuple[str, str, str, dict[str, Any], str]) -> None:
+def test_each_departure_from_the_document_still_applies(departure: tuple[str, str, str, dict[str, Any], str]) -> None:
     where, beside, name, schema, why = departure
     document = json.loads((files(discourse) / "openapi.json").read_text(encoding="utf-8"))["paths"]
     operations = {f"{m} {p}": o for p, methods in document.items() for m, o in methods.items()}
@@ -59,21 +60,21 @@ def test_each_departure_from_the_document_is_still_one(departure: tuple[str, str
     assert why
 
 
-def test_answers_are_filled_up_to_what_the_document_requires() -> None:
+def test_responses_contain_all_required_fields() -> None:
     answer = filled("get", "/posts/{id}.json", {"id": 7, "raw": "words"})
     schema = paths()["/posts/{id}.json"]["get"]["responses"]["200"]["content"]["application/json"]["schema"]
     assert set(schema["required"]) <= answer.keys()
     assert (answer["id"], answer["raw"], answer["cooked"], answer["wiki"]) == (7, "words", "", False)
 
 
-def test_the_extract_is_small_and_says_whose_it_is() -> None:
+def test_the_extract_is_small_and_names_its_source() -> None:
     text = (files(discourse) / "openapi.json").read_text(encoding="utf-8")
     assert len(text) < 80_000
     assert "Copyright (c) 2016 Civilized Discourse Construction Kit, Inc." in text
 
 
 @pytest.mark.slow
-def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() -> None:
+def test_the_contract_runs_against_a_discourse_at_a_url() -> None:
     command = [sys.executable, "-m", "tests.doubles.discourse", "--lifted", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as double:
         assert double.stdout is not None
@@ -93,8 +94,8 @@ def test_the_contract_runs_against_a_discourse_that_is_named_by_its_address() ->
             double.terminate()
 
 
-async def test_what_leaves_the_document_is_noticed() -> None:
-    """The check itself works, so that its silence in all other tests means something."""
+async def test_traffic_outside_the_document_is_reported() -> None:
+    """The validator reports a violation, so its silence in the other tests is meaningful."""
     async with double_world() as (world, double):
         alice = await world.sign_in("alice")
         assert double.violations == []

@@ -1,4 +1,4 @@
-"""Discourse's push: its message bus, and what it omits."""
+"""Push on Discourse: the message bus, and the events that it omits."""
 
 from __future__ import annotations
 
@@ -25,28 +25,30 @@ from tests.forums.discourse.discourse_world import (
     DiscourseWorld,
     Double,
     first,
-    told,
+    kinds_and_posts,
     write,
 )
 
 
 # ---------------------------------------------------------------- push
-async def test_push_brings_posts_edits_and_removals_at_once(robot: DiscourseForum, double: Double, topic: int) -> None:
+async def test_push_delivers_posts_edits_and_removals_at_once(
+    robot: DiscourseForum, double: Double, topic: int
+) -> None:
     """With a heartbeat every two minutes, only a message can arrive in time."""
     after, _ = await robot.now()
     stream = robot.stream(after, 120.0)
     assert (await anext(stream)).kind is EventKind.HEARTBEAT
     post = write(double.site, topic_id=topic, raw="@quadruped walk")
     async with asyncio.timeout(60):
-        assert told((await anext(stream),)) == [(CREATED, str(post.id))]
+        assert kinds_and_posts((await anext(stream),)) == [(CREATED, str(post.id))]
         double.site.revise(double.site.users[1], post, "@quadruped stop")
         assert (await first(stream, EDITED)).post is not None
         double.site.delete(double.site.users[1], post)
-        assert told((await first(stream, REMOVED),)) == [(REMOVED, str(post.id))]
+        assert kinds_and_posts((await first(stream, REMOVED),)) == [(REMOVED, str(post.id))]
     await stream.aclose()  # type: ignore[attr-defined]
 
 
-async def test_an_edit_of_a_post_too_old_for_the_lists_is_heard_by_its_thread(
+async def test_an_edit_of_a_post_too_old_for_the_lists_is_found_in_its_topic(
     robot: DiscourseForum, double: Double, topic: int
 ) -> None:
     old = double.site.posts[1]
@@ -64,7 +66,7 @@ async def test_an_edit_of_a_post_too_old_for_the_lists_is_heard_by_its_thread(
     await stream.aclose()  # type: ignore[attr-defined]
 
 
-async def test_law_16_each_heartbeat_is_an_answer_of_the_message_bus(
+async def test_law_16_each_heartbeat_is_a_response_of_the_message_bus(
     robot: DiscourseForum, double: Double, topic: int
 ) -> None:
     after, _ = await robot.now()
@@ -76,9 +78,7 @@ async def test_law_16_each_heartbeat_is_an_answer_of_the_message_bus(
     await stream.aclose()  # type: ignore[attr-defined]
 
 
-async def test_law_15_a_reply_that_came_too_early_makes_nobody_deaf(
-    robot: DiscourseForum, double: Double, topic: int
-) -> None:
+async def test_law_15_a_rate_limit_does_not_end_listening(robot: DiscourseForum, double: Double, topic: int) -> None:
     double.site.settings["rate_limit_create_post"] = 60
     await robot.reply(str(topic), "one", key="1")
     with pytest.raises(ForumLimited):
@@ -88,23 +88,23 @@ async def test_law_15_a_reply_that_came_too_early_makes_nobody_deaf(
     for _ in range(3):
         assert (await anext(stream)).kind is EventKind.HEARTBEAT
     post = write(double.site, topic_id=topic, raw="@quadruped stop")
-    assert told((await first(stream, CREATED),)) == [(CREATED, str(post.id))]
+    assert kinds_and_posts((await first(stream, CREATED),)) == [(CREATED, str(post.id))]
     await stream.aclose()  # type: ignore[attr-defined]
 
 
-async def test_a_session_hears_as_a_key_does(world: DiscourseWorld, double: Double, topic: int) -> None:
+async def test_push_works_with_a_session_as_with_a_key(world: DiscourseWorld, double: Double, topic: int) -> None:
     await world.sign_in("alice")
     forum = world.at(world.url, f"login:alice:{PASSWORD}")
     after, _ = await forum.now()
     stream = forum.stream(after, 0.05)
     await first(stream, EventKind.HEARTBEAT)
     post = write(double.site, topic_id=topic, raw="some words")
-    assert told((await first(stream, CREATED),)) == [(CREATED, str(post.id))]
+    assert kinds_and_posts((await first(stream, CREATED),)) == [(CREATED, str(post.id))]
     await stream.aclose()  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("how", ["limited", "suspended"])
-async def test_law_16_a_key_that_the_bus_silently_does_not_know_ends_the_stream(
+async def test_law_16_a_key_that_the_bus_silently_ignores_ends_the_stream(
     how: str, world: DiscourseWorld, double: Double
 ) -> None:
     """The message bus treats a limited or rejected key as anonymous, and omits what anonymous accounts may not read."""
@@ -127,10 +127,10 @@ async def test_law_16_a_key_that_the_bus_silently_does_not_know_ends_the_stream(
 
 
 @pytest.mark.parametrize("interval_s", [0.0, 0.2])
-async def test_held_requests_that_end_are_held_anew(
+async def test_long_polling_requests_that_end_are_renewed(
     interval_s: float, robot: DiscourseForum, double: Double, topic: int
 ) -> None:
-    """Every 25 seconds on a real Discourse, at once where long polling is switched off."""
+    """A real Discourse ends them every 25 seconds, and at once if long polling is disabled."""
     double.site.settings["long_polling_interval_s"] = interval_s
     after, _ = await robot.now()
     stream = robot.stream(after, 0.1)
@@ -144,7 +144,7 @@ async def test_held_requests_that_end_are_held_anew(
     await stream.aclose()  # type: ignore[attr-defined]
 
 
-async def test_a_stream_ends_when_the_forum_goes_away(robot: DiscourseForum, double: Double, topic: int) -> None:
+async def test_a_stream_ends_when_the_forum_stops(robot: DiscourseForum, double: Double, topic: int) -> None:
     after, _ = await robot.now()
     stream = robot.stream(after, 0.05)
     await anext(stream)
@@ -153,8 +153,9 @@ async def test_a_stream_ends_when_the_forum_goes_away(robot: DiscourseForum, dou
         await first(stream, CREATED)
 
 
-async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
-    """Proxies cut pieces anew; a separator within a message is doubled; places that we were ahead of are put right."""
+async def test_the_bus_is_parsed_from_chunks() -> None:
+    """Proxies may split chunks anywhere, a separator within a message is doubled, and positions ahead of the server are
+    corrected."""
     client = DiscourseClient("http://127.0.0.1:9", Credentials.of("alice:key"))
     bus = MessageBusClient(client)
     bus.listen_to(["7"])
@@ -197,7 +198,7 @@ async def test_the_bus_is_read_in_pieces_as_they_come() -> None:
 
 
 def test_a_forum_is_found_by_its_kind() -> None:
-    """The entry point of pyproject.toml."""
+    """The entry point in pyproject.toml names the adapter."""
     text = (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
     assert 'discourse = "agentrob.forums.discourse.forum:DiscourseForum"' in text
     assert DiscourseForum(ForumConfig(kind="discourse", url="http://127.0.0.1:9"), "a:b").max_edits is None

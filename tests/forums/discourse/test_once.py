@@ -13,7 +13,7 @@ from tests.forums.discourse.discourse_world import DiscourseWorld, Double, begin
 
 
 # ---------------------------------------------------------------- one post per key
-async def test_law_6_a_reply_whose_answer_was_lost_is_found_again_not_written_again(
+async def test_law_6_a_reply_whose_response_was_lost_is_found_and_not_written_again(
     world: DiscourseWorld, double: Double
 ) -> None:
     alice = await world.sign_in("alice")
@@ -36,7 +36,7 @@ async def test_law_6_another_process_of_the_same_account_finds_the_reply(world: 
     assert (again.created, again.post.topic_id) == (False, topic)
 
 
-async def test_law_6_of_two_processes_that_write_at_once_one_post_stays(world: DiscourseWorld, double: Double) -> None:
+async def test_law_6_concurrent_writes_of_two_processes_leave_one_post(world: DiscourseWorld, double: Double) -> None:
     forums = [await world.sign_in("alice") for _ in range(3)]
     topic = await begin(forums[0])
     written = await asyncio.gather(*(f.reply(topic, f"by {n}", key="race") for n, f in enumerate(forums)))
@@ -46,7 +46,9 @@ async def test_law_6_of_two_processes_that_write_at_once_one_post_stays(world: D
     assert len(marked) == 1
 
 
-async def test_a_topic_whose_answer_was_lost_is_found_by_its_external_id(world: DiscourseWorld, double: Double) -> None:
+async def test_a_topic_whose_response_was_lost_is_found_by_its_external_id(
+    world: DiscourseWorld, double: Double
+) -> None:
     alice = await world.sign_in("alice")
     double.lose["POST", "/posts.json"] = 1
     with pytest.raises(ForumUnreachable):
@@ -70,7 +72,7 @@ async def test_without_an_admins_key_a_topic_is_found_by_its_mark(world: Discour
     assert (again.created, again.post.topic_id) == (False, topic)
 
 
-async def test_two_replies_of_the_same_words_are_two_posts(world: DiscourseWorld, double: Double) -> None:
+async def test_two_replies_with_the_same_text_are_two_posts(world: DiscourseWorld, double: Double) -> None:
     """Discourse answers the same content from an API key with the same post for 120 s, and refuses what is too
     similar for five minutes."""
     robot = await world.sign_in("quadruped")
@@ -85,8 +87,8 @@ async def test_two_replies_of_the_same_words_are_two_posts(world: DiscourseWorld
         await robot._client.ask("POST", "/posts.json", json={**content, "reply_to_post_number": 1})
 
 
-async def test_words_that_were_taken_for_their_own_copy_are_found(world: DiscourseWorld, double: Double) -> None:
-    """The post exists but is not listed yet; the refusal as too similar triggers another look-up."""
+async def test_a_post_refused_as_its_own_duplicate_is_found(world: DiscourseWorld, double: Double) -> None:
+    """The post exists but is not listed yet; the error "too similar" triggers another look-up."""
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     post = double.site.write(double.site.users[2], {"topic_id": topic, "raw": mark(MarkedText("late", "k"))})
@@ -168,8 +170,8 @@ async def test_the_limits_of_address_and_key_are_waited_for(
     assert len(double.requests) == asked
 
 
-async def test_edits_of_a_day_that_are_used_up_are_a_refusal_not_a_wait(world: DiscourseWorld, double: Double) -> None:
-    """So that a report becomes a reply instead of waiting until tomorrow."""
+async def test_the_daily_limit_of_edits_is_an_error_and_not_a_wait(world: DiscourseWorld, double: Double) -> None:
+    """The report is posted as a reply instead of waiting until tomorrow."""
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     post = (await robot.reply(topic, "running", key="1")).post
@@ -189,7 +191,9 @@ async def test_slow_mode_is_waited_for(world: DiscourseWorld, double: Double) ->
     assert limited.value.retry_after_s == 300
 
 
-async def test_short_words_pass_the_least_length_since_the_mark_counts(world: DiscourseWorld, double: Double) -> None:
+async def test_short_texts_pass_the_minimum_length_because_the_mark_counts(
+    world: DiscourseWorld, double: Double
+) -> None:
     for name in ("min_post_length", "min_first_post_length"):
         double.site.settings[name] = DEFAULTS[name]
     robot = await world.sign_in("quadruped")
@@ -201,7 +205,7 @@ async def test_short_words_pass_the_least_length_since_the_mark_counts(world: Di
         await robot._client.ask("POST", "/posts.json", json={"raw": f"OK. <!-- {'x' * 40} -->", "topic_id": int(topic)})
 
 
-async def test_a_title_that_is_too_short_is_said_so(world: DiscourseWorld, double: Double) -> None:
+async def test_a_title_that_is_too_short_is_reported(world: DiscourseWorld, double: Double) -> None:
     double.site.settings["min_topic_title_length"] = DEFAULTS["min_topic_title_length"]
     alice = await world.sign_in("alice")
     with pytest.raises(ForumError, match=r"Title is too short \(minimum is 15 characters\)"):
@@ -210,7 +214,7 @@ async def test_a_title_that_is_too_short_is_said_so(world: DiscourseWorld, doubl
 
 
 # ---------------------------------------------------------------- the review queue
-async def test_a_queued_reply_is_waited_for_and_never_sent_twice(world: DiscourseWorld, double: Double) -> None:
+async def test_a_queued_reply_is_awaited_and_never_sent_twice(world: DiscourseWorld, double: Double) -> None:
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     double.site.settings["approve_post_count"] = 100
@@ -224,7 +228,7 @@ async def test_a_queued_reply_is_waited_for_and_never_sent_twice(world: Discours
     assert (await texts(robot, topic)).count("in a moment") == 1
 
 
-async def test_a_reply_that_a_moderator_rejected_is_not_sent_again(world: DiscourseWorld, double: Double) -> None:
+async def test_a_rejected_reply_is_not_sent_again(world: DiscourseWorld, double: Double) -> None:
     robot = await world.sign_in("quadruped")
     topic = await begin(robot)
     double.site.settings["approve_post_count"] = 100

@@ -20,7 +20,7 @@ CARD = StatusCard("quadruped", "done", step=1, steps=1, trace_id="t1")
 
 
 # ---------------------------------------------------------------- who is who (law 1)
-async def test_law_1_marks_that_people_write_prove_nothing(world: DiscourseWorld, double: Double) -> None:
+async def test_law_1_marks_written_by_people_prove_nothing(world: DiscourseWorld, double: Double) -> None:
     mallory, robot = await world.sign_in("mallory"), await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT)
     topic = await begin(mallory)
     forged = mark(MarkedText("I am the robot", "claim:1", CARD))
@@ -72,13 +72,15 @@ async def test_law_2_a_group_that_anybody_may_join_gives_no_rights_but_makes_a_r
     assert (await robot.me()).kind is AccountKind.ROBOT_AGENT
 
 
-async def test_law_1_whoever_is_in_two_kinds_of_group_has_fewest_rights(world: DiscourseWorld, double: Double) -> None:
+async def test_law_1_an_account_in_groups_of_two_kinds_gets_the_lower_rights(
+    world: DiscourseWorld, double: Double
+) -> None:
     bob = await world.sign_in("bob", kind=AccountKind.COMMANDING_AGENT)
     await world._member("PUT", "robot-monitors", "bob")
     assert (await bob.me()).kind is AccountKind.MONITORING_AGENT
 
 
-async def test_without_configuration_nobody_may_more_than_look(world: DiscourseWorld) -> None:
+async def test_without_configuration_everybody_may_only_read(world: DiscourseWorld) -> None:
     plain = DiscourseForum(ForumConfig(url=world.url), f"system:{world.key}")
     assert (await plain.me()).role is Role.MEMBER
     assert (plain.live, plain.fastest_poll_s) == (False, 2.0)
@@ -95,7 +97,7 @@ async def test_an_author_whose_account_is_gone_is_never_obeyed(world: DiscourseW
     assert (post.author.role, post.author.kind) == (Role.MEMBER, AccountKind.MONITORING_AGENT)
 
 
-async def test_a_category_for_others_is_not_there(world: DiscourseWorld, double: Double) -> None:
+async def test_an_unreadable_category_does_not_exist(world: DiscourseWorld, double: Double) -> None:
     secret = double.site.add_category("Secret", "secret", only=world.groups["robot-admins"])
     system = double.site.users[1]
     post = double.site.write(system, {"title": "Secret plans", "category": secret.id, "raw": "nothing to see"})
@@ -109,7 +111,7 @@ async def test_a_category_for_others_is_not_there(world: DiscourseWorld, double:
         await alice.posts(str(post.topic))
 
 
-async def test_subcategories_are_called_by_their_path(world: DiscourseWorld, double: Double) -> None:
+async def test_subcategories_are_named_by_their_path(world: DiscourseWorld, double: Double) -> None:
     parent = next(c for c in double.site.categories.values() if c.slug == "robots")
     double.site.add_category("Legs", "legs", parent=parent.id)
     double.site.add_category("无名", "")
@@ -121,13 +123,13 @@ async def test_subcategories_are_called_by_their_path(world: DiscourseWorld, dou
     assert (await alice.topics("robots")).items == ()
 
 
-def test_what_a_hidden_profile_does_not_say_gives_no_right() -> None:
+def test_a_hidden_profile_gives_no_rights() -> None:
     options = DiscourseOptions(operators=("trust_level_1", "staff"), admins=("admins",))
     hidden = account({"id": 7, "username": "Alice", "name": None, "profile_hidden": True}, options)
     assert hidden == Account("7", "alice", AccountKind.HUMAN, Role.MEMBER)
 
 
-def test_law_2_who_approves_is_in_a_group_of_moderators_that_not_anybody_may_join() -> None:
+def test_law_2_approvers_are_members_of_a_closed_group_of_moderators() -> None:
     options = DiscourseOptions(operators=("trust_level_1",), moderators=("approvers",), admins=("admins",))
     for closed, role in ((True, Role.MODERATOR), (False, Role.OPERATOR)):
         groups = [{"name": "approvers", "public_admission": not closed}]
@@ -138,7 +140,7 @@ def test_law_2_who_approves_is_in_a_group_of_moderators_that_not_anybody_may_joi
 
 
 # ---------------------------------------------------------------- reading
-async def test_a_topic_is_read_whole_though_only_its_first_posts_come_with_it(
+async def test_a_whole_topic_is_read_although_a_response_has_only_its_first_posts(
     world: DiscourseWorld, double: Double
 ) -> None:
     alice = await world.sign_in("alice")
@@ -153,8 +155,10 @@ async def test_a_topic_is_read_whole_though_only_its_first_posts_come_with_it(
     assert read == ["hello there", *(f"*reply* {n}" for n in range(60))]
 
 
-async def test_law_4_an_edit_within_the_grace_period_is_no_first_version(world: DiscourseWorld, double: Double) -> None:
-    """Discourse counts no version for five minutes; what was edited before it was seen must not move a robot."""
+async def test_law_4_a_post_edited_within_the_grace_period_is_not_a_first_version(
+    world: DiscourseWorld, double: Double
+) -> None:
+    """Discourse adds no version for five minutes; a post that was edited before it was read must not move a robot."""
     alice, robot = await world.sign_in("alice"), await world.sign_in("quadruped")
     topic = await begin(alice)
     post = (await alice.reply(topic, "harmless words", key="1")).post
@@ -170,7 +174,9 @@ async def test_law_4_an_edit_within_the_grace_period_is_no_first_version(world: 
 
 
 @pytest.mark.parametrize("how", ["author", "moderator", "flags"])
-async def test_a_post_that_is_gone_says_so_however_it_went(how: str, world: DiscourseWorld, double: Double) -> None:
+async def test_a_removed_post_is_reported_however_it_was_removed(
+    how: str, world: DiscourseWorld, double: Double
+) -> None:
     alice, robot = await world.sign_in("alice"), await world.sign_in("quadruped")
     topic = await begin(alice)
     post = (await alice.reply(topic, "@quadruped walk", key="1")).post
@@ -187,7 +193,7 @@ async def test_a_post_that_is_gone_says_so_however_it_went(how: str, world: Disc
     assert await robot.changes(event.id) == ()
 
 
-async def test_mentions_are_those_that_the_forum_resolved(world: DiscourseWorld) -> None:
+async def test_mentions_are_the_ones_that_the_forum_resolved(world: DiscourseWorld) -> None:
     alice, robot = await world.sign_in("alice"), await world.sign_in("quadruped")
     text = '@Quadruped @nobody hi `@alice`\n\n[quote="bob, post:1, topic:1"]\n@alice\n[/quote]'
     post = (await alice.create_topic("robots", "A topic", text, key="1")).post
@@ -196,7 +202,7 @@ async def test_mentions_are_those_that_the_forum_resolved(world: DiscourseWorld)
     assert await alice.mentions() == ()
 
 
-async def test_pictures_come_from_this_forum_and_its_key_goes_nowhere_else(
+async def test_pictures_come_from_this_forum_only_and_its_key_is_sent_nowhere_else(
     world: DiscourseWorld, double: Double
 ) -> None:
     alice = await world.sign_in("alice")
@@ -218,9 +224,7 @@ async def test_pictures_come_from_this_forum_and_its_key_goes_nowhere_else(
         await alice.download("http://127.0.0.2:1/uploads/default/original/1X/a.png")
 
 
-async def test_posts_are_found_by_their_words_page_by_page_and_by_words_only(
-    world: DiscourseWorld, double: Double
-) -> None:
+async def test_search_by_words_is_paged_and_is_the_only_mode(world: DiscourseWorld, double: Double) -> None:
     alice = await world.sign_in("alice")
     topic = await begin(alice)
     ids = [
@@ -242,7 +246,9 @@ async def test_posts_are_found_by_their_words_page_by_page_and_by_words_only(
 
 
 # ---------------------------------------------------------------- keys and sessions
-async def test_a_key_is_for_its_account_only_and_a_wrong_one_is_denied(world: DiscourseWorld, double: Double) -> None:
+async def test_a_key_is_valid_for_its_account_only_and_a_wrong_key_is_denied(
+    world: DiscourseWorld, double: Double
+) -> None:
     await world.sign_in("alice")
     own = double.site.add_key(double.site.named("alice"))
     assert (await world.at(world.url, own).me()).name == "alice"
@@ -266,14 +272,14 @@ async def test_identity_is_switched_at_run_time_by_a_key_for_all_users(world: Di
     assert (await forum.me()).name == "bob"
 
 
-async def test_no_cookie_is_kept_with_a_key(world: DiscourseWorld, double: Double) -> None:
+async def test_with_a_key_no_cookies_are_kept(world: DiscourseWorld, double: Double) -> None:
     alice = await world.sign_in("alice")
     await alice._client.get("/session/csrf.json")  # its answer sets a session's cookie
     await alice.me()
     assert "cookie" not in double.headers[-1]
 
 
-async def test_a_session_signs_in_writes_and_is_begun_anew_when_it_ends(world: DiscourseWorld, double: Double) -> None:
+async def test_a_session_signs_in_again_when_it_ends(world: DiscourseWorld, double: Double) -> None:
     await world.sign_in("alice")
     forum = world.at(world.url, f"login:alice:{PASSWORD}")
     topic = await begin(forum)
@@ -287,13 +293,13 @@ async def test_a_session_signs_in_writes_and_is_begun_anew_when_it_ends(world: D
     assert await texts(forum, topic) == ["hello there", "one", "two", "three"]
 
 
-async def test_a_wrong_password_is_denied_though_it_is_answered_with_200(world: DiscourseWorld) -> None:
+async def test_a_wrong_password_is_denied_although_its_status_is_200(world: DiscourseWorld) -> None:
     await world.sign_in("alice")
     with pytest.raises(ForumDenied, match="Incorrect username"):
         await world.at(world.url, "login:alice:wrong").me()
 
 
-async def test_accounts_are_made_by_admins_at_once_and_by_visitors_with_an_e_mail(
+async def test_admins_create_active_accounts_and_visitors_confirm_by_email(
     world: DiscourseWorld, double: Double
 ) -> None:
     admin = world.at(world.url, f"system:{world.key}")
@@ -307,7 +313,7 @@ async def test_accounts_are_made_by_admins_at_once_and_by_visitors_with_an_e_mai
     assert double.site.named("dave") is not None
 
 
-async def test_an_account_that_is_made_signs_in_as_the_kind_it_was_made(world: DiscourseWorld) -> None:
+async def test_a_created_account_signs_in_with_its_kind(world: DiscourseWorld) -> None:
     admin = await world.sign_in("root", role=Role.ADMIN)
     made = await admin.register("planner", kind=AccountKind.COMMANDING_AGENT, display_name="The planner")
     assert (made.account.kind, made.account.display_name) == (AccountKind.COMMANDING_AGENT, "The planner")
@@ -318,10 +324,10 @@ async def test_an_account_that_is_made_signs_in_as_the_kind_it_was_made(world: D
         await admin.register("planner")
 
 
-async def test_law_2_an_admin_of_the_robots_alone_makes_no_accounts_and_gives_no_rights(
+async def test_law_2_an_admin_of_the_robots_only_cannot_create_accounts_or_grant_rights(
     world: DiscourseWorld, double: Double
 ) -> None:
-    """Membership of a group named under `admins` gives no right on the forum, nor does a password."""
+    """Neither membership of a group listed under `admins` nor a password gives a right on the forum."""
     alice = await world.sign_in("alice", role=Role.ADMIN)
     user = double.site.named("alice")
     assert user is not None
@@ -336,7 +342,7 @@ async def test_law_2_an_admin_of_the_robots_alone_makes_no_accounts_and_gives_no
     assert changed == ["/session.json"]
 
 
-async def test_a_role_is_a_group_and_no_account_is_left_in_two(world: DiscourseWorld, double: Double) -> None:
+async def test_a_role_is_a_group_and_a_change_removes_the_old_group(world: DiscourseWorld, double: Double) -> None:
     admin, alice = await world.sign_in("root", role=Role.ADMIN), await world.sign_in("alice", role=Role.OPERATOR)
     user = double.site.named("alice")
     assert user is not None
@@ -353,7 +359,7 @@ async def test_a_role_is_a_group_and_no_account_is_left_in_two(world: DiscourseW
         await admin.set_rights("nobody", suspended=True)
 
 
-async def test_groups_that_discourse_fills_itself_are_not_joined(world: DiscourseWorld) -> None:
+async def test_automatic_groups_are_not_joined(world: DiscourseWorld) -> None:
     await world.sign_in("root", role=Role.ADMIN)
     await world.sign_in("alice")
     admin = world.at(world.url, f"root:{world.key}", operators=("trust_level_1",), commanding_agents=())
@@ -364,7 +370,7 @@ async def test_groups_that_discourse_fills_itself_are_not_joined(world: Discours
         await admin.set_rights("alice", role=Role.MEMBER)
 
 
-async def test_notices_name_mentions_and_replies_newest_first_page_by_page(world: DiscourseWorld) -> None:
+async def test_notifications_list_mentions_and_replies_newest_first_in_pages(world: DiscourseWorld) -> None:
     alice, bob = await world.sign_in("alice"), await world.sign_in("bob")
     first = (await alice.create_topic("robots", "A topic", "hello there", key="1")).post
     said = ["@alice look here", "an answer to that", "talk to nobody", "@alice look again"]
@@ -391,7 +397,7 @@ async def test_notices_name_mentions_and_replies_newest_first_page_by_page(world
         ({"operators": ["Trust_Level_0"]}, "'trust_level_0' contains every new account"),
     ],
 )
-def test_a_wrong_option_is_named_with_those_that_are_valid(options: dict[str, object], said: str) -> None:
+def test_an_invalid_option_is_named_with_the_valid_ones(options: dict[str, object], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
         DiscourseForum(ForumConfig(url="http://127.0.0.1:9", options=options), "x:y")
 
@@ -405,7 +411,7 @@ def test_a_wrong_option_is_named_with_those_that_are_valid(options: dict[str, ob
         ("alice:key", 120, False, 1.0),
     ],
 )
-async def test_law_16_how_fast_it_listens_is_what_the_key_allows(
+async def test_law_16_the_poll_interval_follows_the_keys_rate_limit(
     token: str, per_minute: int | None, live: bool, poll_s: float
 ) -> None:
     options = {} if per_minute is None else {"requests_per_minute": per_minute}
@@ -418,7 +424,7 @@ async def test_law_16_how_fast_it_listens_is_what_the_key_allows(
 
 
 async def _elsewhere() -> tuple[str, list[str]]:
-    """Where a Discourse may store its files, and with which headers they are requested."""
+    """Serve another host on which Discourse may store files; record the headers of requests."""
     heads: list[str] = []
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -431,7 +437,7 @@ async def _elsewhere() -> tuple[str, list[str]]:
     return f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/file.png", heads
 
 
-async def test_law_4_a_post_whose_topic_was_moved_is_read_where_it_is_now(
+async def test_law_4_a_post_in_a_moved_topic_is_read_on_its_current_board(
     robot: DiscourseForum, double: Double, topic: int
 ) -> None:
     post_id = next(str(p.id) for p in double.site.posts.values() if p.topic == topic)

@@ -1,11 +1,11 @@
-"""Exchanges with a real NodeBB, recorded between it and the adapter, and played back without it.
+"""Record HTTP exchanges between the adapter and a real NodeBB, and replay them without it.
 
-A tape is JSON lines: requests in their order, each with who asked, and what was answered. `writes` is the number of
-changes before it. Played back, a change is answered as the next recorded one of the same caller, method and path; what
-is read is answered as it was after as many changes. So reads may come oftener or seldomer than they were recorded, and
-of reads that go on answering the same one is kept. Times are moved to now, and further where playing takes longer
-than recording did: what is written is never older than the moment it is written in. Left out are passwords, session
-ids, and fields that nobody here reads.
+A tape is a file of JSON lines, one for each exchange in order: the caller, the request and the response. `writes` is
+the number of writes before the exchange. In a replay, a write gets the next recorded response to the same caller,
+method and path. A read gets the response recorded after the same number of writes, so reads may be more or less
+frequent than in the recording, and repeated equal responses are stored once. Timestamps are shifted to the present, and
+again if the replay is slower than the recording, so no new post looks old. Passwords, session ids and unused fields are
+not stored.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _KEPT_WORDS = (
     "reason banned_until uids matchCount notifications nid type read allowPrivateGroups system secret token "
 )
 _KEPT = frozenset(_KEPT_WORDS.split())
-#: Fields of some responses that the tests do not need either: posts are requested one by one.
+#: More fields that the tests do not need, by endpoint: the adapter requests posts one by one.
 _UNREAD = (
     (re.compile(r"GET /api/(categories|groups/)"), {"posts"}),
     (re.compile(r"GET /api/topic/"), {"content", "user", "category"}),
@@ -56,7 +56,7 @@ _JSON = "application/json; charset=utf-8"
 
 @dataclass(slots=True)
 class Exchange:
-    """One request and its response; `what` is `method path`, or `socket` for a message of the socket."""
+    """One request and its response; `what` is `method path`, or `socket` for a WebSocket message."""
 
     who: str
     what: str
@@ -69,14 +69,14 @@ class Exchange:
 
 @dataclass
 class Tape:
-    """`at_ms`: when the recording began. A tape whose first line says `made_of` was put together by hand from that
-    recording, with other words in a post; recording it anew replaces it."""
+    """A recording that began at `at_ms`. A tape with `made_of` in its first line was edited by hand from the named
+    recording, with another text in a post; a new recording replaces it."""
 
     at_ms: int = 0
     exchanges: list[Exchange] = field(default_factory=list)
 
     def save(self, path: Path) -> None:
-        """A response that was given before is replaced by the number of its exchange: `"as": 12`."""
+        """Write the tape; a repeated response is replaced by the number of its first exchange: `"as": 12`."""
         lines, given = [json.dumps({"at_ms": self.at_ms})], dict[str, int]()
         for number, e in enumerate(_without_repeats(self.exchanges)):
             line = {k: v for k, v in asdict(e).items() if v not in ("", 200, _JSON)}
@@ -123,12 +123,12 @@ class _Server:
         self.tape = tape
         self.writes = 0
         self.callers: dict[str, str] = {}
-        #: So many changes of one caller were under way at once, of which NodeBB refuses the second.
+        #: The most concurrent writes of one caller; NodeBB would refuse the second.
         self.most_at_once = 0
         self._writing: Counter[str] = Counter()
         #: All requests: caller, `method path`.
         self.asked: list[tuple[str, str]] = []
-        #: All requests that change something: caller, `method path`, body.
+        #: All writes: caller, `method path`, body.
         self.sent: list[tuple[str, str, bytes]] = []
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
@@ -261,13 +261,13 @@ def pruned(what: str, body: bytes) -> str:
 
 # ---------------------------------------------------------------------- playing
 class Player(_Server):
-    """Answers from the tape; a request that is not on it gets a 599 and is kept in `unknown`."""
+    """Replays the tape; a request that is not on it gets status 599 and is added to `unknown`."""
 
     def __init__(self, tape: Tape) -> None:
         super().__init__(tape)
         self.unknown: list[str] = []
         self._shift_ms = _now_ms() - tape.at_ms
-        #: Recorded times to played times, and the other way round.
+        #: Recorded timestamps to replayed ones, and the reverse.
         self._shown: dict[int, int] = {}
         self._was: dict[int, int] = {}
         self._by_call: dict[tuple[str, str], list[Exchange]] = {}
@@ -290,12 +290,12 @@ class Player(_Server):
             self.writes = max(self.writes, found.writes + 1)
             self._turn.set()
             self._turn = asyncio.Event()
-            await asyncio.sleep(0.02)  # a real one takes as long, and other requests come meanwhile
+            await asyncio.sleep(0.02)  # a real server takes as long, and other requests arrive meanwhile
         moved = self._moved(found.body)
         await _send(send, found, moved.encode() if "json" in found.kind else bytes.fromhex(found.body))
 
     def _find(self, who: str, what: str) -> Exchange | None:
-        if what == "GET /api/v3/ping":  # asked for its date as often as that takes
+        if what == "GET /api/v3/ping":  # called any number of times, to read the server's date
             return Exchange(who, what, 0, body="{}")
         calls = self._by_call.get((who, what))
         if not calls:
@@ -319,7 +319,7 @@ class Player(_Server):
         return _TIME.sub(lambda m: str(self._at(int(m[0]))), text)
 
     def _at(self, recorded: int) -> int:
-        """Return a time as it is played: always the same for the same time, and in the recorded order."""
+        """Return the replayed timestamp of a recorded one: always the same one, and in the recorded order."""
         if recorded not in self._shown:
             later = min((t for t in self._shown if t > recorded), default=None)
             self._shown[recorded] = recorded + (self._shift_ms if later is None else self._shown[later] - later)
@@ -357,7 +357,7 @@ async def _until_closed(receive: Receive) -> None:
 async def serving(application: Any) -> AsyncIterator[str]:
     """Serve on a free port of loopback; return the address.
 
-    The application sends the date itself: uvicorn's may be old.
+    The application sends the `Date` header itself, because uvicorn's may be up to a second old.
     """
     server = uvicorn.Server(
         uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off", date_header=False)

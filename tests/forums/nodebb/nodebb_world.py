@@ -1,5 +1,4 @@
-"""The contract's interface to a NodeBB: an admin creates accounts and groups, suspends, removes, and lifts the
-limits."""
+"""The contract's interface to a NodeBB: create accounts and groups, suspend, remove and lift limits, as an admin."""
 
 from __future__ import annotations
 
@@ -38,12 +37,12 @@ LIFTED = {
     "uploadRateLimitThreshold": 0,
     "allowPrivateGroups": 1,
 }
-#: The same in a new NodeBB.
+#: The defaults of these settings in a new NodeBB.
 OWN = {"postQueue": 1, "newbiePostDelay": 120, "initialPostDelay": 10, "postDelay": 10, "uploadRateLimitThreshold": 10}
 
 
 class NodeBBWorld:
-    """A NodeBB with an admin's sign-in. Accounts that a test signs in are new: earlier ones are deleted."""
+    """A NodeBB, managed by its admin. A test gets new accounts: accounts of earlier tests are deleted."""
 
     def __init__(self, url: str, admin: str, server: Any = None, **options: Any) -> None:
         self.url = url
@@ -57,7 +56,7 @@ class NodeBBWorld:
         self.forums: list[NodeBBForum] = []
 
     async def prepare(self) -> None:
-        """The board, the groups, and no limits; all of it may be there already. Whom the contract registers is not."""
+        """Create the board and groups if missing, lift limits, and delete the account that the contract creates."""
         await self.forget("planner")
         for setting, value in LIFTED.items():
             await self.set(setting, value)
@@ -69,7 +68,7 @@ class NodeBBWorld:
                 await self.client.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
 
     async def own_limits(self) -> None:
-        """Those of a new NodeBB, but for the robots' group where docs/nodebb.md asks for it."""
+        """Set the limits of a new NodeBB, with the exemptions for the robots' group that docs/nodebb.md asks for."""
         exempt = ["administrators", "Global Moderators", *GROUPS["robot_agents"]]
         for setting in ("groupsExemptFromPostQueue", "groupsExemptFromNewUserRestrictions"):
             await self.set(setting, exempt)
@@ -110,7 +109,7 @@ class NodeBBWorld:
             await self.client.send("DELETE", f"/users/{old.id}/account")  # its posts stay, as a former user's
 
     async def token(self, uid: str, password: str = "") -> str:
-        """A bearer token of an account; `0` a master token, which NodeBB asks the admin's password for."""
+        """Create a bearer token of an account, or a master token for uid `0`, which requires the admin's password."""
         headers = {"x-password-confirmation": password}
         said = {"uid": int(uid), "description": "a test"}
         made = await self.client.ask("POST", "/api/v3/admin/tokens", json=said, headers=headers)

@@ -1,7 +1,7 @@
-"""The whole job on NodeBB, against what a real one answered: a post comes in, the robot moves, a reply goes out.
+"""The agent on NodeBB, against a recording: a post comes in, the robot moves, a reply goes out.
 
-The agent runs here as it does in the field; of the forum there is what it said when this was recorded. So asserted is
-what the robot did and what the agent sent. `test_forums_nodebb_job_live.py` is the same with a NodeBB that is there.
+The agent is the real one; the forum replays recorded responses. So the tests assert what the robot did and what the
+agent sent. `test_agent_live.py` does the same with a real NodeBB.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tests.forums.nodebb.nodebb_world import NodeBBWorld
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    # Slower than the robot of other tests, whose steps look like jumps of the odometry on a busy machine.
+    # Slower than in other tests: on a busy machine, fast motion looks like jumps of the odometry.
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 2}))
     yield made
     made.end()
@@ -39,12 +39,12 @@ async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **mor
         yield
 
 
-async def _told(nodebb: NodeBBWorld, *states: str) -> MarkedText:
+async def _status_post(nodebb: NodeBBWorld, *states: str) -> MarkedText:
     """Return the robot account's post that shows one of these states."""
-    return await _written(nodebb, lambda told: told.card is not None and told.card.state in states)
+    return await _sent_post(nodebb, lambda told: told.card is not None and told.card.state in states)
 
 
-async def _written(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) -> MarkedText:
+async def _sent_post(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) -> MarkedText:
     """Return the robot account's first post that meets a condition."""
     async with asyncio.timeout(60):
         while True:
@@ -60,7 +60,7 @@ async def _written(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) ->
 
 
 async def _final(nodebb: NodeBBWorld) -> MarkedText:
-    return await _told(nodebb, *FINAL)
+    return await _status_post(nodebb, *FINAL)
 
 
 async def test_a_post_moves_the_robot_and_the_report_is_sent(
@@ -70,7 +70,7 @@ async def test_a_post_moves_the_robot_and_the_report_is_sent(
     async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
         before = (await body.state()).pose
         post = (await alice.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")).post
-        claim = await _told(nodebb, "seen")
+        claim = await _status_post(nodebb, "seen")
         done = await _final(nodebb)
         after = (await body.state()).pose
     assert (done.card and done.card.state) == "done", done.text
@@ -101,9 +101,9 @@ async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
     carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
     async with serving_robot(nodebb, driver, tmp_path, approval={"classes": ["gesture"]}):
         post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
-        await _told(nodebb, "waiting")
+        await _status_post(nodebb, "waiting")
         await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
-        await _written(nodebb, lambda told: told.card is None and "approve" in told.text)
+        await _sent_post(nodebb, lambda told: told.card is None and "approve" in told.text)
         await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
-        done = await _told(nodebb, "done")
+        done = await _status_post(nodebb, "done")
     assert "Approved by `carol`" in done.text

@@ -1,7 +1,7 @@
-"""A robot on a real NodeBB by configuration alone: a post comes in, the robot moves, a reply goes out.
+"""A robot on a real NodeBB, set up by configuration alone: a post comes in, the robot moves, a reply goes out.
 
-Needs AGENTROB_TEST_NODEBB_URL and AGENTROB_TEST_NODEBB_ADMIN, as `test_forums_contract_nodebb_live.py` says; without
-them there is nothing to collect here.
+Set AGENTROB_TEST_NODEBB_URL and AGENTROB_TEST_NODEBB_ADMIN as described in `test_contract_live.py`; without them no
+test is collected.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.model import AccountKind, Role
-from tests.forums.nodebb.nodebb_job import ROBOT, answer, final, state, working_robot
+from tests.forums.nodebb.nodebb_processes import ROBOT, answer, final, running_robot, state
 from tests.forums.nodebb.nodebb_world import NodeBBWorld
 
 URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
@@ -39,7 +39,7 @@ if URL:
         world: NodeBBWorld, tmp_path: Path
     ) -> None:
         alice, bob = world.forums[0], world.forums[1]
-        with working_robot(world, world.secrets[ROBOT], tmp_path):
+        with running_robot(world, world.secrets[ROBOT], tmp_path):
             walk = await alice.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")
             done = await final(world, walk.post)
             assert done.card is not None
@@ -68,7 +68,7 @@ if URL:
     ) -> None:
         alice, bob = world.forums[0], world.forums[1]
         carol = await world.sign_in("carol", role=Role.MODERATOR)
-        with working_robot(world, world.secrets[ROBOT], tmp_path):
+        with running_robot(world, world.secrets[ROBOT], tmp_path):
             wave = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
             await state(world, wave, "waiting")
             for name, forum in (("alice", alice), ("bob", bob)):
@@ -84,11 +84,14 @@ if URL:
     async def test_law_6_within_nodebbs_own_limits_each_command_is_answered_once(
         world: NodeBBWorld, tmp_path: Path
     ) -> None:
-        """The post queue, 120 s between a newcomer's posts and 10 s between anybody's, as a new NodeBB has them; the
-        robot's group is exempt from the first two, as docs/nodebb.md asks. Administrators are from all three."""
+        """A new NodeBB queues posts, requires 120 s between a newcomer's posts and 10 s between anybody's.
+
+        The robot's group is exempt from the first two, as docs/nodebb.md asks; administrators are exempt from all
+        three.
+        """
         root = await world.sign_in("root", role=Role.ADMIN)
         await world.own_limits()
-        with working_robot(world, world.secrets[ROBOT], tmp_path):
+        with running_robot(world, world.secrets[ROBOT], tmp_path):
             posts = [
                 (await root.create_topic("robots", f"A walk {n}", f"@{ROBOT} walk forward 1 m", key=f"walk{n}")).post
                 for n in range(2)

@@ -1,9 +1,9 @@
-"""The NodeBB adapter keeps the contract, against what a real NodeBB 4.15.1 answered: `nodebb_tapes`, played back.
+"""The NodeBB adapter fulfils the contract, against recordings of a real NodeBB 4.15.1 in `nodebb_tapes`.
 
-To record them anew, with a NodeBB that is for trying (limits are lifted, accounts made and removed):
+To record again, use a NodeBB for tests only, because this lifts limits and creates and deletes accounts:
 
     AGENTROB_TEST_NODEBB_RECORD=1 AGENTROB_TEST_NODEBB_URL=http://127.0.0.1:4567 \\
-        AGENTROB_TEST_NODEBB_ADMIN=login:admin:PASSWORD .venv/bin/pytest tests/forums/test_forums_*nodebb*.py
+        AGENTROB_TEST_NODEBB_ADMIN=login:admin:PASSWORD .venv/bin/pytest tests/forums/nodebb
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""The NodeBB adapter keeps the contract against a real NodeBB, where there is one to try: AGENTROB_TEST_NODEBB_URL.
+"""The NodeBB adapter fulfils the contract on a real NodeBB, if AGENTROB_TEST_NODEBB_URL names one.
 
     AGENTROB_TEST_NODEBB_URL=http://127.0.0.1:4567 AGENTROB_TEST_NODEBB_ADMIN=login:admin:PASSWORD \\
         .venv/bin/pytest -m slow tests/forums/nodebb/test_contract_live.py
 
-It makes accounts, removes them, and lifts limits: use a forum that is for trying. Without it there is nothing to
-collect here; the exchanges with a real one are replayed in `test_forums_contract_nodebb.py`.
+Use a forum for tests only, because this creates and deletes accounts and lifts limits. Without the variable no test is
+collected; `test_contract.py` replays recordings of a real NodeBB.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The parts of the NodeBB adapter in isolation: marks, the clock, responses of defective servers, and its settings."""
+"""Unit tests of the NodeBB adapter: marks, the clock, settings, and responses of defective servers."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_a_password_may_have_colons() -> None:
     assert Credentials.of("login:alice:a:b").password == "a:b"
 
 
-# ---------------------------------------------------------------------- sick servers
+# ---------------------------------------------------------------------- defective servers
 @asynccontextmanager
 async def answering(answer: bytes) -> AsyncIterator[NodeBBForum]:
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -155,7 +155,9 @@ async def answering(answer: bytes) -> AsyncIterator[NodeBBForum]:
         (b"nonsense\r\n\r\n", ForumUnreachable),
     ],
 )
-async def test_every_answer_of_a_sick_server_becomes_one_of_our_errors(answer: bytes, error: type[ForumError]) -> None:
+async def test_every_response_of_a_defective_server_becomes_a_forum_error(
+    answer: bytes, error: type[ForumError]
+) -> None:
     async with answering(answer) as forum:
         calls = (lambda: forum.post("1"), forum.boards, forum.me, lambda: forum.topics("robots"), forum.now)
         # A new forum may have no posts at all.

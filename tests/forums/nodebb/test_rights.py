@@ -1,4 +1,4 @@
-"""Rights on a NodeBB, changed and queried, and its notifications; against responses of a real one."""
+"""Rights and notifications on NodeBB, against recordings of a real one."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nod
 
 
 # ---------------------------------------------------------------------- notifications
-async def told(forum: NodeBBForum, number: int) -> tuple[Notification, ...]:
+async def wait_for_notifications(forum: NodeBBForum, number: int) -> tuple[Notification, ...]:
     """Wait for this many notifications; NodeBB creates them a moment after the post."""
     async with asyncio.timeout(60):
         while len(found := (await forum.notifications()).items) < number:  # noqa: ASYNC110 - it has no event of its own
@@ -94,12 +94,12 @@ async def test_a_reply_is_a_notice_one_that_mentions_is_one_only_page_by_page(
     alice, bob = await nodebb.sign_in("alice"), await nodebb.sign_in("bob")
     first, other = await begin(alice), await begin(bob, "Another")
     mention = (await bob.reply(other.topic_id, "@alice look at this", key="1")).post
-    await told(alice, 1)
+    await wait_for_notifications(alice, 1)
     both = (await bob.reply(first.topic_id, "@alice look here", key="2")).post
-    await told(alice, 2)
+    await wait_for_notifications(alice, 2)
     reply = (await bob.reply(first.topic_id, "and here", key="3", reply_to=first.id)).post
     wanted = [("reply", reply.id), ("mention", both.id), ("mention", mention.id)]
-    assert [(n.kind, n.post.id) for n in await told(alice, 3)] == wanted
+    assert [(n.kind, n.post.id) for n in await wait_for_notifications(alice, 3)] == wanted
     one = await alice.notifications(limit=1)
     rest = await alice.notifications(one.next, limit=2)
     assert [(n.kind, n.post.id) for n in (*one.items, *rest.items)] == wanted
@@ -115,7 +115,7 @@ async def test_a_notice_of_what_may_not_be_read_any_more_hides_no_other(nodebb: 
     first = await begin(alice)
     await bob.reply(topic.topic_id, "@alice in the back room", key="1")
     seen = (await bob.reply(first.topic_id, "@alice here", key="2")).post
-    await told(alice, 2)
+    await wait_for_notifications(alice, 2)
     for privilege in ("groups:find", "groups:read", "groups:topics:read"):
         for group in ("registered-users", "guests"):
             await nodebb.client.send("DELETE", f"/categories/{room}/privileges/{privilege}", {"member": group})

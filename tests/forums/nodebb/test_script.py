@@ -1,5 +1,4 @@
-"""scripts/nodebb makes a NodeBB ready for a robot, against what a real one answered, and docs/nodebb.md is a
-configuration."""
+"""scripts/nodebb prepares a NodeBB for a robot (against a recording); the configuration in docs/nodebb.md is valid."""
 
 from __future__ import annotations
 

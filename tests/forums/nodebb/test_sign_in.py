@@ -1,4 +1,4 @@
-"""Callers of a NodeBB, against responses of a real one: sessions, tokens, new accounts, and rights by groups."""
+"""Signing in to NodeBB, against recordings of a real one: sessions, tokens, new accounts, and rights by groups."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Peculiarities of NodeBB, each against responses of a real one: limits, the queue, reading, events."""
+"""Peculiarities of NodeBB, against recordings of a real one: limits, the post queue, reading, events."""
 
 from __future__ import annotations
 
@@ -190,8 +190,7 @@ async def test_a_person_who_left_commands_nothing_any_more(nodebb: NodeBBWorld) 
 
 
 async def test_law_4_a_post_that_a_moderator_gave_away_is_its_new_owners(nodebb: NodeBBWorld) -> None:
-    """NodeBB's "Change Owner": no event reports it and it is not an edit, so an agent reads a post again before it
-    acts."""
+    """NodeBB's "Change Owner" causes no event and is not an edit, so an agent reads a post again before it acts."""
     alice, bob = await nodebb.sign_in("alice", role=Role.OPERATOR), await nodebb.sign_in("bob")
     post = await begin(alice)
     after, _ = await bob.now()

@@ -1,4 +1,4 @@
-"""What a hostile or broken caller may send to a tool, as strategies of hypothesis."""
+"""Hypothesis strategies for hostile or malformed tool calls."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAUGHTY = (
 
 
 def deep(levels: int) -> Any:
-    """Lists in lists."""
+    """Return nested lists."""
     made: Any = 1
     for _ in range(levels):
         made = [made]
@@ -33,7 +33,7 @@ ANYTHING = st.recursive(
 
 
 def cursors() -> st.SearchStrategy[str]:
-    """Cursors as they are given out, and forged ones."""
+    """Generate real and forged cursors."""
     tools = st.sampled_from(["list_boards", "list_posts", "get_topic", "search_posts", "list_notifications"])
     states = st.dictionaries(
         st.sampled_from(["at", "post", "from"]), st.sampled_from(["1", 1, -1, "x", 2**70, None, []])
@@ -44,7 +44,7 @@ def cursors() -> st.SearchStrategy[str]:
 
 
 def of_schema(schema: dict[str, Any]) -> st.SearchStrategy[Any]:
-    """What a tool's schema allows, now and then something else."""
+    """Generate values that a schema allows, and occasionally other values."""
     fields = {
         name: _mostly(
             cursors() if name == "cursor" else

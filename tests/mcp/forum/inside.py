@@ -1,4 +1,4 @@
-"""A forum's MCP server within the test process, on the SDK's engine, before a memory forum."""
+"""A forum's MCP server in the test process: the SDK's server in front of a memory forum."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ALL = frozenset({"core", "social", "admin"})
 
 
 def server_of(world: MemoryWorld, name: str, rights: Rights = Rights(True, ALL)) -> tuple[ForumServer, Accounts]:
-    """The server of one client, signed in as an account of the world."""
+    """Return an MCP server for one client, signed in as an account of the memory forum."""
     accounts = Accounts(Identity(name, world.sign_in(name), rights), lambda token: MemoryForum(world, token), {})
     return ForumServer(lambda _: accounts.current, accounts), accounts
 
@@ -26,7 +26,7 @@ def server_of(world: MemoryWorld, name: str, rights: Rights = Rights(True, ALL))
 async def client_of(
     world: MemoryWorld, name: str = "alice", rights: Rights = Rights(True, ALL), mode: str = "auto"
 ) -> AsyncIterator[ForumClient]:
-    """A typed client of such a server; `mode` is `legacy` for the protocol of before 2026."""
+    """Return a typed client of such a server; `mode` is `legacy` for the protocol before 2026."""
     from mcp.client.client import Client
 
     server, accounts = server_of(world, name, rights)
@@ -40,8 +40,8 @@ async def client_of(
     await accounts.close()
 
 
-def a_world() -> MemoryWorld:
-    """A forum with an operator, a member, an admin, a commanding agent and a robot."""
+def memory_world() -> MemoryWorld:
+    """Return a memory forum with an operator, a member, an admin, a commanding agent and a robot."""
     world = MemoryForum.world()
     world.sign_in("alice", role=Role.OPERATOR)
     world.sign_in("bob")

@@ -1,4 +1,4 @@
-"""Hostile input: whatever comes, the answer is the envelope; nothing crashes, hangs or tells a secret."""
+"""Hostile input to the forum's tools: every result uses the envelope; nothing crashes, hangs or leaks a secret."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from agentrob.mcp.forum.arguments import input_schema
 from agentrob.mcp.forum.tools import BY_NAME, TOOLS
 from tests.forked_process import ForkedCommand
 from tests.mcp.forum.hostile import deep, of_schema
-from tests.mcp.forum.inside import a_world, server_of
+from tests.mcp.forum.inside import memory_world, server_of
 from tests.mcp.running_mcp import McpSetup
 
 SECRET = "the-secret-token-of-nobody"
@@ -32,8 +32,8 @@ def _strategy(name: str) -> st.SearchStrategy[Any]:
 
 
 async def _call(name: str, arguments: Any) -> dict[str, Any]:
-    """The wire form of an answer, as JSON that can be sent."""
-    world = a_world()
+    """Call a tool; return the result in its wire form, as JSON."""
+    world = memory_world()
     forum = world.sign_in("alice")
     topic = await forum.create_topic("robots", "A title", "hello", key="0")
     await forum.reply(topic.post.topic_id, "x" * 2_000, key="1")
@@ -46,7 +46,7 @@ async def _call(name: str, arguments: Any) -> dict[str, Any]:
 
 
 class _Context:
-    """As much of a request as a call of a tool looks at."""
+    """The attributes of a request context that a tool call uses."""
 
     protocol_version = "2026-07-28"
     session = None
@@ -55,7 +55,7 @@ class _Context:
 @pytest.mark.parametrize("name", [t.name for t in TOOLS])
 @settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
-def test_whatever_a_tool_is_given_the_answer_is_the_envelope(name: str, data: st.DataObject) -> None:
+def test_a_tool_answers_any_arguments_in_the_envelope(name: str, data: st.DataObject) -> None:
     said = asyncio.run(_call(name, data.draw(_strategy(name))))
     assert set(said) - {"data", "error"} == {"ok", "tool", "trace_id"}
     assert said["ok"] or said["error"]["code"] in CODES, said
@@ -85,7 +85,7 @@ def wire(setup: McpSetup, tmp_path: Path) -> Iterator[ForkedCommand]:
     assert setup.board.tokens["op"] not in (tmp_path / "log").read_text()
 
 
-def test_nonsense_on_the_wire_is_answered_or_passed_over_and_the_server_goes_on(
+def test_malformed_lines_are_answered_or_skipped_and_the_server_continues(
     wire: ForkedCommand,
 ) -> None:
     def send(message: Any) -> None:
@@ -117,7 +117,7 @@ def test_nonsense_on_the_wire_is_answered_or_passed_over_and_the_server_goes_on(
     assert wire.poll() is None
 
 
-def test_a_line_that_is_longer_than_any_message_is_passed_over(wire: ForkedCommand) -> None:
+def test_an_oversized_line_is_skipped(wire: ForkedCommand) -> None:
     assert wire.stdin is not None
     client = {"protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}}
     first = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": client}).encode() + b"\n"

@@ -1,4 +1,4 @@
-"""The search by meaning as a tool: its mode is there where the forum has a model, and nowhere else."""
+"""Search by meaning as a tool: the mode exists only if the forum supports it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.mcp.forum.inside import ALL, server_of
 
 
 async def asked(world: MemoryWorld, *calls: dict[str, Any]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """The arguments that search_posts takes, and what it answers."""
+    """Return the arguments of search_posts and its result."""
     server, accounts = server_of(world, "alice", Rights(True, ALL))
     async with Client(server.engine, cache=None) as client:
         listed = (await client.list_tools()).tools
@@ -37,7 +37,7 @@ async def post() -> tuple[MemoryWorld, str]:
     return world, written.id
 
 
-async def test_where_the_forum_has_a_model_posts_are_found_by_meaning(post: tuple[MemoryWorld, str]) -> None:
+async def test_with_an_encoder_posts_are_found_by_meaning(post: tuple[MemoryWorld, str]) -> None:
     world, near = post
     query = {"query": "tired dog", "limit": 1}
     takes, (words, alike) = await asked(world, query, {**query, "mode": "meaning"})
@@ -54,7 +54,7 @@ async def test_where_the_forum_has_a_model_posts_are_found_by_meaning(post: tupl
     assert not wrong["ok"], "the cursor of one mode is none of the other"
 
 
-async def test_where_it_has_none_there_is_no_such_argument(post: tuple[MemoryWorld, str]) -> None:
+async def test_without_an_encoder_the_argument_does_not_exist(post: tuple[MemoryWorld, str]) -> None:
     world, _ = post
     world.encoder = None
     takes, (refused, words) = await asked(world, {"query": "dog", "mode": "meaning"}, {"query": "hound"})

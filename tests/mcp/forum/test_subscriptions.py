@@ -1,4 +1,4 @@
-"""Subscriptions of clients before 2026: kept by session, dropped when the session ends, and bounded."""
+"""Subscriptions in the protocol before 2026: stored per session, dropped when the session ends, and limited."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 from agentrob.mcp.forum.identity import Identity, Rights
 from agentrob.mcp.forum.subscriptions import MAX_SESSIONS, MAX_SUBSCRIPTIONS, SESSION_HEADER, Subscriptions
-from tests.mcp.forum.inside import ALL, a_world
+from tests.mcp.forum.inside import ALL, memory_world
 
 
 class Session:
-    """Takes updates as an SDK session does; each request of a client has one of its own."""
+    """Receives updates like an SDK session; each request of a client has its own session object."""
 
     def __init__(self, told: list[str]) -> None:
         self.told = told
@@ -25,8 +25,8 @@ def request(session_id: str, told: list[str]) -> Any:
     return SimpleNamespace(session=Session(told), request=SimpleNamespace(headers={SESSION_HEADER: session_id}))
 
 
-async def test_an_ended_session_is_told_nothing_more_and_the_others_are() -> None:
-    world = a_world()
+async def test_an_ended_session_gets_no_updates_and_others_do() -> None:
+    world = memory_world()
     forum = world.sign_in("alice")
     topic_id = (await forum.create_topic("robots", "News", "hello", key="1")).post.topic_id
     uri = f"forum://topic/{topic_id}"
@@ -59,7 +59,7 @@ async def test_an_ended_session_is_told_nothing_more_and_the_others_are() -> Non
 
 
 async def test_subscriptions_and_sessions_are_bounded() -> None:
-    subscriptions = Subscriptions(Identity("alice", a_world().sign_in("alice"), Rights(True, ALL)))
+    subscriptions = Subscriptions(Identity("alice", memory_world().sign_in("alice"), Rights(True, ALL)))
     assert all(subscriptions.subscribe(request("one", []), f"forum://topic/{n}") for n in range(MAX_SUBSCRIPTIONS))
     assert not subscriptions.subscribe(request("one", []), "forum://topic/more")
     assert subscriptions.subscribe(request("one", []), "forum://topic/1"), "the same again is no more"

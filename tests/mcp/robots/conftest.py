@@ -1,4 +1,4 @@
-"""Fixtures of the robot server's tests: the scenes of agent and service."""
+"""Fixtures for the tests of the robots' MCP server: a driver and a served agent."""
 
 from __future__ import annotations
 
@@ -20,6 +20,6 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 @pytest.fixture
 async def service(driver: Driver, tmp_path: Path) -> AsyncIterator[Service]:
-    """A served agent that listens to its forum."""
+    """Serve an agent that listens to its forum."""
     async with make_service(driver, tmp_path) as made:
         yield made

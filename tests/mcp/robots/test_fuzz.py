@@ -1,4 +1,4 @@
-"""Hostile input to the robots' tools, and hostile answers of what stands for a robot's service: always the envelope."""
+"""Hostile input to the robots' tools and hostile responses of a robot's service: every result uses the envelope."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ QUICK = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 
 class _Session:
     async def report_progress(self, *_: Any) -> None:
-        """Nobody listens."""
+        """Ignore progress."""
 
 
 class _Context:
-    """As much of a request as a call of a tool looks at."""
+    """The attributes of a request context that a tool call uses."""
 
     session = _Session()
 
 
 def call(name: str, arguments: Any, status: int = 200, body: bytes = b"{}") -> tuple[dict[str, Any], list[str]]:
-    """The envelope as it is sent, and which addresses of the service were asked."""
+    """Call a tool; return the envelope in its wire form and the URLs of the service that were requested."""
     asked: list[str] = []
 
     def answer(request: httpx2.Request) -> httpx2.Response:
@@ -70,11 +70,9 @@ def _strategy(name: str) -> st.SearchStrategy[Any]:
 @pytest.mark.parametrize("name", list(BY_NAME))
 @QUICK
 @given(data=st.data())
-def test_whatever_a_tool_is_given_the_answer_is_the_envelope_and_only_its_robot_is_asked(
-    name: str, data: st.DataObject
-) -> None:
+def test_a_tool_answers_any_arguments_in_the_envelope_and_calls_only_its_robot(name: str, data: st.DataObject) -> None:
     said, asked = call(name, data.draw(_strategy(name)), 404, b'{"detail": "no", "code": "no_such_thing"}')
-    assert said["ok"] is (name == "list_robots" and bool(asked))  # which lists what it cannot reach too
+    assert said["ok"] is (name == "list_robots" and bool(asked))  # it also lists robots that it cannot reach
     assert all(path.startswith("/api/v1/robots/quadruped") and ".." not in path for path in asked), asked
 
 
@@ -91,9 +89,7 @@ def test_deep_and_huge_json_is_refused_in_the_envelope(name: str) -> None:
 @pytest.mark.parametrize("tool", TOOLS, ids=lambda tool: tool.name)
 @QUICK
 @given(status=st.sampled_from([200, 201, 204, 302, 400, 418, 429, 500, 503]), body=ANYTHING, raw=st.binary(max_size=40))
-def test_whatever_stands_for_the_service_the_answer_is_the_envelope(
-    tool: Any, status: int, body: Any, raw: bytes
-) -> None:
+def test_any_response_of_the_service_results_in_the_envelope(tool: Any, status: int, body: Any, raw: bytes) -> None:
     given = {"text": "walk 1 m", "command_id": "1"}
     arguments = {name: given[name] for name in tool.arguments.model_fields if name in given}
     for content in (raw, json.dumps(body).encode("utf-8", "replace")):

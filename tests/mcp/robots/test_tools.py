@@ -1,4 +1,4 @@
-"""Robots as tools for an MCP client, before a served agent with a fake robot."""
+"""Robots as tools for an MCP client, in front of a served agent with a fake robot."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ EVERYTHING = McpRobotConfig(preview=True, submit=True)
 async def client_of(
     service: Service, who: str = "alice", config: McpRobotConfig = EVERYTHING, mode: str = "auto"
 ) -> AsyncIterator[Client]:
-    """A client of the robot server, which calls the service with the token of `who`."""
+    """Return a client of the robots' MCP server, which calls the service with the token of `who`."""
     robots = Robots({ROBOT: Remote(ROBOT, service.url, token(who))}, config.pictures_per_minute)
     try:
         async with Client(RobotServer(robots, allowed(config)).engine, mode=mode, cache=None) as client:
@@ -47,7 +47,7 @@ async def client_of(
 
 
 async def ask(client: Client, name: str, /, **arguments: Any) -> dict[str, Any]:
-    """The envelope of a call; the text beside it says the same."""
+    """Call a tool; return its envelope, after checking that the text content says the same."""
     result = await client.call_tool(name, arguments)
     said = result.structured_content
     assert isinstance(said, dict)
@@ -56,7 +56,7 @@ async def ask(client: Client, name: str, /, **arguments: Any) -> dict[str, Any]:
     return said
 
 
-async def test_looking_and_stopping_are_always_there_and_the_rest_is_the_owners_to_allow(service: Service) -> None:
+async def test_reading_and_stopping_are_always_allowed_and_the_owner_allows_the_rest(service: Service) -> None:
     for config, more in (
         (McpRobotConfig(), []),
         (McpRobotConfig(preview=True), ["preview_command"]),
@@ -75,7 +75,7 @@ async def test_looking_and_stopping_are_always_there_and_the_rest_is_the_owners_
         assert len(service.scene.world.posts) == before
 
 
-async def test_a_client_sees_asks_waits_and_reads_what_was_measured(service: Service) -> None:
+async def test_a_client_looks_commands_waits_and_reads_the_measurements(service: Service) -> None:
     async with client_of(service) as client:
         (robot,) = (await ask(client, "list_robots"))["data"]["robots"]
         assert (robot["name"], robot["state"]) == (ROBOT, "idle")
@@ -100,7 +100,7 @@ async def test_a_client_sees_asks_waits_and_reads_what_was_measured(service: Ser
         assert (again["created"], again["command"]["id"]) == (False, command["id"])
 
 
-async def test_a_picture_is_a_picture_and_there_are_only_so_many(service: Service) -> None:
+async def test_a_snapshot_is_an_image_and_snapshots_are_limited(service: Service) -> None:
     async with client_of(service, config=McpRobotConfig(pictures_per_minute=1)) as client:
         result = await client.call_tool("camera_snapshot", {})
         picture = result.content[1]
@@ -110,13 +110,13 @@ async def test_a_picture_is_a_picture_and_there_are_only_so_many(service: Servic
         assert (refused["code"], refused["retryable"]) == ("rate_limited", True)
 
 
-async def test_law_13_and_15_a_stop_goes_past_a_call_that_waits_and_past_every_limit(service: Service) -> None:
+async def test_law_13_and_15_a_stop_passes_waiting_calls_and_all_limits(service: Service) -> None:
     async with client_of(service) as client:
         waiting = asyncio.create_task(ask(client, "submit_command", text="walk forward 5 m", wait_s=30))
         async with asyncio.timeout(60):
             while service.agent.queue.moving is None:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
-        service.parts.auth._limit = type(service.parts.auth._limit)(1)  # everything else is refused from now on
+        service.parts.auth._limit = type(service.parts.auth._limit)(1)  # from now on everything else is refused
         stopped = (await ask(client, "stop"))["data"]["stop"]
         assert stopped["confirmed"]
         assert stopped["latency_ms"] < 500
@@ -127,7 +127,7 @@ async def test_law_13_and_15_a_stop_goes_past_a_call_that_waits_and_past_every_l
     assert card.state == "stopped"
 
 
-async def test_refusals_come_in_the_envelope_with_what_would_be_valid(service: Service) -> None:
+async def test_refusals_use_the_envelope_and_name_valid_values(service: Service) -> None:
     async with client_of(service, who="watcher") as client:
         for name, arguments, code in (
             ("submit_command", {"text": "walk 1 m"}, "denied"),
@@ -144,7 +144,7 @@ async def test_refusals_come_in_the_envelope_with_what_would_be_valid(service: S
             assert said["trace_id"]
 
 
-async def test_a_service_that_is_gone_is_told_and_a_stop_that_reached_nobody_is_an_error() -> None:
+async def test_an_unreachable_service_is_reported_and_an_undelivered_stop_is_an_error() -> None:
     robots = Robots({ROBOT: Remote(ROBOT, "http://127.0.0.1:9", token("alice"))}, 10)
     async with Client(RobotServer(robots, allowed(EVERYTHING)).engine, cache=None) as client:
         (robot,) = (await ask(client, "list_robots"))["data"]["robots"]
@@ -155,7 +155,7 @@ async def test_a_service_that_is_gone_is_told_and_a_stop_that_reached_nobody_is_
     await robots.close()
 
 
-def test_it_is_off_until_a_service_and_its_token_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_server_is_off_until_a_service_and_its_token_are_configured(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ConfigError, match="no robot is configured"):
         configured(McpRobotConfig())
     monkeypatch.delenv("NO_SUCH_TOKEN", raising=False)
@@ -164,7 +164,7 @@ def test_it_is_off_until_a_service_and_its_token_are_named(monkeypatch: pytest.M
         configured(McpRobotConfig.model_validate({"services": services}))
 
 
-async def test_over_http_by_its_own_token_and_not_by_the_services(service: Service, tmp_path: Path) -> None:
+async def test_over_http_it_accepts_its_own_token_and_not_the_services(service: Service, tmp_path: Path) -> None:
     services = {ROBOT: {"url": service.url, "token_env": "ROBOT_TOKEN"}}
     facts = {"mcp_robot": {"listen": "127.0.0.1:0", "token_env": "MCP_TOKEN", "services": services}}
     Config.model_validate(facts).write(tmp_path / "robots.toml")

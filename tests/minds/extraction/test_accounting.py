@@ -39,7 +39,7 @@ def _answers(plan: Steps, rng: random.Random) -> Iterator[Steps]:
     yield (*plan, rng.choice(["hello", "photo", "F1", "l90"]))
 
 
-def test_law_18_a_model_drops_adds_and_moves_no_action_of_a_generated_post() -> None:
+def test_law_18_no_action_of_a_generated_post_is_dropped_added_or_moved() -> None:
     rng = random.Random(18)
     done, wrong = 0, []
     for post in generated_posts.posts(size(600, 20_000)):

@@ -1,4 +1,5 @@
-"""What weak models write is read as it was meant: drafts, thoughts, line breaks, nulls, keys and words of their own."""
+"""Sloppy output of weak models is parsed as intended: drafts, reasoning, line breaks, nulls, invented keys and
+values."""
 
 from __future__ import annotations
 
@@ -38,7 +39,7 @@ REFUSED = '{"decision": "refuse", "harm": "people", "words": "", "why": ""}'
         '{"decision": "refuse", "harm": "people", "words": "it breaks off he',
     ],
 )
-def test_law_7_any_refusal_that_can_be_read_refuses(text: str) -> None:
+def test_law_7_any_readable_refusal_refuses(text: str) -> None:
     judgement, problem = found_in(text, Judgement)
     assert judgement is not None, problem
     assert judgement.refuses
@@ -53,7 +54,7 @@ def test_law_7_any_refusal_that_can_be_read_refuses(text: str) -> None:
         '{"decision": "fine", "harm": "", "extra": {"a": [1]}}',
     ],
 )
-def test_what_is_fine_is_read_as_fine(text: str) -> None:
+def test_an_approval_is_read_as_an_approval(text: str) -> None:
     judgement, problem = found_in(text, Judgement)
     assert judgement is not None, problem
     assert not judgement.refuses
@@ -63,11 +64,11 @@ def test_what_is_fine_is_read_as_fine(text: str) -> None:
     "text",
     ["", "fine", '{"decision": "perhaps"}', '{"decision": "allow"}', "{}", '{"decision": 1}', '{"decision": "fi'],
 )
-def test_what_says_neither_is_no_answer(text: str) -> None:
+def test_output_that_says_neither_is_not_an_answer(text: str) -> None:
     assert found_in(text, Judgement)[0] is None
 
 
-def test_line_breaks_nulls_for_defaults_and_unknown_keys_do_not_cost_a_reading() -> None:
+def test_line_breaks_nulls_and_unknown_keys_are_tolerated() -> None:
     step = {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "walk\n1 m", "note": "x"}
     step |= {"slow": None, "times": None, "speed": None}
     told = json.dumps({"intent": "command", "steps": [step], "doubt": None, "mood": "good"}).replace("\\n", "\n")
@@ -76,7 +77,7 @@ def test_line_breaks_nulls_for_defaults_and_unknown_keys_do_not_cost_a_reading()
     assert (wants.steps[0].words, wants.steps[0].times, wants.steps[0].slow) == ("walk\n1 m", 1, False)
 
 
-def test_of_several_readings_the_last_whole_one_counts() -> None:
+def test_the_last_complete_reading_counts() -> None:
     nothing, unclear = '{"intent": "nothing"}', '{"intent": "unclear", "doubt": "distance"}'
     wants, _ = found_in(f"{nothing} no: {unclear} and {{broken", Wants)
     assert wants is not None

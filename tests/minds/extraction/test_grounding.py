@@ -1,4 +1,4 @@
-"""The check against invention: whatever a model extracts, the plan holds only what the post says."""
+"""The grounding check: whatever a model extracts, the plan contains only what the post says."""
 
 from __future__ import annotations
 
@@ -101,9 +101,7 @@ PHOTO = Primitive(Op.GET_FRONT_IMAGE)
         ),
     ],
 )
-def test_what_the_post_says_is_taken_in_its_own_numbers(
-    text: str, steps: list[ExtractedStep], plan: list[Primitive]
-) -> None:
+def test_amounts_are_taken_from_the_post(text: str, steps: list[ExtractedStep], plan: list[Primitive]) -> None:
     found = ground(steps, text)
     assert isinstance(found, Grounded), found
     assert found.plan.steps == tuple(plan)
@@ -164,7 +162,7 @@ def test_what_the_post_says_is_taken_in_its_own_numbers(
         ("again", [move(1, "m", "again", "forward")], "action"),
     ],
 )
-def test_what_it_does_not_say_is_found_out(text: str, steps: list[ExtractedStep], lack: str) -> None:
+def test_invented_content_is_detected(text: str, steps: list[ExtractedStep], lack: str) -> None:
     assert ground(steps, text) == Ungrounded(lack, ground(steps, text).step)  # type: ignore[arg-type, union-attr]
 
 
@@ -219,7 +217,7 @@ HISTORY = [Plan((walk(F, 1.5), rotate(L, 90)))]
         ("thank you", [move(1.5, "m", "thank you", "forward")], None),
     ],
 )
-def test_what_was_done_before_counts_only_where_the_post_refers_to_it(
+def test_the_history_counts_only_if_the_post_refers_to_it(
     text: str, steps: list[ExtractedStep], plan: list[Primitive] | None
 ) -> None:
     found = ground(steps, text, HISTORY)
@@ -230,14 +228,14 @@ def test_what_was_done_before_counts_only_where_the_post_refers_to_it(
         assert found.plan.steps == tuple(plan)
 
 
-def test_a_bare_turn_is_an_assumption_that_is_told() -> None:
+def test_the_default_angle_of_a_turn_is_reported_as_an_assumption() -> None:
     assert ground([turn(None, "swivel left", "left")], "swivel left") == Grounded(
         Plan((rotate(L, 90),)), assumed_turn=True
     )
 
 
 # ---------------------------------------------------------------------- half a wish
-#: A deed as a post says it, and the step that a model rightly makes of it; None where there is none.
+#: An action as a post names it, and the step that a correct model extracts; None if there is no such step.
 DEEDS: dict[str, list[tuple[str, ExtractedStep | None]]] = {
     "en": [
         ("amble forward 50 cm", move(50, "cm", "amble forward 50 cm", "forward")),
@@ -288,7 +286,7 @@ def test_law_18_a_model_does_all_of_a_post_or_nothing(data: st.DataObject, langu
         assert [p.op for p in found.plan.steps] == [made.action for made in kept for _ in range(made.times)]
 
 
-# ---------------------------------------------------------------------- any text, any answer
+# ---------------------------------------------------------------------- any text, any extraction
 WORDS = st.sampled_from(
     [
         "walk",
@@ -370,7 +368,7 @@ PLANS = st.lists(st.lists(PRIMITIVES, max_size=3).map(lambda s: Plan(tuple(s))),
 
 
 def quoting(text: str) -> st.SearchStrategy[list[ExtractedStep]]:
-    """Steps whose quotes stand in the text: what gets furthest."""
+    """Generate steps whose quotes occur in the text, because these pass the first checks."""
     words = text.split() or ["x"]
     spans = st.tuples(st.integers(0, len(words) - 1), st.integers(1, 8)).map(lambda s: " ".join(words[s[0] : sum(s)]))
     quoted = st.builds(lambda s, w: s.model_copy(update={"words": w[:300]}), STEPS, spans)
@@ -380,7 +378,7 @@ def quoting(text: str) -> st.SearchStrategy[list[ExtractedStep]]:
 @settings(max_examples=600)
 @given(st.data(), TEXTS, PLANS)
 def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list[Plan]) -> None:
-    """For any answer of a model, each amount and direction of the plan stands in the text or in what was done."""
+    """For any extraction, each amount and direction in the plan occurs in the text or in the history."""
     found = ground(data.draw(quoting(text)), text, history)
     if isinstance(found, Ungrounded):
         return
@@ -406,7 +404,7 @@ def test_law_7_nothing_is_invented(data: st.DataObject, text: str, history: list
 
 
 @given(st.data(), TEXTS)
-def test_a_word_of_denial_beside_a_step_stops_it(data: st.DataObject, text: str) -> None:
+def test_a_negation_beside_a_step_prevents_it(data: st.DataObject, text: str) -> None:
     steps = data.draw(quoting(text))
     assert isinstance(ground(steps, text.replace(".", " ").replace("\n", " ") + " not"), Ungrounded) or any(
         m.kind is EvidenceKind.END for m in evidence_in(text)
@@ -414,7 +412,7 @@ def test_a_word_of_denial_beside_a_step_stops_it(data: st.DataObject, text: str)
 
 
 @given(TEXTS)
-def test_evidence_stands_in_the_text(text: str) -> None:
+def test_evidence_occurs_in_the_text(text: str) -> None:
     for mention in evidence_in(text):
         assert 0 <= mention.start < mention.end <= len(text)
 
@@ -454,7 +452,7 @@ def test_the_schema_is_closed(raw: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "unit", ["一", "千", "one ", "one hundred and ", "1 ", "1/2 ", "half a ", "- 1", "walk 1 m ", "两米半"]
 )
-def test_a_flood_of_numbers_is_read_and_commands_nothing(unit: str) -> None:
+def test_very_many_numbers_are_parsed_and_command_nothing(unit: str) -> None:
     text = (unit * 2000)[:2000]
     assert isinstance(ground([move(7, "m", text[:200])] * 20, text), Ungrounded)
 
@@ -470,7 +468,7 @@ MORE = [
 
 
 @pytest.mark.parametrize(("text", "steps", "lack"), MORE, ids=[row[0] for row in MORE])
-def test_law_18_a_place_a_time_or_an_order_that_a_step_leaves_over_is_not_dropped(
+def test_law_18_a_place_time_or_order_that_no_step_covers_is_not_dropped(
     text: str, steps: list[Any], lack: str
 ) -> None:
     read = [s if isinstance(s, dict) else {"action": "hello", "words": s} for s in steps]

@@ -1,4 +1,5 @@
-"""The model mind: whatever the model says, the robot does what the post says and the rules do not read otherwise."""
+"""The model mind: whatever the model answers, the robot only does what the post says and the rules do not
+contradict."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ LISTENER = Addressee(("quadruped",), ("humanoid",), GO2)
 
 
 class Scripted:
-    """A model that says what a test wants, and remembers what it was told."""
+    """A model with scripted output that records its prompts."""
 
     name = "scripted"
     limit_s = 5.0
@@ -98,7 +99,7 @@ async def test_it_is_a_mind() -> None:
         "@quadruped status",
     ],
 )
-async def test_law_15_a_stop_asks_no_model(text: str) -> None:
+async def test_law_15_a_stop_calls_no_model(text: str) -> None:
     model = Scripted(command(forward(2, "m", "stop")))
     reading = await ModelMind(model).read(text, LISTENER)
     assert reading.understanding == await RulesMind().understand(text, LISTENER)
@@ -152,9 +153,7 @@ async def test_law_15_a_stop_asks_no_model(text: str) -> None:
         ),
     ],
 )
-async def test_law_18_half_of_a_wish_and_more_than_it_are_asked_back(
-    text: str, step: dict[str, Any], says: str
-) -> None:
+async def test_law_18_a_partial_or_extended_reading_is_asked_back(text: str, step: dict[str, Any], says: str) -> None:
     wants = Wants(intent="command", steps=(ExtractedStep.model_validate(step),))
     reading = await ModelMind(Scripted(wants)).read(text, LISTENER)
     assert reading.understanding.intent is Intent.ASK_BACK
@@ -180,19 +179,19 @@ async def test_the_model_understands_what_the_rules_do_not() -> None:
         ({"intent": "unclear", "doubt": "place"}, "I am not sure"),
     ],
 )
-async def test_where_rules_and_model_read_differently_it_asks(wants: dict[str, Any], asked: str) -> None:
+async def test_a_difference_between_rules_and_model_is_asked_back(wants: dict[str, Any], asked: str) -> None:
     understood = await ModelMind(Scripted(wants)).understand("@quadruped walk forward 2 m", LISTENER)
     assert understood.intent is Intent.ASK_BACK
     assert asked in understood.question
     assert "I did not move." in understood.question
 
 
-async def test_where_both_read_the_same_it_is_done() -> None:
+async def test_an_agreement_of_rules_and_model_is_executed() -> None:
     mind = ModelMind(Scripted(command(forward(200, "cm", "walk forward 2 m"))))
     assert (await mind.understand("@quadruped walk forward 2 m", LISTENER)).plan.steps == WALK_2
 
 
-async def test_a_wish_that_only_the_model_sees_in_talk_is_asked() -> None:
+async def test_a_command_that_only_the_model_sees_in_talk_is_asked_back() -> None:
     mind = ModelMind(Scripted(command(forward(2, "m", "walk forward 2 m"))))
     text = "@quadruped yesterday I saw you walk forward 2 m"
     assert (await RulesMind().understand(text, LISTENER)).intent is Intent.NOTHING
@@ -204,20 +203,20 @@ async def test_a_wish_that_only_the_model_sees_in_talk_is_asked() -> None:
 @pytest.mark.parametrize(
     "text", ["@quadruped why did you walk forward 2 m?", "@quadruped what happens when you walk forward 2 m?"]
 )
-async def test_a_question_that_a_model_takes_for_a_wish_moves_nothing(wants: dict[str, Any], text: str) -> None:
+async def test_a_question_that_a_model_takes_for_a_command_moves_nothing(wants: dict[str, Any], text: str) -> None:
     by_rules = await RulesMind().understand(text, LISTENER)
     understood = await ModelMind(Scripted(wants)).understand(text, LISTENER)
     assert (by_rules.intent, understood.intent) == (Intent.QUESTION, Intent.ASK_BACK)
 
 
-async def test_never_mind_asks_no_model() -> None:
+async def test_never_mind_calls_no_model() -> None:
     model = Scripted({"intent": "unclear"})
     understood = await ModelMind(model).understand("@quadruped never mind", LISTENER)
     assert (understood.intent, understood.cancels) == (Intent.CANCEL, True)
     assert model.told == []
 
 
-async def test_what_is_taken_back_stays_so_where_the_rest_is_asked() -> None:
+async def test_a_retracted_step_stays_retracted_when_the_rest_is_asked_back() -> None:
     text = "@quadruped never mind, turn right 50 degrees"
     assert (await RulesMind().understand(text, LISTENER)).cancels
     understood = await ModelMind(Scripted(NOTHING)).understand(text, LISTENER)
@@ -240,7 +239,7 @@ async def test_law_7_each_robot_gets_its_own_part_only() -> None:
     assert "amble" not in "".join(model.told)
 
 
-async def test_law_3_where_words_are_hidden_the_rules_alone_read() -> None:
+async def test_law_3_a_post_with_hidden_text_is_read_by_the_rules_only() -> None:
     model = Scripted(command(forward(1, "m", "meander forward 1 m")))
     text = visible_text("@quadruped `don't` meander forward 1 m")
     assert OMITTED in text
@@ -249,7 +248,7 @@ async def test_law_3_where_words_are_hidden_the_rules_alone_read() -> None:
     assert model.told == []
 
 
-async def test_a_model_that_fails_leaves_it_to_the_rules() -> None:
+async def test_if_the_model_fails_the_rules_decide() -> None:
     fault = ModelError("timeout", "no answer", usage=[Usage("scripted", "m", failed="timeout")])
     reading = await ModelMind(Scripted(fault)).read("@quadruped walk forward 2 m", LISTENER)
     assert reading.understanding.plan.steps == WALK_2
@@ -257,7 +256,7 @@ async def test_a_model_that_fails_leaves_it_to_the_rules() -> None:
     assert reading.usage[0].failed == "timeout"
 
 
-# ---------------------------------------------------------------------- what the model is told
+# ---------------------------------------------------------------------- prompts
 @given(st.text(max_size=300))
 def test_the_post_stands_between_delimiters_that_are_not_in_it(post: str) -> None:
     told = user_message(post, ())
@@ -273,18 +272,18 @@ def test_a_post_that_guesses_the_delimiter_gets_another() -> None:
     assert "<<<post aaaa\n" not in told
 
 
-def test_delimiters_are_new_each_time() -> None:
+def test_delimiters_are_random() -> None:
     assert user_message("hello", ()) != user_message("hello", ())
 
 
 @given(st.text(alphabet=st.sampled_from("wal\u200bk\u202e\u2066 2\ufeff\u00ad\U000e0041ｍ①"), max_size=30))
-def test_law_3_invisible_characters_are_gone(post: str) -> None:
+def test_law_3_invisible_characters_are_removed(post: str) -> None:
     assert not set(clean(post)) & set("\u200b\u202e\u2066\ufeff\u00ad\U000e0041")
     assert clean(clean(post)) == clean(post)
 
 
 @given(st.text(max_size=80))
-def test_visible_text_stays_as_it_is(raw: str) -> None:
+def test_visible_text_is_unchanged(raw: str) -> None:
     assert clean(visible_text(raw)) == visible_text(raw)
 
 
@@ -361,8 +360,8 @@ HOSTILE = [
         forward(5000, "m", "amount 5000 m"),
     ],
 )
-async def test_law_7_a_talked_over_model_moves_nothing_beyond_bounds(text: str, step: dict[str, Any]) -> None:
-    """Where the words of the attack stand in the post, what they name is still bounded, and differing readings ask."""
+async def test_law_7_a_manipulated_model_moves_nothing_beyond_limits(text: str, step: dict[str, Any]) -> None:
+    """Even if the post contains the attack's words, the steps are bounded, and differing readings are asked back."""
     understood = await ModelMind(Scripted(command(step))).understand(text, LISTENER)
     by_rules = await RulesMind().understand(text, LISTENER)
     if understood.intent is Intent.COMMAND and understood != by_rules:
@@ -372,7 +371,7 @@ async def test_law_7_a_talked_over_model_moves_nothing_beyond_bounds(text: str, 
         assert understood.intent is Intent.ASK_BACK
 
 
-async def test_a_plan_of_the_thread_is_told_as_data_only() -> None:
+async def test_an_earlier_plan_is_passed_as_data_only() -> None:
     model = Scripted(NOTHING)
     await ModelMind(model).read("@quadruped lovely", LISTENER, [Plan(WALK_2)] * 5)
     assert model.told[0].splitlines()[0].count("distance_m") == 3

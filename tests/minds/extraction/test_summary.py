@@ -1,4 +1,4 @@
-"""Words of a model for what was done: only what was measured, or none at all."""
+"""A model's summary of a command contains only measured facts, or it is discarded."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ DONE = [WALK, TURN, did(Op.HELLO), did(Op.HELLO)]
         "我向前走了0.98米，向左转了89.2度，然后挥手两次。",
     ],
 )
-def test_words_that_say_what_was_measured_stay(text: str) -> None:
+def test_a_summary_of_measured_facts_is_kept(text: str) -> None:
     assert unfounded(text, DONE, "zh" if "我" in text else "en") == ""
 
 
@@ -66,12 +66,12 @@ def test_words_that_say_what_was_measured_stay(text: str) -> None:
         ("word " * 100, "empty, too long or more than words"),
     ],
 )
-def test_law_18_words_that_do_not_follow_from_the_results_are_thrown_away(text: str, problem: str) -> None:
+def test_law_18_a_summary_beyond_the_results_is_discarded(text: str, problem: str) -> None:
     assert unfounded(text, DONE, "en").startswith(problem)
 
 
 @pytest.mark.parametrize("outcome", [o for o in Outcome if o is not Outcome.DONE])
-def test_law_18_nothing_is_worded_of_what_was_not_done(outcome: Outcome) -> None:
+def test_law_18_steps_that_were_not_executed_are_not_summarised(outcome: Outcome) -> None:
     failed = ActionResult(WALK.primitive, outcome, WALK.measured)
     assert unfounded("I walked forward 0.98 m.", [WALK, failed], "en") == "not everything was done"
     assert unfounded("All done.", [], "en") == "not everything was done"
@@ -95,9 +95,7 @@ def test_law_18_no_text_with_another_distance_than_measured_passes(
         assert unfounded(text, result, language)
 
 
-async def test_the_model_gets_figures_and_no_words_of_people_and_no_amounts_that_were_only_asked(
-    brain: Brain, tmp_path: Path
-) -> None:
+async def test_the_summary_prompt_has_only_measurements(brain: Brain, tmp_path: Path) -> None:
     brain.says = "I walked forward 0.98 m."
     model = brain.model(tmp_path)
     summary = await summarise(model, [WALK, TURN], "en")
@@ -114,7 +112,7 @@ async def test_the_model_gets_figures_and_no_words_of_people_and_no_amounts_that
     await model.close()
 
 
-async def test_a_model_that_is_down_slow_or_lies_gives_no_words(brain: Brain, tmp_path: Path) -> None:
+async def test_a_model_that_fails_is_slow_or_invents_gives_no_summary(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path, retries=0)
     brain.says = lambda handler: handler.send(500, b"{}")
     assert (await summarise(model, [WALK], "en")).failed == "server"

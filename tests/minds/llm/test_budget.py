@@ -1,4 +1,4 @@
-"""What minds may use up: per command, per day, across restarts and processes."""
+"""Budgets of minds: per command and per day, across restarts and processes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def budget(file: Path, limits: MindLimitsConfig = DAY, day: str = "2026-01-01", 
     return Budget(mind, limits, file, today=lambda: day)
 
 
-async def test_a_restart_does_not_forget_the_day(tmp_path: Path) -> None:
+async def test_the_daily_budget_survives_a_restart(tmp_path: Path) -> None:
     file = tmp_path / "minds.sqlite"
     first = budget(file)
     await first.settle(await first.reserve(900, 0.0, ()), 800, 0.0)
@@ -41,19 +41,19 @@ async def test_a_restart_does_not_forget_the_day(tmp_path: Path) -> None:
     await again.reserve(200, 0.0, ())
 
 
-async def test_another_day_and_another_mind_begin_anew(tmp_path: Path) -> None:
+async def test_each_day_and_each_mind_has_its_own_budget(tmp_path: Path) -> None:
     file = tmp_path / "minds.sqlite"
     await budget(file).reserve(1_000, 0.0, ())
     await budget(file, day="2026-01-02").reserve(1_000, 0.0, ())
     await budget(file, mind="other").reserve(1_000, 0.0, ())
 
 
-async def test_what_broke_off_stays_counted(tmp_path: Path) -> None:
+async def test_an_aborted_request_stays_counted(tmp_path: Path) -> None:
     await budget(tmp_path / "minds.sqlite").reserve(700, 0.5, ())
     assert budget(tmp_path / "minds.sqlite").spent_today() == (700, 0.5)
 
 
-async def test_many_at_once_cannot_overspend(tmp_path: Path) -> None:
+async def test_concurrent_requests_cannot_overspend(tmp_path: Path) -> None:
     purses = [budget(tmp_path / "minds.sqlite") for _ in range(8)]
     got = await asyncio.gather(*(p.reserve(300, 0.0, ()) for p in purses), return_exceptions=True)
     assert sum(not isinstance(x, BaseException) for x in got) == 3
@@ -71,7 +71,7 @@ async def test_money_is_limited_too(tmp_path: Path) -> None:
         await purse.reserve(10, 0.7, ())
 
 
-async def test_a_file_that_cannot_be_used_stops_the_spending(tmp_path: Path) -> None:
+async def test_an_unusable_file_stops_the_spending(tmp_path: Path) -> None:
     for broken in (tmp_path, tmp_path / "text"):
         (tmp_path / "text").write_text("no database" * 1000)
         with pytest.raises(ModelError, match="cannot be kept") as caught:
@@ -79,7 +79,7 @@ async def test_a_file_that_cannot_be_used_stops_the_spending(tmp_path: Path) -> 
         assert caught.value.kind == "budget"
 
 
-async def test_a_file_that_stays_locked_stops_the_spending_and_loses_no_answer(
+async def test_a_locked_file_stops_the_spending_and_loses_no_response(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("agentrob.minds.llm.budget.BUSY_S", 0.05)
@@ -93,7 +93,7 @@ async def test_a_file_that_stays_locked_stops_the_spending_and_loses_no_answer(
     assert budget(file).spent_today() == (500, 0.0), "what was set aside stays counted"
 
 
-async def test_beyond_the_command_nothing_is_sent(server: FaultyServer, make: Make) -> None:
+async def test_nothing_is_sent_beyond_the_budget_of_a_command(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(200, json.dumps(said("Yes.", (600, 50))).encode())
     model = make(server.url + "/v1", max_output_tokens=100, limits={"command_tokens": 700})
     first = await model.chat("", "Hello")
@@ -104,7 +104,7 @@ async def test_beyond_the_command_nothing_is_sent(server: FaultyServer, make: Ma
     await model.close()
 
 
-async def test_the_day_counts_what_was_really_taken(server: FaultyServer, make: Make, tmp_path: Path) -> None:
+async def test_the_daily_budget_counts_actual_usage(server: FaultyServer, make: Make, tmp_path: Path) -> None:
     script = [(200, said("Yes.", (600, 50))), (500, {}), (401, {}), (200, said("No usage.", None))]
     left = iter(script)
 
@@ -117,7 +117,7 @@ async def test_the_day_counts_what_was_really_taken(server: FaultyServer, make: 
     purse = Budget("clever", MindLimitsConfig(), tmp_path / "minds.sqlite")
     await model.chat("", "Hello")
     assert purse.spent_today() == (650, 0.0)
-    for _ in range(2):  # what was not served is not billed
+    for _ in range(2):  # a failed request is not billed
         with pytest.raises(ModelError):
             await model.chat("", "Hello")
         assert purse.spent_today() == (650, 0.0)
@@ -128,7 +128,7 @@ async def test_the_day_counts_what_was_really_taken(server: FaultyServer, make: 
     await model.close()
 
 
-async def test_what_timed_out_may_be_billed_and_counts(server: FaultyServer, make: Make) -> None:
+async def test_timed_out_requests_count_because_they_may_be_billed(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.hang()
     price = {"input_per_million": 10.0, "output_per_million": 10.0}
     model = make(server.url + "/v1", timeout_s=0.2, retries=1, max_output_tokens=100, price=price)
@@ -141,7 +141,7 @@ async def test_what_timed_out_may_be_billed_and_counts(server: FaultyServer, mak
 
 
 @given(st.lists(st.text()), st.integers(0, 8))
-def test_an_estimate_is_never_nothing(texts: list[str], images: int) -> None:
+def test_an_estimate_is_never_zero(texts: list[str], images: int) -> None:
     assert estimate_tokens(texts, images) >= sum(map(len, texts)) // 3 + images * 1_000
 
 
@@ -151,6 +151,6 @@ def test_cost_is_unknown_without_a_price() -> None:
 
 
 @given(st.integers(1, 10_000), st.floats(0, 1), st.none() | st.floats(0, 100))
-def test_waits_are_bounded_and_not_before_the_server_wants(attempt: int, chance: float, after: float | None) -> None:
+def test_waits_are_bounded_and_respect_the_server(attempt: int, chance: float, after: float | None) -> None:
     wait = retry_wait_s(attempt, chance, after)
     assert (after or 0.0) <= wait <= (after or 0.0) + RETRY_MAX_S

@@ -1,4 +1,4 @@
-"""`[minds.NAME]`: what is valid is said, keys are never repeated, model names are not ours to judge."""
+"""`[minds.NAME]`: errors name the valid values and never repeat API keys, and any model name is accepted."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def minds(**tables: Any) -> Config:
     return parse({"minds": tables})
 
 
-def test_three_lines_are_enough() -> None:
+def test_three_lines_of_configuration_are_enough() -> None:
     config = minds(
         clever=GOOD, claude={"provider": "anthropic", "model": "c"}, doubao={"provider": "ark", "model": "ep-1"}
     )
@@ -63,16 +63,16 @@ def test_three_lines_are_enough() -> None:
         ({**GOOD, "fallbacks": ["clever"]}, "fallbacks: invalid clever"),
     ],
 )
-def test_what_is_wrong_is_said_with_what_is_valid_and_no_key(table: dict[str, Any], says: str) -> None:
+def test_errors_name_valid_values_and_no_keys(table: dict[str, Any], says: str) -> None:
     with pytest.raises(ConfigError, match=says) as caught:
         minds(clever=table)
     assert "sk-secret" not in str(caught.value)
 
 
-def test_robots_still_say_what_is_valid() -> None:
+def test_errors_of_robots_name_valid_values() -> None:
     with pytest.raises(ConfigError, match=r"robots\.rex\.fence\.x is not a setting; valid here: x_max_m"):
         parse({"robots": {"rex": {"fence": {"x": 1}}}})
-    valid = "board, data, forum, images, mcp, mcp_robot, minds, robots, service"
+    valid = "board, data, forum, images, journal, mcp, mcp_robot, minds, robots, service, worker"
     with pytest.raises(ConfigError, match=f"robot is not a setting; valid here: {valid}"):
         parse({"robot": {}})
 

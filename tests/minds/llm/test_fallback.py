@@ -1,4 +1,4 @@
-"""A chain of fallbacks: who fails is passed over and named; at the end stand the rules."""
+"""A chain of fallbacks: a failing mind is skipped and named, and the rules are the last resort."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Make = Callable[..., ConfiguredModel]
 LISTENER = Addressee(("quadruped",), (), Capabilities("go2", frozenset(Op)))
 
 
-async def test_the_next_one_answers_and_the_failed_one_is_named(server: FaultyServer, make: Make) -> None:
+async def test_the_next_mind_answers_and_the_failed_one_is_named(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, body: (
         handler.send(401, b"{}") if body["model"] == "first" else handler.send(200, json.dumps(said("Here.")).encode())
     )
@@ -37,7 +37,7 @@ async def test_the_next_one_answers_and_the_failed_one_is_named(server: FaultySe
     await chain.close()
 
 
-async def test_an_unusable_answer_passes_on_too(server: FaultyServer, make: Make) -> None:
+async def test_unusable_output_falls_back_too(server: FaultyServer, make: Make) -> None:
     step = {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "stroll ahead 1 m"}
     wants = {"intent": "command", "steps": [step]}
     server.answer = lambda handler, body: handler.send(
@@ -53,7 +53,7 @@ async def test_an_unusable_answer_passes_on_too(server: FaultyServer, make: Make
     await mind.close()
 
 
-async def test_when_no_model_answers_the_rules_do_and_say_so(server: FaultyServer, make: Make) -> None:
+async def test_when_no_model_answers_the_rules_do_and_the_reply_says_so(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(503, b"{}")
     url = server.url + "/v1"
     mind = ModelMind(FallbackModel([make(url, "one", retries=0), make(url, "two", retries=0)]))
@@ -64,7 +64,7 @@ async def test_when_no_model_answers_the_rules_do_and_say_so(server: FaultyServe
     await mind.close()
 
 
-async def test_the_rules_answer_in_time_however_long_the_models_take(server: FaultyServer, make: Make) -> None:
+async def test_the_rules_answer_in_time_however_slow_the_models_are(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.hang()
     mind = ModelMind(
         FallbackModel([make(server.url + "/v1", n, timeout_s=60, total_s=60) for n in ("one", "two")]), 0.5
@@ -75,14 +75,14 @@ async def test_the_rules_answer_in_time_however_long_the_models_take(server: Fau
     await mind.close()
 
 
-async def test_preparing_asks_nothing_and_never_fails(server: FaultyServer, make: Make) -> None:
+async def test_preparing_sends_no_request_and_never_fails(server: FaultyServer, make: Make) -> None:
     mind = ModelMind(FallbackModel([make(server.url + "/v1"), make(server.url, "keyless", key_env="NO_SUCH_VARIABLE")]))
     await mind.prepare()
     assert server.requests == []
     await mind.close()
 
 
-async def test_a_chain_without_an_answer_tells_all_that_it_took(server: FaultyServer, make: Make) -> None:
+async def test_a_failed_chain_reports_its_whole_usage(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.send(401, b"{}")
     url = server.url + "/v1"
     with pytest.raises(ModelError) as caught:
@@ -90,13 +90,13 @@ async def test_a_chain_without_an_answer_tells_all_that_it_took(server: FaultySe
     assert [u.mind for u in caught.value.usage] == ["one", "two"]
 
 
-async def test_the_rules_mind_is_read_in_the_same_way() -> None:
+async def test_the_rules_mind_is_called_in_the_same_way() -> None:
     reading = await read(RulesMind(), "@quadruped wave", LISTENER)
     assert (reading.mind, reading.usage, reading.fallback) == ("rules", (), "")
     assert reading.understanding.intent is Intent.COMMAND
 
 
-async def test_a_chain_is_made_of_the_configuration(tmp_path: Path) -> None:
+async def test_a_chain_is_built_from_the_configuration(tmp_path: Path) -> None:
     def local(*fallbacks: str) -> MindConfig:
         return MindConfig(
             provider="compatible", model="m", base_url="http://127.0.0.1:1/v1", fallbacks=fallbacks, retries=0
@@ -108,9 +108,7 @@ async def test_a_chain_is_made_of_the_configuration(tmp_path: Path) -> None:
     assert [(u.mind, u.failed) for u in caught.value.usage] == [("one", "unreachable"), ("two", "unreachable")]
 
 
-async def test_a_mind_of_the_configuration_reads_at_the_shell_too(
-    server: FaultyServer, tmp_path: Path, key: str
-) -> None:
+async def test_a_configured_mind_works_on_the_command_line_too(server: FaultyServer, tmp_path: Path, key: str) -> None:
     step = {"action": "move", "direction": "forward", "amount": 1, "unit": "m", "words": "stroll ahead 1 m"}
     wants = {"intent": "command", "steps": [step]}
     server.answer = lambda handler, _: handler.send(200, json.dumps(called("answer", wants)).encode())
@@ -120,7 +118,7 @@ async def test_a_mind_of_the_configuration_reads_at_the_shell_too(
     assert understood.plan.steps == (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),)
 
 
-def test_a_robot_whose_commands_must_be_looked_at_needs_a_model() -> None:
+def test_a_robot_with_a_required_safety_review_needs_a_model() -> None:
     with pytest.raises(ConfigError, match="needs a mind that is a model"):
         parse({"robots": {"quadruped": {"screen": "required"}}})
     assert parse({"robots": {"quadruped": {"screen": "required", "mind": "clever"}}})

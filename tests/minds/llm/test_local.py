@@ -1,4 +1,4 @@
-"""A slow model on a server of one's own: its times are honoured, and it is asked seldom and never in vain."""
+"""A slow, self-hosted model: its timeouts are respected, and it is called rarely and never unnecessarily."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def begin_stream(handler: Any) -> None:
 
 
 def streamed(value: dict[str, Any]) -> Any:
-    """A fault that answers with a tool call, as a stream."""
+    """Return a fault that streams a tool call."""
     (call,) = called("answer", value)["choices"][0]["message"]["tool_calls"]
 
     def answer(handler: Any) -> None:
@@ -65,7 +65,7 @@ def streamed(value: dict[str, Any]) -> Any:
     return answer
 
 
-def test_a_local_table_has_times_of_its_own_and_keeps_what_is_said() -> None:
+def test_a_local_mind_has_its_own_timeouts_and_keeps_configured_ones() -> None:
     local = MindConfig.model_validate({**TABLE, "kind": "local"})
     assert (local.timeout_s, local.total_s, local.concurrency) == (60, 120, 1)
     slower = MindConfig.model_validate({**TABLE, "kind": "local", "timeout_s": 90})
@@ -74,7 +74,9 @@ def test_a_local_table_has_times_of_its_own_and_keeps_what_is_said() -> None:
     assert (hosted.timeout_s, hosted.total_s) == (15, 25)
 
 
-def test_a_configured_time_is_honoured_and_a_chain_that_is_too_slow_is_refused(brain: Brain, tmp_path: Path) -> None:
+def test_a_configured_timeout_is_respected_and_a_chain_that_is_too_slow_is_refused(
+    brain: Brain, tmp_path: Path
+) -> None:
     assert brain.mind(tmp_path, total_s=200.0).limit_s == 200.0
     minds = {"one": {**TABLE, "total_s": 200, "fallbacks": ["two"]}, "two": {**TABLE, "total_s": 200}}
     with pytest.raises(ConfigError, match=r"total_s of minds.one and its fallbacks .* 400 s; valid: at most 300 s"):
@@ -93,9 +95,7 @@ async def test_the_rules_come_first_and_a_model_reads_what_they_ask_back(brain: 
     await mind.close()
 
 
-async def test_all_questions_to_a_local_server_share_one_prompt_that_is_read_when_the_agent_starts(
-    brain: Brain, tmp_path: Path
-) -> None:
+async def test_requests_to_a_local_server_share_one_prompt_that_is_preloaded(brain: Brain, tmp_path: Path) -> None:
     model = brain.model(tmp_path, kind="local")
     mind = ModelMind(model)
     brain.server.answer = lambda handler, _: streamed(FREE_READ)(handler)
@@ -115,14 +115,14 @@ async def test_all_questions_to_a_local_server_share_one_prompt_that_is_read_whe
     assert all(body["stream"] for body in brain.server.requests)
 
 
-async def test_a_hosted_model_is_not_warmed(brain: Brain, tmp_path: Path) -> None:
+async def test_a_hosted_model_is_not_warmed_up(brain: Brain, tmp_path: Path) -> None:
     mind = brain.mind(tmp_path)
     await mind.warm(GO2)
     await mind.close()
     assert brain.server.requests == []
 
 
-async def test_a_question_that_is_given_up_is_hung_up_and_not_asked_again(brain: Brain, tmp_path: Path) -> None:
+async def test_a_timed_out_request_is_disconnected_and_not_repeated(brain: Brain, tmp_path: Path) -> None:
     hung_up = threading.Event()
 
     def never_ends(handler: Any, _: Any) -> None:

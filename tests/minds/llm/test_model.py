@@ -1,4 +1,4 @@
-"""A configured model against a real server that fails in every way: a clear fault in time, never with the key."""
+"""A configured model against a server that fails in every way: a clear error in time, never with the API key in it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from agentrob.minds.llm import provider  # loaded here, so that no test's time limit counts it
+from agentrob.minds.llm import provider  # imported here, so that no test's time limit includes the import
 from agentrob.minds.llm.chat import Image, Tool, ToolResult, UserMessage
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
@@ -33,7 +33,7 @@ MOVE = Tool("act_move", "Walks forward.", Distance)
 
 
 def answers(server: FaultyServer, *script: tuple[int, Any] | str, **headers: str) -> None:
-    """The server gives these one after the other, the last one for ever."""
+    """Script the server's responses in order; the last one is repeated."""
     left = list(script)
 
     def answer(handler: Any, _: Any) -> None:
@@ -57,7 +57,7 @@ async def fault_of(model: ConfiguredModel) -> ModelError:
     return caught.value
 
 
-async def test_chat_gives_words_and_what_they_took(server: FaultyServer, make: Make) -> None:
+async def test_chat_returns_text_and_usage(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said("Good day.")))
     model = make(server.url + "/v1", price={"input_per_million": 1.0, "output_per_million": 10.0})
     answer = await model.chat("Be brief.", "Hello")
@@ -111,7 +111,7 @@ async def test_a_key_in_the_environment_for_another_provider_is_not_sent(
         ([(200, said("  "))], "malformed", "empty answer", 1),
     ],
 )
-async def test_a_failing_server_is_one_clear_fault(
+async def test_a_failing_server_is_one_clear_error(
     server: FaultyServer, make: Make, script: list[Any], kind: str, says: str, asked: int
 ) -> None:
     answers(server, *script, retry_after="0")
@@ -125,7 +125,7 @@ async def test_a_failing_server_is_one_clear_fault(
     assert usage.attempts == asked
 
 
-async def test_a_passing_failure_is_asked_again(server: FaultyServer, make: Make) -> None:
+async def test_a_temporary_failure_is_retried(server: FaultyServer, make: Make) -> None:
     answers(server, (500, {}), "break_off", (200, said("At last.")))
     model = make(server.url + "/v1", retries=2)
     answer = await model.chat("", "Hello")
@@ -134,7 +134,7 @@ async def test_a_passing_failure_is_asked_again(server: FaultyServer, make: Make
     await model.close()
 
 
-async def test_retry_after_is_kept(server: FaultyServer, make: Make) -> None:
+async def test_retry_after_is_respected(server: FaultyServer, make: Make) -> None:
     answers(server, (429, {}), (200, said("Now.")), retry_after="1")
     model = make(server.url + "/v1", retries=1)
     began = time.monotonic()
@@ -143,7 +143,7 @@ async def test_retry_after_is_kept(server: FaultyServer, make: Make) -> None:
     await model.close()
 
 
-async def test_a_retry_after_beyond_the_time_ends_at_once(server: FaultyServer, make: Make) -> None:
+async def test_a_retry_after_beyond_the_timeout_fails_at_once(server: FaultyServer, make: Make) -> None:
     answers(server, (429, {}), retry_after="3600")
     began = time.monotonic()
     fault = await fault_of(make(server.url + "/v1", retries=5, total_s=30))
@@ -153,7 +153,7 @@ async def test_a_retry_after_beyond_the_time_ends_at_once(server: FaultyServer, 
     assert len(server.requests) == 1
 
 
-async def test_a_server_that_hangs_ends_in_time(server: FaultyServer, make: Make) -> None:
+async def test_a_hanging_server_times_out(server: FaultyServer, make: Make) -> None:
     answers(server, "hang")
     began = time.monotonic()
     fault = await fault_of(make(server.url + "/v1", timeout_s=0.3, retries=1))
@@ -163,14 +163,14 @@ async def test_a_server_that_hangs_ends_in_time(server: FaultyServer, make: Make
     assert time.monotonic() - began < 10
 
 
-async def test_all_attempts_together_end_in_time(server: FaultyServer, make: Make) -> None:
+async def test_all_attempts_together_have_a_timeout(server: FaultyServer, make: Make) -> None:
     answers(server, "hang")
     fault = await fault_of(make(server.url + "/v1", timeout_s=60, total_s=0.4, retries=9))
     assert fault.kind == "timeout"
     assert "0.4 s" in str(fault)
 
 
-async def test_an_answer_of_10_mb_is_cut_short(server: FaultyServer, make: Make) -> None:
+async def test_a_response_of_10_mb_is_aborted(server: FaultyServer, make: Make) -> None:
     server.answer = lambda handler, _: handler.flood(10_000_000)
     fault = await fault_of(make(server.url + "/v1", retries=2))
     assert fault.kind == "too_big"
@@ -184,7 +184,7 @@ async def test_a_redirect_is_not_followed(server: FaultyServer, make: Make) -> N
     assert server.paths == ["/v1/chat/completions"]
 
 
-async def test_nothing_there_no_such_host_and_no_tls(server: FaultyServer, make: Make) -> None:
+async def test_connection_dns_and_tls_errors(server: FaultyServer, make: Make) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         nobody = f"http://127.0.0.1:{free.getsockname()[1]}/v1"
@@ -205,7 +205,7 @@ async def test_without_a_key_nothing_is_sent(server: FaultyServer, make: Make, m
 
 
 @pytest.mark.parametrize("raw", ['{"distance_m": 2', "[1, 2]", {"distance_m": 50}, {"distance_m": "nan"}, {"far": 2}])
-async def test_a_typed_answer_is_valid_or_none(server: FaultyServer, make: Make, raw: Any) -> None:
+async def test_typed_output_is_valid_or_an_error(server: FaultyServer, make: Make, raw: Any) -> None:
     answers(server, (200, called("answer", raw)))
     model = make(server.url + "/v1")
     with pytest.raises(ModelError, match="no usable answer") as caught:
@@ -216,7 +216,7 @@ async def test_a_typed_answer_is_valid_or_none(server: FaultyServer, make: Make,
     await model.close()
 
 
-async def test_a_wrong_answer_may_be_mended(server: FaultyServer, make: Make) -> None:
+async def test_invalid_output_may_be_corrected(server: FaultyServer, make: Make) -> None:
     answers(server, (200, called("answer", {"distance_m": 50})), (200, called("answer", {"distance_m": 5})))
     model = make(server.url + "/v1")
     answer = await model.answer("", "How far?", Distance)
@@ -251,9 +251,7 @@ async def test_prompted_tools(server: FaultyServer, make: Make) -> None:
     await model.close()
 
 
-async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_problem(
-    server: FaultyServer, make: Make
-) -> None:
+async def test_invalid_tool_calls_are_returned_with_the_problem(server: FaultyServer, make: Make) -> None:
     model = make(server.url + "/v1")
     answers(server, (200, called("act_explode", {})))
     (call,) = (await model.turn("", [UserMessage("Go.")], [MOVE])).value.calls
@@ -269,7 +267,7 @@ async def test_calls_of_unknown_tools_and_beyond_bounds_come_back_with_the_probl
     await model.close()
 
 
-async def test_pictures_go_inline_also_as_results(server: FaultyServer, make: Make) -> None:
+async def test_pictures_are_sent_inline_also_as_results(server: FaultyServer, make: Make) -> None:
     answers(server, (200, called("act_move", {"distance_m": 1})), (200, said("A red ball.")))
     model = make(server.url + "/v1")
     talk: list[Any] = [UserMessage("Look.", (Image(b"\xff\xd8\xff"),))]
@@ -283,14 +281,14 @@ async def test_pictures_go_inline_also_as_results(server: FaultyServer, make: Ma
     await model.close()
 
 
-async def test_a_mind_without_eyes_is_sent_no_picture(server: FaultyServer, make: Make) -> None:
+async def test_a_mind_without_vision_gets_no_picture(server: FaultyServer, make: Make) -> None:
     model = make(server.url + "/v1", images=False)
     with pytest.raises(ModelError, match="takes no images"):
         await model.answer("", "What is this?", Distance, images=[Image(b"\xff\xd8\xff")])
     assert server.requests == []
 
 
-async def test_an_answer_cut_off_is_no_answer(server: FaultyServer, make: Make) -> None:
+async def test_truncated_output_is_an_error(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said("I would walk and", finish="length")))
     model = make(server.url + "/v1")
     with pytest.raises(ModelError, match="max_output_tokens"):
@@ -299,7 +297,7 @@ async def test_an_answer_cut_off_is_no_answer(server: FaultyServer, make: Make) 
 
 
 @pytest.mark.parametrize(("concurrency", "overlaps"), [(1, False), (2, True)])
-async def test_only_so_many_questions_at_once(
+async def test_concurrent_requests_are_limited(
     server: FaultyServer, make: Make, concurrency: int, overlaps: bool
 ) -> None:
     active, both = threading.Semaphore(1), threading.Event()
@@ -308,7 +306,7 @@ async def test_only_so_many_questions_at_once(
         alone = active.acquire(blocking=False)
         if not alone:
             both.set()
-        both.wait(0.3 if concurrency == 1 else 20)  # another one may come while this one is being answered
+        both.wait(0.3 if concurrency == 1 else 20)  # another one may arrive while this one is being answered
         if alone:
             active.release()
         handler.send(200, json.dumps(said("Hello.")).encode())
@@ -321,7 +319,7 @@ async def test_only_so_many_questions_at_once(
     await model.close()
 
 
-async def test_without_tools_words_that_look_like_a_call_are_words(server: FaultyServer, make: Make) -> None:
+async def test_without_tools_text_that_looks_like_a_call_is_text(server: FaultyServer, make: Make) -> None:
     answers(server, (200, said('{"tool": "act_move", "arguments": {}}')))
     model = make(server.url + "/v1", answers="json")
     reply = (await model.turn("", [UserMessage("Hello")], [])).value
@@ -330,7 +328,7 @@ async def test_without_tools_words_that_look_like_a_call_are_words(server: Fault
     await model.close()
 
 
-async def test_it_can_be_interrupted_mid_thought(server: FaultyServer, make: Make) -> None:
+async def test_a_request_can_be_cancelled(server: FaultyServer, make: Make) -> None:
     answers(server, "hang")
     model = make(server.url + "/v1", timeout_s=60, total_s=60)
     thinking = asyncio.ensure_future(model.chat("", "Hello"))
@@ -343,10 +341,10 @@ async def test_it_can_be_interrupted_mid_thought(server: FaultyServer, make: Mak
     await model.close()
 
 
-async def test_law_15_the_library_is_loaded_beside_the_loop(
+async def test_law_15_the_library_is_imported_on_another_thread(
     server: FaultyServer, make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It takes a second or more, and a stop that comes meanwhile must not wait."""
+    """The import takes a second or more, and a stop that arrives meanwhile must not wait."""
     threads: list[threading.Thread] = []
     made = provider.Provider.__init__
 
@@ -363,7 +361,7 @@ async def test_law_15_the_library_is_loaded_beside_the_loop(
     await model.close()
 
 
-async def test_mending_an_answer_is_within_the_time_of_the_answer(server: FaultyServer, make: Make) -> None:
+async def test_correcting_output_counts_towards_the_timeout(server: FaultyServer, make: Make) -> None:
     answers(server, (200, called("answer", {"far": 1})), "hang")
     model = make(server.url + "/v1", timeout_s=60, total_s=1.5, retries=3)
     began = time.monotonic()

@@ -1,4 +1,4 @@
-"""`agentrob mind check`: one line per mind, an exit code, errors that say what to do."""
+"""`agentrob mind check`: one line for each mind, an exit code, and errors with advice."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.in_process import Said, agentrob
 from tests.minds.faulty_server import FaultyServer, called, said
 from tests.minds.model_double import Double
 
-#: Never set: a server that waits for it is slow.
+#: Never set: a server that waits for it is too slow.
 never = threading.Event()
 Start = Callable[[list[dict[str, Any]]], Double]
 TOOL = {
@@ -45,7 +45,7 @@ def at(url: str, **more: Any) -> MindConfig:
 
 
 def right_answer(body: dict[str, Any]) -> tuple[int, Any] | None:
-    """The right answer to what an agent asks, and to the tool; None to anything else."""
+    """Return the correct response to an agent's request and to the tool call; None for any other request."""
     if "tools" not in body:
         return None
     system = body["messages"][0]["content"]
@@ -77,7 +77,7 @@ async def test_a_good_mind(double: Start, tmp_path: Path, key: str, provider: st
         (lambda b: right_answer(b) or (200, said("green")), "yes", "no", True),
     ],
 )
-async def test_what_a_mind_cannot_do(
+async def test_missing_abilities_of_a_mind(
     server: FaultyServer, tmp_path: Path, answer: Any, tool_calls: str, images: str, ok: bool
 ) -> None:
     def reply(handler: Any, body: Any) -> None:
@@ -91,7 +91,7 @@ async def test_what_a_mind_cannot_do(
     assert ('answers = "json"' if not ok else "set images = false in [minds.clever]") in found.line()
 
 
-async def test_a_weak_mind_in_words(server: FaultyServer, tmp_path: Path) -> None:
+async def test_the_report_of_a_weak_mind(server: FaultyServer, tmp_path: Path) -> None:
     def reply(handler: Any, body: Any) -> None:
         system = body["messages"][0]["content"]
         right = READ if system.startswith("# Reading posts") else FINE if system.startswith("# Looking") else None
@@ -111,7 +111,7 @@ async def test_a_weak_mind_in_words(server: FaultyServer, tmp_path: Path) -> Non
         (lambda: never.wait(1.5) or (200, said("late")), 'timeout_s = 1 s to read; set a longer one or kind = "local"'),
     ],
 )
-async def test_a_mind_that_cannot_do_an_agent_s_work_is_not_well_and_what_to_set_is_said(
+async def test_a_mind_that_an_agent_cannot_use_is_a_failure_with_advice(
     server: FaultyServer, tmp_path: Path, reading: Any, says: str
 ) -> None:
     def reply(handler: Any, body: Any) -> None:
@@ -130,7 +130,7 @@ async def check_failing(server: FaultyServer, tmp_path: Path, status: int) -> Pr
     return await probe("clever", at(server.url + "/v1", key_env="TEST_KEY"), tmp_path / "x.sqlite")
 
 
-async def test_what_is_wrong_is_said(server: FaultyServer, tmp_path: Path, key: str) -> None:
+async def test_each_failure_is_reported(server: FaultyServer, tmp_path: Path, key: str) -> None:
     denied = await check_failing(server, tmp_path, 401)
     assert not denied.ok
     assert "NOT reachable" in denied.line()
@@ -173,7 +173,7 @@ def test_a_mind_can_be_tried_on_a_text(double: Start, tmp_path: Path, key: str) 
 
 
 def run_mind(folder: Path, *args: str, **env: str) -> Said:
-    """The command in this process, which has loaded the libraries: in each process of its own that takes seconds."""
+    """Run the command in this process, because importing the libraries takes seconds in every new one."""
     config = ("--config", str(folder / "agentrob.toml"))
     return agentrob(folder, "mind", *args, *config, AGENTROB_DATA=str(folder), **env)
 
@@ -184,7 +184,7 @@ def run_plan(folder: Path, text: str, **env: str) -> Said:
 
 
 def run_program(folder: Path, *args: str) -> Said:
-    """The command as people run it."""
+    """Run the command as a separate program."""
     program = str(Path(sys.executable).with_name("agentrob"))
     done = subprocess.run(
         [program, "mind", *args],

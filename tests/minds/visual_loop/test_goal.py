@@ -1,4 +1,4 @@
-"""Which posts are goals that need eyes, and that nothing of a post's own words is in them (law 7)."""
+"""Which posts are visual goals, and that a goal contains none of the post's own words (law 7)."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_a_goal(text: str, tasks: list[Subgoal]) -> None:
         "when @humanoid is done, @quadruped walk to the red ball",
     ],
 )
-def test_no_goal(text: str) -> None:
+def test_posts_that_are_not_goals(text: str) -> None:
     assert goal_of(text, LISTENER, "en") is None
 
 
@@ -105,7 +105,7 @@ WORDS = st.sampled_from(
 
 
 @given(st.lists(WORDS, max_size=12))
-def test_law_7_a_goal_is_told_in_words_of_ours_alone(words: list[str]) -> None:
+def test_law_7_a_goal_contains_only_our_own_words(words: list[str]) -> None:
     goal = goal_of("@quadruped " + " ".join(words), LISTENER, "en")
     if goal is None:
         return
@@ -115,7 +115,7 @@ def test_law_7_a_goal_is_told_in_words_of_ours_alone(words: list[str]) -> None:
     assert not {"ignore", "limits", "SYSTEM:", "person"} & set(goal_sentence(goal, "en", ["wave"] * 9).split())
 
 
-def test_a_goal_in_words() -> None:
+def test_the_sentence_of_a_goal() -> None:
     goal = Goal((BALL, BESIDE, WAVE))
     assert goal_sentence(goal, "en", ["wave"]) == "go to the red ball, then say what is beside the red ball, then wave"
     assert goal_sentence(goal, "zh", ["挥手"]) == "走到红色球旁边，然后说出红色球旁边有什么，然后挥手"

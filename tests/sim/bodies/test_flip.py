@@ -98,7 +98,7 @@ def test_law_14_a_stop_in_the_air_ends_with_the_landing(bench: Any) -> None:
 
 
 def _heights(bench: Any, answers: list[int]) -> list[float]:
-    """Until it is answered."""
+    """Return the body's heights until the request is answered."""
     heights = [bench.body.z_m]
     while not answers and len(heights) < 300:
         bench.run(0.02)

@@ -46,7 +46,7 @@ class G1Bench:
         return seconds
 
     def call(self, api_id: int, parameter: Mapping[str, Any] | None = None, limit_s: float = 20.0) -> tuple[int, Any]:
-        """Call `sport` and let time pass until it is answered: code and data."""
+        """Call `sport` and let time pass until it is answered; return code and data."""
         return self.answered(lambda answer: self.sport.call(api_id, parameter or {}, answer), limit_s)
 
     def arm(self, action: Any, limit_s: float = 20.0) -> int:

@@ -1,4 +1,4 @@
-"""The senses of the simulated Go2 are plausible: ranges, odometry, inertia, battery, feet."""
+"""The sensors of the simulated Go2 are plausible: ranges, odometry, IMU, battery, feet."""
 
 import math
 

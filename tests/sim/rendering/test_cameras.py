@@ -1,4 +1,4 @@
-"""Pictures on demand: by GL where there is one, by rays where there is none."""
+"""Pictures on demand: rendered with GL if available, otherwise by ray casting."""
 
 import io
 import os

@@ -1,4 +1,4 @@
-"""Two robots' cameras and the room's at once: drawn quickly; one alone: drawn smoothly."""
+"""Cameras of two robots and the room at the same time are rendered fast, a single camera with antialiasing."""
 
 from __future__ import annotations
 

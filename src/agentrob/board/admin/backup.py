@@ -33,7 +33,7 @@ from agentrob.errors import BoardError
 
 FORMAT = 1
 _BATCH = 1000
-#: Parents before those that point to them; posts before posts that reply to them come by id.
+#: Referenced tables come before those that refer to them; the order by id puts posts before their replies.
 _TABLES = [table for table in db.metadata.sorted_tables if table.info != db.FLEETING]
 
 
@@ -59,7 +59,7 @@ def restore(settings: BoardSettings, source: Path) -> dict[str, int]:
     engine = open_engine(settings, writes=True)
     try:
         with tarfile.open(source) as tar, engine.begin() as connection:
-            if engine.dialect.name == "postgresql":  # reading pictures may take long
+            if engine.dialect.name == "postgresql":  # reading the pictures may take long
                 connection.exec_driver_sql("SET LOCAL idle_in_transaction_session_timeout = 0")
             manifest = _manifest(tar, connection, source)
             _must_be_empty(connection)
@@ -110,7 +110,7 @@ def _snapshot(settings: BoardSettings) -> Iterator[Connection]:
     engine = open_engine(settings, writes=False)
     try:
         with engine.connect() as connection:
-            if sqlite:  # WAL: what is read stays as it was at the first read
+            if sqlite:  # in WAL mode, the snapshot is taken by the first read
                 connection.exec_driver_sql("BEGIN")
             else:
                 connection = connection.execution_options(isolation_level="REPEATABLE READ")  # noqa: PLW2901
@@ -252,7 +252,7 @@ def _load_table(tar: tarfile.TarFile, connection: Connection, table: Any) -> int
 
 
 def _go_on_counting(connection: Connection) -> None:
-    """Continue the sequences of PostgreSQL after the restored ids; SQLite does so by itself."""
+    """Set PostgreSQL's sequences to continue after the restored ids; SQLite needs no such step."""
     if connection.dialect.name != "postgresql":
         return
     for table in _TABLES:

@@ -18,7 +18,7 @@ from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.settings import BoardSettings
 from agentrob.model import Account, AccountKind, Role
 
-#: Made when there is no board at all: id, name, description.
+#: The boards of a new forum: id, name, description.
 FIRST_BOARDS = (
     ("robots", "Robots", "Ask a robot to do something: mention it by name."),
     ("talk", "Talk", "Everything else. No robot acts here."),

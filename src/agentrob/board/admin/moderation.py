@@ -85,7 +85,7 @@ def move(t: Transaction, by: Account, topic_id: str, board_id: str, reason: str 
     return Reader(t.connection).topic(topic_id)
 
 
-# -------------------------------------------------------------------- for good
+# -------------------------------------------------------------------- permanent deletion
 def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[str]]:
     """Delete all posts and pictures of an account; return how many, and the files to delete.
 

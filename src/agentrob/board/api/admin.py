@@ -43,7 +43,7 @@ from agentrob.errors import BoardError
 from agentrob.model import Account, Role
 
 router = APIRouter(prefix="/api/v1/admin", responses=documented(404, 409), tags=["administration"])
-NameCursor = Annotated[str | None, Query(max_length=64, description="`next` of the page before")]
+NameCursor = Annotated[str | None, Query(max_length=64, description="`next` of the previous page")]
 
 
 # -------------------------------------------------------------------- accounts

@@ -23,8 +23,8 @@ from agentrob.process.problem import problem_responses
 KEY: Final = r"^[!-~]{1,200}$"
 EVENT_ID: Final = r"^[0-9]{1,18}(-[0-9a-f]{1,16})?$"
 IdempotencyKey = Annotated[str | None, Header(alias="Idempotency-Key", pattern=KEY)]
-Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the page before")]
-Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT, description="items on a page")]
+Cursor = Annotated[str | None, Query(pattern=r"^[0-9a-f]{1,15}$", description="`next` of the previous page")]
+Limit = Annotated[int, Query(ge=1, le=MAX_LIMIT, description="items per page")]
 AfterEvent = Annotated[str | None, Query(pattern=EVENT_ID, description="an event id")]
 BoardFilter = Annotated[str | None, Query(pattern=rf"^{BOARD_ID.pattern}$", description="only on this board")]
 TagFilter = Annotated[str | None, Query(max_length=tags.LENGTH, description="only of topics with this tag")]

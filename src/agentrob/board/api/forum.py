@@ -314,7 +314,7 @@ async def search_posts(
     cursor: Cursor = None,
     limit: Limit = 20,
 ) -> Response:
-    """Posts that contain all words of `q`, newest first; words in double quotes must stand together.
+    """Posts that contain all words of `q`, newest first; words in double quotes must be adjacent.
 
     By meaning: posts that say something like `q`, in any language, most similar first, at most 100.
     """

@@ -29,13 +29,13 @@ NAME = re.compile(r"[a-z][a-z0-9_-]{1,31}")
 PASSWORD_MIN, PASSWORD_MAX = 8, 200
 SESSION_DAYS = 30
 LINK_MINUTES = 10
-#: It takes time to pass such a link on to a person.
+#: Longer than for signing in, because an admin has to pass the link on to a person.
 PASSWORD_LINK_MINUTES = 24 * 60
 SCOPES = ("read", "write", "admin")
 _MINUTE_US = 60_000_000
 
 _hasher = PasswordHasher()
-# Built once, since every request asks.
+# Built once, because every request uses it.
 _BY_SESSION = (
     ACCOUNT.add_columns(db.sessions.c.expires_us)
     .join(db.sessions, db.sessions.c.account_id == db.accounts.c.id)
@@ -46,7 +46,7 @@ _BY_TOKEN = (
     .join(db.tokens, db.tokens.c.account_id == db.accounts.c.id)
     .where(db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None))
 )
-#: Verified when the name is unknown, so that the time of an answer does not tell which names exist.
+#: Verified when the name is unknown, so that the response time does not reveal which names exist.
 _NOBODY = _hasher.hash(secrets.token_hex())
 
 
@@ -101,7 +101,7 @@ def change(connection: Connection, account: Account, **values: Any) -> None:
 
 # -------------------------------------------------------------------- passwords
 def hash_password(password: str) -> str:
-    """Slow on purpose (tens of ms), so not on the event loop. 422 if too short or too long."""
+    """Hash a password; slow on purpose (tens of ms), so not on the event loop. 422 if it is too short or too long."""
     if not PASSWORD_MIN <= len(password) <= PASSWORD_MAX:
         hint = f"{PASSWORD_MIN} to {PASSWORD_MAX} characters"
         raise BoardError(422, "bad_password", "the password is too short or too long", hint)
@@ -109,7 +109,7 @@ def hash_password(password: str) -> str:
 
 
 def verify_password(password_hash: str | None, password: str) -> bool:
-    """Slow on purpose, and equally slow if there is no password to compare with."""
+    """Return whether a password is correct; slow on purpose, and equally slow if the account has no password."""
     try:
         right = _hasher.verify(password_hash or _NOBODY, password[:PASSWORD_MAX].encode("utf-8", "surrogatepass"))
     except (VerificationError, InvalidHashError):

@@ -13,16 +13,16 @@ from functools import cache
 
 from agentrob.errors import BoardError
 
-#: Beside the table, which leaves ASCII alone: digits and pairs of letters that pass for others.
+#: Digits and pairs of letters that look like other letters; the Unicode table does not cover ASCII.
 _ASCII = (("rn", "m"), ("vv", "w"), ("cl", "d"), ("0", "o"), ("1", "l"), ("i", "l"), ("3", "e"), ("5", "s"), ("8", "b"))
 _HARDLY_SHOWN = re.compile(r"[\W_]+")
-#: Words that claim to be one of the forum's machines or its staff, after folding.
+#: Words that claim the role of a robot or of staff, after folding.
 _CLAIMS = ("robot", "admin", "moderator", "operator", "agentrob", "official")
 
 
 @cache
 def _table() -> dict[str, str]:
-    """Each character that is confused with a letter of ASCII, and that letter."""
+    """Map each character that looks like an ASCII letter to that letter."""
     from confusable_homoglyphs.confusables import confusables_data
 
     found: dict[str, str] = {}

@@ -110,7 +110,7 @@ def _read(reader: Reader, robot: str) -> RobotSettings:
     if row is None:
         return RobotSettings()
     rights = row.rights
-    # A class that is missing, perhaps because it is new, is given to nobody.
+    # A missing class, for example a new one, is allowed to nobody.
     return RobotSettings(
         owner=row.owner or "",
         command={str(c): str(rights["command"].get(c, "nobody")) for c in ActionClass},

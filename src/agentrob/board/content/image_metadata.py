@@ -10,13 +10,13 @@ import re
 import struct
 from collections.abc import Iterator
 
-#: Pixels and how to show them; nothing that a person or a camera can write text into.
+#: Chunks with pixels and how to show them; none of them can contain text by a person or a camera.
 _PNG = frozenset(b"IHDR PLTE IDAT IEND tRNS gAMA cHRM sRGB sBIT bKGD pHYs acTL fcTL fdAT".split())
 _WEBP = frozenset((b"VP8 ", b"VP8L", b"ALPH", b"ANIM"))
 _WEBP_FRAME = frozenset((b"VP8 ", b"VP8L", b"ALPH"))
-#: Bits of VP8X: a colour profile, EXIF and XMP are in the file.
+#: Bits of VP8X that announce a colour profile, EXIF and XMP.
 _WEBP_MORE = 0x20 | 0x08 | 0x04
-#: Tables, frames, scans, restart intervals; `_jpeg` looks into APP0 and APP14 itself.
+#: Markers of tables, frames, scans and restart intervals; `_jpeg` checks APP0 and APP14 itself.
 _JPEG = frozenset((0xDB, 0xC4, 0xCC, 0xDA, 0xDD, 0xDC, *(m for m in range(0xC0, 0xD0) if m not in (0xC4, 0xC8, 0xCC))))
 _JPEG_MARK = re.compile(rb"\xff+([^\x00\xff\xd0-\xd7])")
 _GIF_LOOPS = (b"NETSCAPE2.0", b"ANIMEXTS1.0")
@@ -94,7 +94,7 @@ def _jpeg(data: bytes) -> bytes:
 
 
 def _is_plain_app(mark: int, content: bytes) -> bool:
-    """JFIF's resolution without a thumbnail, and Adobe's way of coding colours: numbers only."""
+    """Return whether this is JFIF's resolution without a thumbnail, or Adobe's colour transform: numbers only."""
     if mark == 0xE0:
         return len(content) == 14 and content.startswith(b"JFIF\0") and content.endswith(b"\0\0")
     return mark == 0xEE and len(content) == 12 and content.startswith(b"Adobe")
@@ -125,7 +125,7 @@ def _gif_table(flags: int) -> int:
 
 
 def _gif_end(data: bytes, at: int) -> int:
-    """Where the blocks that begin here end."""
+    """Return where the data sub-blocks that start here end."""
     while size := data[at]:
         at += 1 + size
     return at + 1

@@ -22,7 +22,7 @@ from agentrob.errors import BoardError
 MAX_BYTES = 8 * 1024 * 1024
 MAX_PIXELS = 25_000_000
 MAX_FRAME_BYTES = 2 * 1024 * 1024
-#: All frames of a moving picture together.
+#: The total of all frames of an animation.
 MAX_FRAMES, MAX_MOVING_PIXELS = 300, 100_000_000
 _TYPES = {"JPEG": "image/jpeg", "PNG": "image/png", "WEBP": "image/webp", "GIF": "image/gif"}
 
@@ -59,7 +59,7 @@ def check(data: bytes) -> tuple[Image, bytes]:
 
 
 def _check_moving(picture: Pillow.Image) -> bool:
-    """Whether it is animated; 413 if it has too many frames or pixels, before any of them is decoded."""
+    """Return whether it is animated; 413 if it has too many frames or pixels, before any of them is decoded."""
     frames = getattr(picture, "n_frames", 1) if picture.format in ("WEBP", "GIF") else 1
     width, height = picture.size
     if frames > MAX_FRAMES or (frames > 1 and frames * width * height > MAX_MOVING_PIXELS):
@@ -80,7 +80,7 @@ def _check_frames(picture: Pillow.Image) -> None:
 
 
 def check_frame(data: bytes) -> None:
-    """Check only the header of a live picture: it comes ten times a second, from the robot's own agent."""
+    """Check only the header of a live picture, because the robot's own agent sends ten a second."""
     try:
         with _open(data, formats=("JPEG",)):
             return
@@ -112,7 +112,7 @@ def _without_metadata(picture: Pillow.Image, kind: str) -> tuple[bytes, tuple[in
     upright = ImageOps.exif_transpose(picture)
     profile, transparent = upright.info.get("icc_profile"), upright.info.get("transparency")
     if profile and upright.mode in ("RGB", "CMYK"):
-        with suppress(ImageCms.PyCMSError, OSError):  # a broken profile: the numbers are taken as they are
+        with suppress(ImageCms.PyCMSError, OSError):  # a broken profile: keep the colour values as they are
             made = ImageCms.profileToProfile(
                 upright, ImageCms.ImageCmsProfile(io.BytesIO(profile)), ImageCms.createProfile("sRGB"), outputMode="RGB"
             )

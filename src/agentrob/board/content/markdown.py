@@ -1,7 +1,7 @@
-"""Turns the Markdown of a post into HTML that is safe to show: no script, no style, no foreign picture survives.
+"""Convert the Markdown of a post to safe HTML, without scripts, styles or pictures from other sites.
 
-Two walls, each enough by itself for scripts: the Markdown parser does not pass HTML through, and what it makes is
-cleaned by nh3 (a real HTML parser) with a short list of what may stay.
+Two layers, each enough against scripts: the Markdown parser does not pass HTML through, and its output is sanitised by
+nh3 (a real HTML parser) with a short list of allowed elements.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from agentrob.language.visible_text import ADDRESS, shown_mentions, without_invi
 
 IsAccount = Callable[[str], bool]
 
-#: Our own pictures; every other picture becomes a link, so that reading a post tells nobody who reads it.
+#: The forum's own pictures; any other picture becomes a link, so that no other site learns who reads a post.
 OWN_IMAGE = re.compile(r"/images/[A-Za-z0-9_-]+(\.(jpg|jpeg|png))?\Z")
 _ADDRESS = re.compile(ADDRESS, re.IGNORECASE)
-#: A scheme that may stay, or no scheme at all (then what comes before the first colon holds one of / ? #).
+#: An allowed scheme, or no scheme at all (then one of / ? # comes before the first colon).
 _SAFE_LINK = re.compile(r"(https?:|mailto:|[^:/?#]*([/?#]|\Z))", re.IGNORECASE)
-#: Names in these are quoted or decoration, not addressed to anybody (law 3).
+#: Names in these elements are quoted or decoration, not addressed to anybody (law 3).
 _NOT_SAID = ("blockquote", "heading", "table")
-#: Above a body that is shown as it was typed.
+#: The note above a body that is shown as typed.
 TOO_COMPLEX = "This post is shown as plain text: its markup takes too long to render."
 #: The page has its own h1 and h2, so a heading in a post begins at h3.
 _HEADING_SHIFT = 2
@@ -59,7 +59,7 @@ def render(raw: str, is_account: IsAccount) -> str:
 
 
 class Parsed:
-    """A post's Markdown, parsed: whom it may name, and its HTML once it is known which of these names are accounts."""
+    """A parsed post: the names that it may mention, and its HTML once it is known which of them are accounts."""
 
     def __init__(self, raw: str) -> None:
         self._env: dict[str, Any] = {}
@@ -67,17 +67,17 @@ class Parsed:
         for token in self._tokens:
             for child in token.children or ():
                 if child.type == "text":
-                    child.content = without_invisible(child.content)  # also what stood there as an entity
+                    child.content = without_invisible(child.content)  # also characters that were written as entities
 
     def names(self) -> Iterator[str]:
-        """Every name (lower case) that `html` asks about, and perhaps more; some of them several times."""
+        """The names (lower case) that `html` may ask about, possibly more and with repetitions."""
         for token in self._tokens:
             for child in token.children or ():
                 for name, _, _ in shown_mentions(child.content) if child.type == "text" else ():
                     yield name
 
     def html(self, is_account: IsAccount) -> str:
-        """Once only: safe HTML, as `render` gives it."""
+        """Return safe HTML, as `render` does. Call it only once."""
         _polish(self._tokens, is_account)
         return _CLEANER.clean(_MARKDOWN.renderer.render(self._tokens, _MARKDOWN.options, self._env))
 
@@ -89,7 +89,7 @@ def as_plain_text(raw: str) -> str:
 
 
 def _polish(tokens: list[Token], is_account: IsAccount) -> None:
-    """Last step of parsing: demote headings, turn alignment into an attribute, replace pictures, link names."""
+    """Finish parsing: demote headings, turn alignment into an attribute, replace pictures, link names."""
     not_said = 0
     for token in tokens:
         not_said += token.nesting * token.type.startswith(_NOT_SAID)
@@ -102,7 +102,7 @@ def _polish(tokens: list[Token], is_account: IsAccount) -> None:
 
 
 def _inline(md: MarkdownIt, tokens: list[Token], is_account: IsAccount) -> Iterator[Token]:
-    links = struck = 0  # how deep we are in a link, in struck-out text
+    links = struck = 0  # the nesting depth of links and of struck-out text
     for token in tokens:
         links += (token.type == "link_open") - (token.type == "link_close")
         struck += (token.type == "s_open") - (token.type == "s_close")
@@ -115,7 +115,7 @@ def _inline(md: MarkdownIt, tokens: list[Token], is_account: IsAccount) -> Itera
 
 
 def _picture(token: Token, inside_link: bool) -> Iterator[Token]:
-    """The picture itself when it is ours, otherwise a link to it."""
+    """Return the picture if it is the forum's own, otherwise a link to it."""
     src = str(token.attrs.get("src", ""))
     if OWN_IMAGE.match(src):
         yield token
@@ -149,7 +149,7 @@ def _linked(md: MarkdownIt, text: str, is_account: IsAccount) -> Iterator[Token]
 
 
 def _without_tail(url: str) -> str:
-    """Without the punctuation that ends the sentence rather than the address."""
+    """Return a URL without punctuation that ends the sentence."""
     end, unopened = len(url), url.count(")") - url.count("(")
     while end and (url[end - 1] in ".,;:!?*_~]" or (url[end - 1] == ")" and unopened > 0)):
         end -= 1

@@ -21,9 +21,9 @@ from agentrob.model import Account, AccountKind, Page, Role
 MOST = 99
 REASONS = {"mention": "mentions you", "reply": "replies to you", "topic": "is in your topic"}
 REASONS |= {"approve": "waits for your approval"}
-#: So many are told of one command that waits.
+#: The largest number of approvers that are notified of one waiting command.
 MOST_APPROVERS = 100
-#: Robots and programs that watch listen to events instead.
+#: Robots and monitoring agents listen to events instead.
 _TOLD = (AccountKind.HUMAN, AccountKind.COMMANDING_AGENT)
 _BEGAN = select(db.topics.c.author_id).where(db.topics.c.id == bindparam("topic"))
 _PEOPLE = select(db.accounts.c.id).where(
@@ -32,12 +32,12 @@ _PEOPLE = select(db.accounts.c.id).where(
 
 
 def _unread(boards: bool) -> Select[Any]:
-    """Counts what `me` has not seen, of all boards or of `boards`. Built once: every page shows the number."""
+    """Count what `me` has not seen, on all boards or on `boards`. Built once, because every page shows the number."""
     n, p, t, s = db.notices.c, db.posts.c, db.topics.c, db.notices_seen.c
     seen = select(s.post_id).where(s.account_id == bindparam("me")).scalar_subquery()
     fresh = select(n.post_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
     fresh = fresh.join(db.posts, and_(p.id == n.post_id, p.removed.is_(False)))
-    # What its topic was read up to is seen too.
+    # Posts that were read in their topic count as seen too.
     r = db.topic_reads.c
     fresh = fresh.outerjoin(db.topic_reads, and_(r.account_id == bindparam("me"), r.topic_id == p.topic_id))
     fresh = fresh.where(p.id > func.coalesce(r.post_id, 0))
@@ -61,7 +61,7 @@ class Notification:
 def tell(
     t: Transaction, post_id: int, topic_id: int, author: Account, mentions: Sequence[str], reply_to: int | None
 ) -> None:
-    """Tell people and agents of a new post; of several reasons the first counts."""
+    """Notify people and agents of a new post; only the first of several reasons counts."""
     a, p = db.accounts.c, db.posts.c
     reasons = {int(t.connection.execute(_BEGAN, {"topic": topic_id}).scalar_one()): "topic"}
     if reply_to is not None:
@@ -129,7 +129,7 @@ def latest(reader: Reader, account: Account, cursor: str | None = None, limit: i
 
 
 def mark_seen(t: Transaction, account: Account, up_to: int) -> None:
-    """All up to a post are seen; never fewer than before."""
+    """Mark all notifications up to a post as seen; never moves back."""
     s = db.notices_seen.c
     newest = t.connection.execute(select(func.max(db.posts.c.id))).scalar_one() or 0
     up_to, mine = min(up_to, newest), s.account_id == int(account.id)

@@ -23,11 +23,11 @@ import structlog
 
 from agentrob.board.content.rendered import Text
 
-#: Seconds of processor time for one text. Prose of 64 KiB takes about 0.1 s.
+#: The limit of processor seconds for one text; prose of 64 KiB takes about 0.1 s.
 LIMIT_S = 0.25
-#: Seconds after which a process that does not answer is killed: its first answer comes when it has started.
+#: Seconds after which a process that does not answer is killed; this includes its start.
 ANSWER_S = 15.0
-#: Other processes of the machine, above all those of robots, go before.
+#: Lower priority than other processes of the machine, above all those of robots.
 NICE = 5
 MAX_MEMORY = 1 << 30
 _START = "from agentrob.board.content.render_process import serve; serve()"
@@ -40,23 +40,25 @@ class TooSlow(Exception):
 
 
 class RenderProcess:
-    """This end of it; every call blocks and belongs into a thread, one at a time. Starts with the first text."""
+    """The client of the process, which starts with the first text. Every call blocks: use a thread, one call at a
+    time."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._closed = False
 
     def names_in(self, raw: str) -> list[str]:
-        """Begin a text: the names in it. Raises `TooSlow`."""
+        """Begin a text; return the names in it. Raises `TooSlow`."""
         found: list[str] = self._ask({"raw": raw})["names"]
         return found
 
     def made(self, known: Iterable[str]) -> dict[str, Any]:
-        """The fields of the `Rendered` text that was begun, when these names are accounts. Raises `TooSlow`."""
+        """Return the fields of the `Rendered` text that was begun, given the names that are accounts. Raises
+        `TooSlow`."""
         return self._ask({"known": list(known)})
 
     def close(self) -> None:
-        """End the process, also while another thread waits for it; that one gets `TooSlow`."""
+        """End the process, even while another thread waits for it; that thread gets `TooSlow`."""
         self._closed = True
         self._end()
 
@@ -101,19 +103,19 @@ class RenderProcess:
 
 # -------------------------------------------------------------------- in the process
 def serve() -> None:
-    """Render what comes on standard input until it ends."""
+    """Render texts from standard input until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C reaches the whole group; our input ends by itself
     signal.signal(signal.SIGPROF, _too_slow)
     resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, MAX_MEMORY))
     os.nice(NICE)
-    # What is loaded and compiled with the first text does not count as that text's time.
+    # Render once, so that the first text's time does not include imports and compilation.
     Text("*first* @nobody").rendered(frozenset()).fields()
     while _one(sys.stdin.buffer, sys.stdout.buffer):
         pass
 
 
 def _one(lines: IO[bytes], answers: IO[bytes]) -> bool:
-    """One text; False at the end of the input."""
+    """Render one text; return False at the end of the input."""
     try:
         if not (line := lines.readline()):
             return False
@@ -140,7 +142,7 @@ def _say(answers: IO[bytes], said: dict[str, Any]) -> None:
 
 
 def _limit(seconds: float) -> None:
-    """Of processor time from now on; 0 is no limit. Again and again, should a callback swallow the first."""
+    """Limit processor time from now on; 0 means no limit. The signal repeats, in case a callback swallows the first."""
     signal.setitimer(signal.ITIMER_PROF, seconds, 0.05 if seconds else 0.0)
 
 

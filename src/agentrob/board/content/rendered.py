@@ -15,7 +15,7 @@ from agentrob.language.visible_text import mentions, visible_text
 #: And when its HTML has more characters than this, ten times the longest post: a short text can use a long link again
 #: and again or say one name ten thousand times, and a page shows fifty posts. Nothing but links makes seven times.
 MAX_HTML = 10 * 65_536
-#: A longer text that says stop somewhere waits for its turn to be written as any other does.
+#: A longer text that says stop somewhere is written in turn, like any other.
 STOP_CHARS = 200
 
 

@@ -90,7 +90,7 @@ def listed(reader: Reader) -> tuple[Tag, ...]:
 def posts(reader: Reader, tag: str, limit: int) -> tuple[StoredPost, ...]:
     """The latest posts of topics with a tag, newest first, without removed ones."""
     p = db.posts.c
-    topics = [int(topic.id) for topic in reader.topics(None, None, limit, tag).items]  # no other has a later post
+    topics = [int(topic.id) for topic in reader.topics(None, None, limit, tag).items]  # no other topic has a later post
     newest = select(p.id).where(p.topic_id.in_(topics), p.removed.is_(False)).order_by(p.id.desc()).limit(limit)
     found = {post.id: post for post in reader.posts_by_id([row.id for row in reader.rows(newest)])}
     return tuple(found[i] for i in sorted(found, key=int, reverse=True))

@@ -154,7 +154,7 @@ class ReadPositions:
             return marks
 
         for topic, post in (await store.do(job)).items():
-            if (me, topic) in self._known:  # else it is asked for when it is needed
+            if (me, topic) in self._known:  # otherwise it is read when needed
                 self._known[me, topic] = max(post, self._known[me, topic])
 
     async def write(self, store: Store) -> None:

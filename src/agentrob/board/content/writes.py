@@ -36,7 +36,7 @@ Card = Mapping[str, Any]
 #: States of a status post that only report progress: an edit does not keep their text as a version. The text that asks
 #: for an approval and the final one are kept, as every text of a person is.
 PROGRESS = ACTIVE_STATES - {CommandState.WAITING}
-#: Buttons of robots' owners: who pressed one stands in the audit log.
+#: Buttons of robots' owners; the audit log records who pressed one.
 _AUDITED = frozenset({EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME})
 _t = db.topics.c
 _ONE_POST_MORE = (

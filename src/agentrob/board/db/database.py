@@ -25,13 +25,13 @@ LOCKED_S = 5.0
 MIGRATING_S = 60.0
 #: Advisory locks of a PostgreSQL database: of the writer, of the serving processes, and of the one with the duties.
 WRITING_LOCK, SERVING_LOCK, LEADING_LOCK = 4_107_002, 4_107_003, 4_107_004
-#: What a post's age is judged by (law 5) comes from the clock of the process that took it: all must be about the same.
+#: A post's age (law 5) depends on the clock of the process that accepted it, so all clocks must be close.
 MAX_SKEW_S = 2.0
 #: The PostgreSQL channel on which each commit is announced as `<process> commit`.
 CHANNEL = "agentrob_board"
 #: Seconds after which PostgreSQL ends an idle transaction, as of a writer whose host died.
 SILENT_S = 10
-#: Options of libpq with which a server that disappeared is noticed within seconds.
+#: Options of libpq that detect a lost server within seconds.
 _NOTICED = {
     "connect_timeout": "3", "keepalives_idle": "2", "keepalives_interval": "1", "keepalives_count": "3",
     "tcp_user_timeout": "3000",
@@ -49,8 +49,8 @@ def open_engine(settings: BoardSettings, *, writes: bool, process: str = "", pat
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         except OSError as e:
             raise BoardError(503, "storage", f"cannot make the folder {path.parent}: {e.strerror}") from None
-    # Whatever the database's own default: each statement sees what others have committed (`_one_writer`).
-    # A writer asks whether its connection still is one, so that a server that was started again costs no stop.
+    # Set explicitly, whatever the database's default: each statement sees what others have committed (`_one_writer`).
+    # A writer checks its connection before use, so that a restart of the database server loses no stop.
     options: dict[str, Any] = {"isolation_level": "READ COMMITTED", "pool_pre_ping": writes} if settings.shared else {}
     engine = create_engine(settings.database, connect_args=connect_args(settings), **options)
     if engine.dialect.name == "sqlite":
@@ -63,7 +63,7 @@ def open_engine(settings: BoardSettings, *, writes: bool, process: str = "", pat
 
 
 def connect_args(settings: BoardSettings) -> dict[str, Any]:
-    """Connection options of the driver: wait for other writers, but not for a server that is gone."""
+    """Return connection options of the driver: wait for other writers, but not for a lost server."""
     if settings.database.startswith("sqlite"):
         return {"check_same_thread": False, "timeout": settings.busy_timeout_s}
     if settings.shared:
@@ -73,7 +73,7 @@ def connect_args(settings: BoardSettings) -> dict[str, Any]:
 
 
 def connection_words(settings: BoardSettings) -> dict[str, Any]:
-    """The arguments with which `psycopg` connects to the same PostgreSQL database."""
+    """Return the arguments with which `psycopg` connects to the same PostgreSQL database."""
     url = make_url(settings.database)
     words = url.get_dialect()().create_connect_args(url)[1]
     return connect_args(settings) | {k: v for k, v in words.items() if k != "context"}
@@ -81,15 +81,15 @@ def connection_words(settings: BoardSettings) -> dict[str, Any]:
 
 def _set_up_sqlite(connection: Any, _record: object) -> None:
     connection.isolation_level = None  # transactions are begun by `_begin_immediate`, not by the driver
-    # In WAL, NORMAL keeps the database whole in every case; only a power failure can lose the last commits. What must
-    # not happen twice is held by the robot's own journal besides.
+    # In WAL mode, NORMAL never corrupts the database; only a power failure can lose the last commits. The robot's own
+    # journal also prevents repeated motions.
     _patiently(connection, "PRAGMA journal_mode=WAL")
     for pragma in ("synchronous=NORMAL", "foreign_keys=ON", "cache_size=-16000"):
         connection.execute("PRAGMA " + pragma)
 
 
 def _patiently(connection: Any, statement: str) -> None:
-    """Run a statement for which SQLite does not wait by itself, as when two processes create a database."""
+    """Retry a statement for which SQLite does not wait itself, for example when two processes create a database."""
     until_s = time.monotonic() + LOCKED_S
     while True:
         try:
@@ -137,10 +137,10 @@ def _tell_commit(process: str, connection: Connection) -> None:
 
 
 def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -> None:
-    """Bring the tables to this version's shape; does nothing when they are. Two processes may try at once.
+    """Migrate the tables to this version, if needed. Two processes may do so at the same time.
 
-    `to` is a revision, also an earlier one, for who goes back to an earlier version of AgentRob. Unless the caller is
-    `alone`, tables that a process of another version serves now are left as they are: 409.
+    `to` is a revision, possibly an earlier one, to go back to an earlier version of AgentRob. Unless the caller is
+    `alone`, tables that a process of another version serves are not changed: 409.
     """
     from alembic import command
     from alembic.util import CommandError
@@ -171,9 +171,9 @@ def migrate(settings: BoardSettings, to: str = "head", *, alone: bool = False) -
 
 
 def check_version(settings: BoardSettings) -> bool:
-    """Whether there are tables; changes nothing. 409 if they are of another version."""
+    """Return whether there are tables, without changing anything. 409 if they are of another version."""
     if settings.database_path is not None and not settings.database_path.exists():
-        return False  # connecting would make an empty file
+        return False  # connecting would create an empty file
     engine = open_engine(settings, writes=False)
     try:
         with engine.connect() as connection:

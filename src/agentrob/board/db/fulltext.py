@@ -22,7 +22,7 @@ from agentrob.language.complexity import nfkc
 
 _PAIRED = re.compile(r"[\u3005-\u3007\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff]+")
 _FTS5 = "USING fts5(words, chars, tokenize = 'porter unicode61 remove_diacritics 2'"
-#: Whoever erases a post erases its words, without having to know of this table.
+#: A trigger, so that code that erases a post need not know this table.
 _CREATE = {
     "sqlite": (
         f"CREATE VIRTUAL TABLE post_words {_FTS5})",
@@ -37,9 +37,9 @@ _CREATE = {
         "FOR EACH ROW WHEN (NEW.raw = '') EXECUTE FUNCTION post_words_erased()",
     ),
 }
-#: The databases that have it.
+#: The databases with a full-text index.
 INDEXED = frozenset(_CREATE)
-#: When all posts there are have their words. A pending list (`fastupdate`) would be looked through by every search.
+#: Created after all posts have their words. Without `fastupdate`, because every search would scan its pending list.
 _COMPLETE = {
     "postgresql": (
         "CREATE INDEX ix_post_words_tokens ON post_words USING gin (tokens) WITH (fastupdate = off)",
@@ -83,16 +83,16 @@ _FIND_SQLITE = (
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """What is searched: posts before `before`, on these boards, in topics with the tag when there is one."""
+    """The scope of a search: posts before `before`, on these boards, in topics with this tag if one is given."""
 
     before: int
     boards: Sequence[str]
     tag: str | None = None
 
 
-# -------------------------------------------------------------------- keeping it
+# -------------------------------------------------------------------- maintenance
 def create_index(connection: Connection) -> None:
-    """Make the index, and fill it from all posts there are; nothing on a database that is neither of the two."""
+    """Create the index and fill it from all posts; do nothing on a database other than these two."""
     dialect = connection.dialect.name
     if dialect in _CREATE:
         _execute(connection, _CREATE[dialect])
@@ -101,7 +101,7 @@ def create_index(connection: Connection) -> None:
 
 
 def fill_index(connection: Connection) -> None:
-    """The words of all posts there are, into an index that has none yet."""
+    """Add the words of all posts to an empty index."""
     after, dialect = 0, connection.dialect.name
     if dialect not in INDEXED:
         return
@@ -121,13 +121,13 @@ def _execute(connection: Connection, statements: Sequence[str]) -> None:
 
 
 def add(connection: Connection, post_id: int, words: str, chars: str, title: str = "") -> None:
-    """A new post, as `indexed` gives it; the first one of a topic is found by the title too."""
+    """Index a new post, with the output of `indexed`; the first post of a topic is also found by its title."""
     if (statement := _ADD.get(connection.dialect.name)) is not None:
         connection.execute(statement, _row(connection.dialect.name, post_id, words, chars, title))
 
 
 def change(connection: Connection, post_id: int, words: str, chars: str, title: str = "") -> None:
-    """An edited post."""
+    """Index an edited post."""
     if (forget := _FORGET.get(connection.dialect.name)) is not None:
         connection.execute(forget, {"id": post_id})
         add(connection, post_id, words, chars, title)
@@ -144,26 +144,26 @@ def _row(dialect: str, post_id: int, words: str, chars: str, title: str) -> dict
 
 
 def indexed(words: str) -> tuple[str, str]:
-    """A text as it is given to the index: its words, and its Chinese, Japanese and Korean characters."""
+    """Return the parts of a text for the index: its words, and its Chinese, Japanese and Korean characters."""
     plain = nfkc(words)
     chars = dict.fromkeys("".join(_PAIRED.findall(plain)))
     return _PAIRED.sub(lambda run: f" {' '.join(_pairs(run[0]))} ", plain), " ".join(chars)
 
 
 def _pairs(run: str) -> Iterator[str]:
-    """Each character with the next one; the last alone, so that a word that goes on in letters (`走2`) is found."""
+    """Return each character with the next one, and the last one alone, so that a word like `走2` is found."""
     return (run[n : n + 2] for n in range(len(run)))
 
 
 class _Tokens:
-    """Takes texts apart as SQLite's index does, in a table of one row in memory."""
+    """Tokenizes texts like SQLite's index, with a table of one row in memory."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._memory: sqlite3.Connection | None = None
 
     def of(self, words: str) -> list[str]:
-        """The tokens in their order; of long ones the beginning."""
+        """Return the tokens in order; long ones are cut."""
         with self._lock:
             memory = self._memory = self._memory or self._open()
             memory.execute("INSERT INTO one (rowid, words) VALUES (1, ?)", (words.replace("\0", " "),))
@@ -182,11 +182,12 @@ class _Tokens:
 _tokens = _Tokens()
 
 
-# -------------------------------------------------------------------- asking it
+# -------------------------------------------------------------------- queries
 def index_query(
     dialect: str, words: Sequence[str], where: Where, most: int
 ) -> tuple[TextClause, dict[str, Any]] | None:
-    """The statement that finds the posts with all the words, newest first, and its values; None for nothing to find."""
+    """Return the statement that finds the posts with all the words, newest first, and its values; None without
+    words."""
     boards = bindparam("boards", expanding=True, type_=String)
     tagged = "" if where.tag is None else TAGGED
     values: dict[str, Any] = {"before": where.before, "boards": list(where.boards), "most": most}
@@ -214,7 +215,7 @@ def index_query(
 
 
 def expression(words: Sequence[str]) -> str:
-    """The words in FTS5's language: each a phrase."""
+    """Return the words as an FTS5 expression, each as a phrase."""
     return " AND ".join(map(_phrase, words))
 
 
@@ -226,9 +227,9 @@ def _phrase(word: str) -> str:
 
 
 def _split(word: str) -> tuple[str, bool]:
-    """A word of a query as the index has it, and whether its last token may be the beginning of one.
+    """Return a word of a query as indexed, and whether its last token may be a prefix.
 
-    A run at its end may go on after what is searched for: its last character is left to its pair.
+    A run of characters at the end may continue in the post, so its last character is only matched as part of a pair.
     """
 
     def pairs(run: re.Match[str]) -> str:

@@ -98,7 +98,7 @@ class Reader:
     ) -> None:
         self.connection = connection
         self._sees, self._keeps = sees, keeps
-        #: Whether the database is known to be gone: then nobody waits for it, least of all the event loop.
+        #: Whether the database is known to be unreachable; then nobody waits for it, above all not the event loop.
         self.gone: Callable[[], bool] = lambda: False
         self._kept: dict[Hashable, Any] = {}
         self._kept_at: int | None = None
@@ -151,7 +151,7 @@ class Reader:
         not its owner's own adds to the audit log, in the same transaction.
         """
         try:
-            if self.connection.dialect.name == "sqlite":  # asked for each time: ten times as quick without SQLAlchemy
+            if self.connection.dialect.name == "sqlite":  # used by every request: ten times as fast without SQLAlchemy
                 raw: Any = self.connection.connection.dbapi_connection
                 row = raw.execute(_TOPIC_VERSION_SQLITE, (topic_id,)).fetchone()
             else:

@@ -34,7 +34,7 @@ metadata = MetaData(
     }
 )
 
-#: SQLite gives automatic ids only to INTEGER, other databases should have 64 bits.
+#: SQLite assigns ids only to INTEGER columns; other databases should use 64 bits.
 Id = BigInteger().with_variant(Integer, "sqlite")
 
 
@@ -46,7 +46,7 @@ def _account(name: str = "account_id", *, nullable: bool = False) -> Column[int]
     return Column(name, Id, ForeignKey("accounts.id"), nullable=nullable)
 
 
-#: `read_up_to`: all posts up to this one count as read, at first those that were there before the account.
+#: `read_up_to`: all posts up to this one count as read; initially the posts from before the account was created.
 accounts = Table(
     "accounts",
     metadata,
@@ -76,7 +76,7 @@ tokens = Table(
     Column("revoked_us", BigInteger),
 )
 
-#: Browsers that are signed in.
+#: Sessions of browsers.
 sessions = Table(
     "sessions",
     metadata,
@@ -97,7 +97,7 @@ links = Table(
     Column("used_us", BigInteger),
 )
 
-#: Links by which people make their own accounts. `role` is what they get, `left` how many may still use it.
+#: Links with which people create their own accounts; `role` is the role they get, `left` the remaining uses.
 invites = Table(
     "invites",
     metadata,
@@ -109,7 +109,7 @@ invites = Table(
     Column("expires_us", BigInteger, nullable=False),
 )
 
-#: The least role for each; a board that guests may read is open to the world only where the whole forum is.
+#: The lowest roles that may read, post and command; a board that guests may read is public only if the forum is.
 boards = Table(
     "boards",
     metadata,
@@ -122,7 +122,7 @@ boards = Table(
     Column("command_role", String(10), nullable=False, default="operator", server_default="operator"),
 )
 
-#: What is kept of a robot besides its account; one without a row has the defaults of `rights`.
+#: Settings of a robot; a robot without a row has the defaults of `rights`.
 robots = Table(
     "robots",
     metadata,
@@ -167,7 +167,7 @@ topics = Table(
     sqlite_autoincrement=True,
 )
 
-#: Words to find a topic by (`tags`).
+#: Tags of topics (`tags`).
 topic_tags = Table(
     "topic_tags",
     metadata,
@@ -177,7 +177,7 @@ topic_tags = Table(
     Index(None, "tag", "topic_id"),
 )
 
-#: Up to which post each account has read a topic (`unread`); a mark only, the post need not be there.
+#: The last post of each topic that an account has read (`unread`); the post may no longer exist.
 topic_reads = Table(
     "topic_reads",
     metadata,
@@ -210,7 +210,7 @@ posts = Table(
     sqlite_autoincrement=True,
 )
 
-#: What a post said before each edit.
+#: The text of a post before each edit.
 post_versions = Table(
     "post_versions",
     metadata,
@@ -220,7 +220,7 @@ post_versions = Table(
     Column("until_us", BigInteger, nullable=False),
 )
 
-#: The files themselves are in the images folder, named by `sha256`; since `gone_us` there is none any more.
+#: Pictures; their files are in the images folder, named by `sha256`, until `gone_us`.
 images = Table(
     "images",
     metadata,
@@ -244,7 +244,7 @@ post_images = Table(
     Column("image_id", Id, ForeignKey("images.id"), nullable=False, index=True),
 )
 
-#: Everything that happened, in order; ids are never used twice, so that a stream can resume after any of them.
+#: Events in order; ids are never reused, so that a stream can resume after any of them.
 events = Table(
     "events",
     metadata,
@@ -259,7 +259,7 @@ events = Table(
     sqlite_autoincrement=True,
 )
 
-#: Idempotency keys of writes that are not new posts (those carry theirs). `ref` is what the first write made.
+#: Idempotency keys of writes other than new posts, which carry their own. `ref` is the result of the first write.
 used_keys = Table(
     "used_keys",
     metadata,
@@ -269,7 +269,7 @@ used_keys = Table(
     Column("ref", Id, nullable=False),
 )
 
-#: Who is told of which post, and why. `notices_seen` is up to which post an account has looked.
+#: Notifications: account, post and reason. `notices_seen` is the last post whose notification an account has seen.
 notices = Table(
     "notices",
     metadata,
@@ -287,7 +287,7 @@ notices_seen = Table(
     PrimaryKeyConstraint("account_id"),
 )
 
-#: What robots' agents recorded of the commands of posts. Beside these, SQLite has the table `post_words` (`search`).
+#: Records of commands by robots' agents. Besides these tables, SQLite has `post_words` (`fulltext`).
 commands = Table(
     "commands",
     metadata,
@@ -299,10 +299,10 @@ commands = Table(
     PrimaryKeyConstraint("post_id", "robot_id"),
 )
 
-# -------------------------------------------------------------------- for moments only, and in no backup
+# -------------------------------------------------------------------- short-lived, not in backups
 FLEETING = {"fleeting": True}
 
-#: Attempts to sign in and accounts made, by a hash of the name or the address; swept out after an hour.
+#: Attempts to sign in and to create accounts, by a hash of the name or the address; deleted after an hour.
 attempts = Table(
     "attempts",
     metadata,
@@ -313,7 +313,7 @@ attempts = Table(
     info=FLEETING,
 )
 
-#: What the processes that serve one database tell each other of robots (`teller`); on PostgreSQL not logged.
+#: The state of robots that serving processes share (`cluster_messages`); unlogged on PostgreSQL.
 stage = Table(
     "stage",
     metadata,
@@ -325,7 +325,7 @@ stage = Table(
     info=FLEETING,
 )
 
-#: How many look at a robot's camera on one process; void after `until_us`, when the process has ended.
+#: The number of viewers of a robot's camera on one process; void after `until_us`, in case the process has ended.
 stage_viewers = Table(
     "stage_viewers",
     metadata,

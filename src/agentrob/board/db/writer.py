@@ -102,7 +102,7 @@ class Writer:
             batch: list[_Waiting] = []
             try:
                 event_ids = self._commit(batch)
-            except Exception as e:  # the thread outlives whatever happens: the next batch may well succeed
+            except Exception as e:  # the thread must survive any error: the next batch may well succeed
                 error = unavailable(e) if isinstance(e, DBAPIError) else e
                 batch = batch or self._all_waiting()
                 log.error("board.write_failed", error=str(e), jobs=len(batch))
@@ -118,7 +118,7 @@ class Writer:
             return bool(self._first or self._rest)
 
     def _all_waiting(self) -> list[_Waiting]:
-        """When no transaction can be begun."""
+        """Take all waiting jobs, when no transaction can be started."""
         taken: list[_Waiting] = []
         while len(taken) < MAX_BATCH and (self._first or self._rest):
             taken.append((self._first or self._rest).popleft())
@@ -136,7 +136,7 @@ class Writer:
             if any(waiting.job for waiting in batch):
                 whole.commit()
             else:
-                whole.rollback()  # nothing to tell other processes of
+                whole.rollback()  # other processes need not be notified
         return event_ids
 
     def _next(self, batch: list[_Waiting], until_s: float) -> _Waiting | None:
@@ -170,7 +170,7 @@ class Writer:
                 self.published(event_ids)
             for waiting in batch:
                 if waiting.future.done():
-                    continue  # whoever asked is gone; what was written stays written
+                    continue  # the caller was cancelled; the write stays
                 if waiting.error is not None:
                     waiting.future.set_exception(waiting.error)
                 else:
@@ -178,7 +178,7 @@ class Writer:
 
         try:
             batch[0].loop.call_soon_threadsafe(on_loop)
-        except RuntimeError:  # the loop has ended: nobody waits any more
+        except RuntimeError:  # the loop has ended: nobody waits anymore
             log.warning("board.nobody_waits", jobs=len(batch))
 
 

@@ -26,14 +26,14 @@ from agentrob.errors import BoardError
 if TYPE_CHECKING:
     from psycopg import AsyncConnection
 
-#: How often it is proven that the others are heard, when nothing is.
+#: The interval of proofs that other processes are heard, when they send nothing.
 PROOF_S = 0.25
-#: A connection that does not answer for so long is given up for another one; the beats have ended before.
+#: A connection that does not answer for this long is replaced; heartbeats have paused before.
 PATIENCE_S = 2.0
 CONNECT_S = 5.0
 AGAIN_S = 0.25
-#: The database ends a connection that asks nothing for so long: its process hangs, or its host is gone, and its locks
-#: are for the others.
+#: The database ends a connection that is silent for this long, because its process hangs or its host is lost; this
+#: frees its locks for other processes.
 GONE_S = 5
 _PROOF = (
     "SELECT (SELECT coalesce(max(id), 0) FROM events), extract(epoch FROM clock_timestamp())::float8, "
@@ -150,7 +150,7 @@ class Cluster:
         return connection
 
     async def _let_go(self) -> None:
-        """First the duties end, then the lock on them."""
+        """End the duties, and then release their lock."""
         duty, self._duty = self._duty, None
         if duty is not None:
             duty.cancel()
@@ -171,7 +171,7 @@ class Cluster:
                 await self._hear(connection, what)
 
     async def _prove(self, connection: AsyncConnection[Any]) -> None:
-        """Check for new events, the skew of the clocks, and that a process has the duties."""
+        """Check for new events, for clock skew, and that some process runs the duties."""
         before = time.time()
         async with asyncio.timeout(PATIENCE_S):
             asked = await connection.execute(_PROOF, {"leads": self.leads, "me": self.me})

@@ -1,4 +1,4 @@
-"""Tell the other processes that serve the same PostgreSQL database what they cannot read from its tables.
+"""Send the other processes that serve the same PostgreSQL database what they cannot read from its tables.
 
 These are stops that could not be written, which go first; robots' cards and live pictures; and the number of viewers
 of each camera here. Only the newest card and picture are sent. A picture stays in the database only while it is live.
@@ -24,16 +24,16 @@ from agentrob.model import EventKind
 if TYPE_CHECKING:
     from psycopg import AsyncConnection
 
-#: The database's own clock, in SQL: ages are told by it, since hosts differ.
+#: The database's clock, in SQL; ages are measured by it, because the clocks of hosts differ.
 NOW_US = "(extract(epoch FROM clock_timestamp()) * 1000000)::bigint"
-#: How often those who look are told of, and for how long that holds.
+#: How often the number of viewers is sent, and how long it is valid.
 RENEW_S, HOLDS_S = 1.0, 3.0
-#: How often a picture is told of that nobody looks at elsewhere: for who comes.
+#: How often a picture without viewers on other processes is sent, for viewers to come.
 IDLE_FRAME_S = 1.0
-#: A stop that could not be told for so long was heard as silence (law 16).
+#: A stop that could not be sent for this long had the effect of silence (law 16).
 TOO_LATE_S = 2.0
 AGAIN_S = 0.25
-#: The database may take so long for a picture.
+#: The time limit of the database for a picture.
 PATIENCE_S = 2.0
 _SECONDS = 1_000_000
 _CARD = (
@@ -73,7 +73,7 @@ class ClusterMessenger:
         self._wake.set()
 
     def changed(self, robot: str, what: str) -> None:
-        """Something of a robot is another here: its `card`, its `frame` or its `viewers`."""
+        """Note that a robot's `card`, `frame` or `viewers` changed here."""
         if what == "frame":
             rare = time.monotonic() - self._framed_s.get(robot, 0.0) < IDLE_FRAME_S
             if rare and not self._presence.robot(robot).elsewhere:
@@ -84,7 +84,7 @@ class ClusterMessenger:
         self._wake.set()
 
     async def run(self) -> None:
-        """Until cancelled, whatever becomes of the database meanwhile."""
+        """Send until cancelled, even if the database fails meanwhile."""
         import psycopg
 
         while True:
@@ -103,7 +103,7 @@ class ClusterMessenger:
             async with asyncio.timeout(RENEW_S):
                 await self._wake.wait()
         except TimeoutError:
-            return  # time to renew who looks
+            return  # time to renew the number of viewers
         self._wake.clear()
 
     async def _tell(self, connection: AsyncConnection[Any]) -> None:
@@ -162,6 +162,6 @@ def event_from_json(words: str, hub: Hub) -> StoredEvent:
     if name is not None and hub.reader is not None:
         try:
             account = hub.reader.account(str(name))
-        except BoardError:  # who pressed is not known then, but that somebody did
+        except BoardError:  # the account is unknown, but the press still counts
             account = None
     return StoredEvent(hub.last_id, EventKind(kind), from_us(at_us), robot=robot, account=account)

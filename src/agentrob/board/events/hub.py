@@ -21,10 +21,10 @@ from agentrob.errors import BoardError
 #: A listener with more pending events than this does not read, and is closed.
 MAX_PENDING = 1000
 MAX_LISTENERS = 2000
-#: No account may use up the streams that others, above all the robots' agents, need to receive a stop.
+#: A limit for each account, so that robots' agents always get the stream that they need to receive a stop.
 MAX_PER_ACCOUNT = 50
 MAX_ANONYMOUS = MAX_LISTENERS // 2
-#: Seconds between two looks for events of other processes: on SQLite, where one takes microseconds, and elsewhere.
+#: Seconds between two checks for events of other processes: on SQLite, where a check takes microseconds, and elsewhere.
 FOLLOW_S, FOLLOW_ELSEWHERE_S = 0.02, 0.1
 #: A heartbeat is sent only if, within these seconds, a write went through and, on PostgreSQL, other processes were
 #: heard.
@@ -120,6 +120,8 @@ class Hub:
         self._written_s: float | None = None
         #: Tells other processes of an event that could not be written.
         self.tell_others: Callable[[StoredEvent], None] = lambda event: None
+        #: Counts an event that is delivered here.
+        self.count: Callable[[StoredEvent], None] = lambda event: None
 
     def start(self, reader: Reader) -> None:
         """Start after the newest event."""
@@ -148,7 +150,7 @@ class Hub:
             try:
                 self._catch_up(event_number(self.reader.newest_event_id()))
                 seen, well = version, True
-            except BoardError as e:  # it may come back, as a server that is started again
+            except BoardError as e:  # the database may come back, for example after a restart
                 if well:
                     log.error("board.events_unreadable", error=str(e))
                 seen, well = None, False
@@ -180,7 +182,7 @@ class Hub:
             try:
                 await prove()
                 self._written_s, well = due_s, True
-            except Exception as e:  # it outlives whatever happens: the next try may well succeed
+            except Exception as e:  # the task must survive any error: the next try may well succeed
                 if well:
                     log.error("board.stops_not_written", error=str(e))
                 well = False
@@ -253,3 +255,4 @@ class Hub:
         encoded = self.encode(event, written)
         for listener in self._listeners:
             listener.offer(encoded)
+        self.count(event)

@@ -122,13 +122,17 @@ def watch(services: Services, robot: str) -> None:
 
 
 def _tell_agent(services: Services, robot: str) -> None:
-    services.presence.robot(robot).called_s = time.monotonic()
+    now = services.presence.robot(robot)
+    if now.call is not None:  # its timer is late
+        now.call.cancel()
+        now.call = None
+    now.called_s = time.monotonic()
     services.hub.announce(StoredEvent(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
 
 
 def _tell_agent_again(services: Services, robot: str) -> None:
     now = services.presence.robot(robot)
-    now.call = None
+    now.call = None  # this timer
     if now.watched:
         _tell_agent(services, robot)
 

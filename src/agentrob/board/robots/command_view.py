@@ -188,7 +188,7 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
     facts = [
         ("Read by", _text(record.get("mind"), 80)),
         ("Because", _text(record.get("fallback"), 300)),
-        ("Also looked at by", _text(screened.get("mind"), 80)),
+        ("Also reviewed by", _text(screened.get("mind"), 80)),
         ("It objected", _text(refusal.get("reason"), 300) or _text(screened.get("why"), 300)),
         ("It failed", _text(screened.get("failed"), 200)),
         ("Looked for", _text(looked.get("goal"), 300)),

@@ -14,11 +14,11 @@ from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Intent, Op
 
-#: How alike a handle must be to a robot's to be taken for a slip of it, as `difflib` measures it.
+#: The similarity by `difflib` from which a handle counts as a misspelling of a robot's.
 ALIKE = 0.75
-#: Longer texts without a mention are not parsed: whoever writes that much is not commanding a robot.
+#: Longer texts without a mention are not parsed: a text this long is not a command.
 COMMAND_CHARS = 500
-#: Nor are texts whose markup takes longer to parse: it is done on the event loop, where stops wait (law 15).
+#: Texts whose markup is estimated to take longer are not parsed either, because parsing blocks the event loop (law 15).
 READ_US = 10_000
 
 

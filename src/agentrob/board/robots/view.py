@@ -32,6 +32,13 @@ _KNOWN = {
     "homed",
     "lock",
     "told",
+    "worker",
+    "version",
+    "since",
+    "failures",
+    "lag_ms",
+    "stop_ms",
+    "stop_at",
 }
 #: How long the result of an owner's button is shown.
 TOLD_FOR = timedelta(minutes=5)

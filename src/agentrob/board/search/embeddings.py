@@ -25,16 +25,16 @@ from agentrob.errors import BoardError
 from agentrob.semantic.encoder import MODEL, SIZE, EncoderError, TextEncoder
 
 log = structlog.get_logger(__name__)
-#: Characters of a post that count, its topic's title among them.
+#: The number of characters of a post that are embedded, including its topic's title.
 MAX_CHARS = 1500
-#: Posts that are looked at together, and of those as many as get their vectors together: a search waits for them.
+#: Posts that are checked together, and posts that are encoded together; a search waits for an encoding.
 WINDOW, TOGETHER = 500, 16
-#: How often the follower looks for events, and when it tries again after a failure.
+#: How often the worker checks for events, and when it tries again after a failure.
 POLL_S, AGAIN_S = 1.0, 5.0
-#: Vectors that are compared together: as many as the processor keeps near, and too few to be worth other cores.
+#: Vectors that are compared together: they fit into the processor's cache, and are too few to use other cores.
 _BLOCK = 512
 
-#: Of the database, but made anew from the posts at any time: no part of a backup.
+#: Part of the database, but not of a backup, because it can be rebuilt from the posts.
 derived = MetaData(naming_convention=db.metadata.naming_convention)
 post_meanings = Table(
     "post_meanings",
@@ -70,7 +70,7 @@ class EmbeddingIndex:
         return self._count
 
     def put(self, post_id: int, version: int, vector: bytes) -> None:
-        """The vector of a post's text of that version; the id is known, or greater than all that are."""
+        """Store the vector of a version of a post; the id must be known, or greater than all known ones."""
         row = np.frombuffer(vector, np.int8)
         with self._lock:
             at = int(np.searchsorted(self._ids[: self._count], post_id))
@@ -90,7 +90,7 @@ class EmbeddingIndex:
             self._vectors = np.concatenate([self._vectors, np.zeros((more, SIZE), np.int8)])
 
     def compared(self, vector: bytes) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float32]]:
-        """The posts' ids, the versions that are known of them, and how alike each is to the vector: 1 is the same."""
+        """Return the posts' ids, their known versions, and the similarity of each to the vector (1 is equal)."""
         wanted = np.frombuffer(vector, np.int8).astype(np.float32)
         wanted /= max(1.0, float(np.linalg.norm(wanted)))
         with self._lock:
@@ -111,12 +111,12 @@ class _Kept:
 
 
 class EmbeddingWorker:
-    """Keeps the vectors up with the posts. `reader` is its own, and sees every board."""
+    """Keeps the vectors up to date. `reader` is used by the worker alone and sees every board."""
 
     def __init__(self, encoder: TextEncoder, reader: Reader) -> None:
         self.meanings, self._reader = EmbeddingIndex(encoder), reader
         self._looking = threading.Lock()
-        self._seen = 0  # all posts up to this id were looked at
+        self._seen = 0  # all posts up to this id were checked
         self._event: int | None = None
 
     def close(self) -> None:
@@ -125,7 +125,7 @@ class EmbeddingWorker:
             self._reader.connection.close()
 
     async def run(self, do: Any) -> None:
-        """Until cancelled; `do` hands a job to the writer."""
+        """Run until cancelled; `do` passes a job to the writer."""
         while True:
             begun = self._event, self._seen
             try:
@@ -134,14 +134,14 @@ class EmbeddingWorker:
                     await self._keep(some, do)
                 if not rows:
                     await asyncio.sleep(POLL_S)
-            except Exception as e:  # it outlives whatever happens: the next try may well succeed
+            except Exception as e:  # the worker must survive any error: the next try may well succeed
                 known = isinstance(e, BoardError | EncoderError)
                 log.warning("board.meanings_wait", error=str(e), again_s=AGAIN_S, exc_info=None if known else e)
-                self._event, self._seen = begun  # look again: what was found may not have been kept
+                self._event, self._seen = begun  # check again: the results may not have been stored
                 await asyncio.sleep(AGAIN_S)
 
     def _look(self) -> Sequence[Row[Any]]:
-        """The next posts that may need a vector: those that something happened to, then those not looked at yet."""
+        """Return the next posts that may need a vector: those with new events, then those not checked yet."""
         with self._looking:
             events = db.events.c
             if self._event is None:
@@ -177,7 +177,7 @@ def _shown(row: Row[Any]) -> bool:
 
 
 def _known(row: Row[Any]) -> bool:
-    """Whether the vector that the database has is of this text and of this model."""
+    """Return whether the stored vector belongs to this version of the text and to this model."""
     return row.known == row.version and row.model == MODEL and len(row.vector) == SIZE
 
 
@@ -186,7 +186,7 @@ def _said(row: Row[Any]) -> str:
 
 
 def _write(t: Transaction, made: Sequence[_Kept]) -> None:
-    """Only of posts that still say it: one may have been erased meanwhile, and then nothing of it is kept."""
+    """Store vectors of posts that still have the encoded text; an erased post must leave nothing."""
     p = db.posts.c
     ids = [kept.post_id for kept in made]
     now = {r.id: r.version for r in t.connection.execute(select(p.id, p.version).where(p.id.in_(ids), p.raw != ""))}

@@ -36,7 +36,7 @@ _LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = None) -> Reader:
     """A reader to search with, on a connection of its own."""
     if connection.dialect.name == "postgresql":
-        # A plan for any words at all would look through every post for a rare one, or sort half of them for a common.
+        # A generic plan would scan all posts for a rare word, or sort half of them for a common one.
         for setting in (f"statement_timeout = {MOST_S * 1000:.0f}", "plan_cache_mode = force_custom_plan", "jit = off"):
             connection.execute(text(f"SET {setting}"))
     return Reader(connection, sees, keeps=True)

@@ -66,7 +66,7 @@ def find(
 def _most_alike_first(alike: NDArray[np.float32]) -> Iterator[NDArray[np.int64]]:
     """The positions of sufficiently similar posts, in batches, most similar first, then newest first."""
     places = np.flatnonzero(alike >= MIN_SIMILARITY)
-    if len(places) > _ASKED:  # nearly always the first of them are all that is needed
+    if len(places) > _ASKED:  # nearly always the first batch is enough
         nearest = np.argpartition(-alike[places], _ASKED)
         first = places[nearest[:_ASKED]]
         yield first[np.lexsort((-first, -alike[first]))]

@@ -34,7 +34,7 @@ from agentrob.model import Account, AccountKind, ActionClass, Role
 TITLE_LENGTH = 200
 #: Characters of a field of tags.
 TAGS_LENGTH = 500
-#: Pictures that one form may bring.
+#: The largest number of pictures in one form.
 MAX_FILES = 8
 
 E = TypeVar("E", bound=StrEnum)
@@ -42,7 +42,7 @@ E = TypeVar("E", bound=StrEnum)
 Text = Annotated[str, AfterValidator(lambda text: text.replace("\r\n", "\n"))]
 #: Without white space around it.
 Line = Annotated[str, AfterValidator(str.strip)]
-#: Browsers send a box that is not checked not at all.
+#: Browsers do not send a box that is not checked.
 Checkbox = Annotated[bool, BeforeValidator(lambda _: True)]
 
 _CLASSES = {"photo": "Photos", "gesture": "Gestures", "move": "Walking and turning", "risky": "Flips"}
@@ -180,7 +180,7 @@ def nonce() -> str:
 
 
 def quoted(raw: str) -> str:
-    """A post as a quotation to write below. What is quoted commands nobody (law 3)."""
+    """Return a post as a quotation for a reply. Quoted text commands nobody (law 3)."""
     lines = raw.strip().splitlines()[:40]
     return "".join(f"> {line}".rstrip() + "\n" for line in lines) + "\n" if lines else ""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Sequence
+from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Form, Request
@@ -22,7 +23,7 @@ from agentrob.board.web import forms
 from agentrob.board.web.forms import ButtonForm, PageForm
 from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Role, fleet_robot
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
@@ -39,6 +40,18 @@ _LOOK_BACK = 50
 async def robots(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
     data = {"robots": robot_view.robots(services)}
     return render_page(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
+
+
+@router.get("/fleet")
+async def fleet(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
+    """All robots for operators and admins: who serves each one, and what goes wrong. Those not served come first."""
+    account = access.has_role(access.account_of(viewer), Role.OPERATOR)
+    now = datetime.now(UTC)
+    found = [services.presence.robot(a.name) for a in services.store.reader.robots() if not a.suspended]
+    robots = [fleet_robot(robot.name, robot.card, robot.seen_at, now) for robot in found]
+    data = {"robots": sorted(robots, key=lambda robot: (robot.served, robot.name)), "tab": "fleet"}
+    here = "admin" if account.role is Role.ADMIN else "fleet"
+    return render_page(request, viewer, "fleet_table.html" if part == "table" else "fleet.html", data, here=here)
 
 
 @router.get("/robots/{name}")

@@ -48,18 +48,18 @@ BADGES = {
 KINDS = {
     AccountKind.HUMAN: "a person",
     AccountKind.ROBOT_AGENT: "a robot",
-    AccountKind.COMMANDING_AGENT: "a program that commands",
-    AccountKind.MONITORING_AGENT: "a program that watches",
+    AccountKind.COMMANDING_AGENT: "a program that commands robots",
+    AccountKind.MONITORING_AGENT: "a program that only reads",
 }
 ROLES = {
-    Role.GUEST: "guest: looks and stops",
-    Role.MEMBER: "member: looks, writes, stops",
-    Role.OPERATOR: "operator: commands robots",
-    Role.MODERATOR: "moderator: commands robots, hides and locks",
+    Role.GUEST: "guest: can read, and stop robots",
+    Role.MEMBER: "member: can read, write, and stop robots",
+    Role.OPERATOR: "operator: can command robots",
+    Role.MODERATOR: "moderator: can command robots and moderate",
     Role.ADMIN: "administrator",
 }
 
-#: Pages show what this viewer may see, as it is now; `SecurityMiddleware` adds the headers that every answer has.
+#: Pages are personal and always current; `SecurityMiddleware` adds the headers of all responses.
 _HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}

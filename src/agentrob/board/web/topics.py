@@ -245,7 +245,7 @@ def _topic(
     }
     data["news"] = services.marks.news(services.store.reader, viewer.account, (found,)).get(found.id)
     data["may_tag"] = viewer.account is not None and tags.may_change(viewer.account, found)
-    services.marks.showed(services.store.reader, viewer.account, found, shown.last)  # from now on it is read
+    services.marks.showed(services.store.reader, viewer.account, found, shown.last)  # from now on it counts as read
     return render_page(request, viewer, "topic.html", data, status=error.status if error else 200, here="home")
 
 

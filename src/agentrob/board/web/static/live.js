@@ -1,5 +1,5 @@
-// Makes pages live where scripts run: new and edited posts, the robot's state and camera, stop without leaving the page.
-// Everything here is an addition: without it the same forms and links do the same things.
+// Live updates of pages: new and edited posts, the robot's state and camera, stop without leaving the page.
+// All of it is optional: without scripts the same forms and links work.
 "use strict";
 
 const main = document.getElementById("main");
@@ -8,14 +8,14 @@ document.documentElement.classList.add("scripted");
 
 const say = (text) => { if (live && live.textContent !== text) live.textContent = text; };
 
-// An element with these properties and attributes.
+// Create an element with these properties and attributes.
 function make(tag, properties, attributes = {}) {
   const made = Object.assign(document.createElement(tag), properties);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   return made;
 }
 
-// A piece of a page as the server makes it; null when it does not.
+// Fetch a fragment of a page; null if the server does not return one.
 async function piece(address, how = {}) {
   const answer = await fetch(address, { headers: { Accept: "text/html" }, ...how });
   return answer.ok ? new DOMParser().parseFromString(await answer.text(), "text/html").body : null;
@@ -35,7 +35,7 @@ function localTimes(root) {
 }
 localTimes(document);
 
-// What must be scrolled sideways can be reached by keyboard.
+// Make elements that scroll sideways reachable by keyboard.
 function reachable(root) {
   for (const one of root.querySelectorAll(".body table, pre")) {
     if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
@@ -46,7 +46,7 @@ reachable(document);
 addEventListener("resize", () => reachable(document));
 
 // ---------------------------------------------------------------- the event stream
-// Closed while nobody looks (a browser has few connections to one server), resumed after the last event seen.
+// Closed while the page is hidden (a browser has few connections to one server), resumed after the last event seen.
 function listen(query, after, handle) {
   let source = null;
   let last = after;
@@ -58,7 +58,7 @@ function listen(query, after, handle) {
     source.onerror = () => {
       document.documentElement.dataset.live = "off";
       say("Connection lost, trying again…");
-      if (source.readyState !== EventSource.CLOSED) return; // the browser tries again by itself
+      if (source.readyState !== EventSource.CLOSED) return; // the browser reconnects
       close();
       retry = Math.min(retry + 1, 5);
       setTimeout(() => { if (!document.hidden) resume(); }, 1000 * 2 ** retry);
@@ -73,9 +73,9 @@ function listen(query, after, handle) {
   const resume = async () => {
     try {
       const answer = await fetch(`/api/v1/changes?limit=1&after=${encodeURIComponent(last)}`);
-      // The board was put back from a backup: what this page shows may never have been.
+      // The board was restored from a backup: this page may show posts that no longer exist.
       if (answer.status === 404) return offer("The forum was restored from a backup: reload this page", location.pathname + location.search);
-    } catch { /* not there yet */ }
+    } catch { /* the server is not available yet */ }
     open();
   };
   const close = () => { if (source) { source.close(); source = null; } };
@@ -93,7 +93,7 @@ function listen(query, after, handle) {
 // ---------------------------------------------------------------- a topic
 const posts = document.getElementById("posts");
 
-// Keeps what the reader looks at where it is while `change` alters the page above it.
+// Keep the visible text in place while `change` alters the page above it.
 function inPlace(change) {
   const composer = document.getElementById("reply");
   const writing = composer && composer.contains(document.activeElement);
@@ -127,7 +127,7 @@ function place(fresh) {
   if (!old && fresh.getBoundingClientRect().top > innerHeight) offerMore(fresh.id);
 }
 
-// Counts what came below the screen; leads to the first of it.
+// Count new posts below the screen; the button leads to the first of them.
 let below = [];
 function offerMore(id) {
   below = document.querySelector(".pill") ? [...below, id] : [id];
@@ -154,7 +154,7 @@ function offer(text, href) {
   say(text);
 }
 
-const pending = new Map(); // post id -> whether to fetch once more: many edits in a row cost few requests
+const pending = new Map(); // post id -> whether to fetch once more, so that many edits need few requests
 
 async function refresh(id) {
   if (pending.has(id)) { pending.set(id, true); return; }
@@ -163,7 +163,7 @@ async function refresh(id) {
     const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
     const fresh = (await piece(`/p/${id}/fragment${seen}`))?.querySelector("article.post");
     if (fresh) place(document.adoptNode(fresh));
-  } catch { setTimeout(refresh, 2000, id); } // the event came and will not come again
+  } catch { setTimeout(refresh, 2000, id); } // the event is not sent again
   const again = pending.get(id);
   pending.delete(id);
   if (again) refresh(id);
@@ -175,7 +175,7 @@ if (main.dataset.topic) {
   });
 }
 
-// ---------------------------------------------------------------- a board: say that there is something new
+// ---------------------------------------------------------------- a board: announce new topics
 if (main.dataset.board) {
   listen("", main.dataset.after, (kind, event) => {
     const fresh = document.getElementById("fresh");
@@ -201,11 +201,11 @@ document.addEventListener("submit", async (event) => {
     say(`${what} sent to @${form.dataset.stop}. ${form.dataset.next}`);
     setTimeout(() => button.replaceChildren(...label), 3000);
   } catch {
-    form.submit(); // the plain way, which also shows what is wrong
+    form.submit(); // without scripts, which also shows the error
   }
 });
 
-// ---------------------------------------------------------------- what is known of robots, renewed while looked at
+// ---------------------------------------------------------------- the state of robots, updated while visible
 for (const part of document.querySelectorAll("[data-refresh]")) {
   setInterval(async () => {
     if (document.hidden || part.contains(document.activeElement)) return;
@@ -215,18 +215,18 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
       part.dataset.shown = fresh.innerHTML;
       part.replaceChildren(...fresh.childNodes);
       localTimes(part);
-    } catch { /* the next time */ }
+    } catch { /* retried with the next update */ }
   }, Number(part.dataset.every) || 3000);
 }
 
-// The camera runs only while its picture is on the screen: somebody looking is what makes the robot's room render.
+// The camera runs only while its picture is visible, because viewers make the robot's room render.
 const camera = document.querySelector("[data-camera]");
 if (camera) {
   const picture = make("img", { alt: `Live picture of the room with @${camera.dataset.name}` });
   let inView = false;
   const look = () => {
     if (!inView || document.hidden) {
-      picture.removeAttribute("src"); // ends the stream; an empty address would count as an error
+      picture.removeAttribute("src"); // ends the stream; an empty URL would be an error
       picture.remove();
     } else if (!picture.isConnected) {
       picture.src = `${camera.dataset.camera}?t=${Date.now()}`;

@@ -1,5 +1,5 @@
-// Helps while somebody writes: preview, pictures by paste and drop, names with the robots' state, quoting in place.
-// Everything here is an addition: without it the same forms and links do the same things.
+// The editor: preview, pictures by paste and drop, names with the robots' state, quoting in place.
+// All of it is optional: without scripts the same forms and links work.
 "use strict";
 
 const csrf = document.querySelector("meta[name=csrf]").content;
@@ -66,7 +66,7 @@ if (text) {
   });
 
   // -------------------------------------------------------------- names
-  // A list below the text: arrows choose, Enter and Tab take, Escape closes; the text keeps the focus.
+  // A list below the text: arrows select, Enter and Tab insert, Escape closes; the text keeps the focus.
   const offer = make("ul", { className: "offer", id: "offer", hidden: true }, { role: "listbox", "aria-label": "Names" });
   text.after(offer);
   const attributes = { "aria-autocomplete": "list", "aria-haspopup": "listbox", "aria-controls": "offer" };
@@ -127,7 +127,7 @@ if (text) {
   });
   text.addEventListener("blur", close);
 
-  // -------------------------------------------------------------- answering in place: what was written stays
+  // -------------------------------------------------------------- replying in place: the text is kept
   const answers = form.querySelector("[data-answers]");
   const answer = (post) => {
     answers.hidden = !post;

@@ -1,4 +1,4 @@
-"""A real forum on a free port with a few accounts, for the tests of its pages."""
+"""Serve a real forum on a free port with a few accounts, for the tests of its pages."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ CARD = {
 }
 
 
-class World:
-    """The forum at `base`; `alice` is an operator, `bob` a member, `quadruped` a robot, `root` an admin."""
+class Site:
+    """A forum served at `base`; `alice` is an operator, `bob` a member, `quadruped` a robot, `root` an admin."""
 
     def __init__(self, board: RunningBoard) -> None:
         self.board = board
@@ -39,33 +39,33 @@ class World:
             board.add(name, role=role, password=PASSWORD)
 
     def api(self, name: str) -> httpx2.Client:
-        """The JSON API as that account."""
+        """Return a client of the JSON API that is signed in as this account."""
         return self.board.client(name)
 
-    def chief(self) -> httpx2.Client:
-        """The API as `root` with a token that administers."""
-        chief, scopes = local_admin.find_account(self.settings, "root"), ("read", "write", "admin")
+    def admin_api(self) -> httpx2.Client:
+        """Return a client of the JSON API as `root`, with a token of scope `admin`."""
+        admin_api, scopes = local_admin.find_account(self.settings, "root"), ("read", "write", "admin")
         client = self.board.client()
-        client.headers["Authorization"] = f"Bearer {local_admin.issue_token(self.settings, chief, scopes=scopes)}"
+        client.headers["Authorization"] = f"Bearer {local_admin.issue_token(self.settings, admin_api, scopes=scopes)}"
         return client
 
-    def browser(self, name: str | None = None) -> Surfer:
-        """A browser without scripts, signed in by a one-time link or not."""
+    def browser(self, name: str | None = None) -> PageClient:
+        """Return a browser without scripts, signed in by a one-time link if a name is given."""
         client = self.board.browser()
         client.follow_redirects = True
-        surfer = Surfer(client)
+        visitor = PageClient(client)
         if name:
-            surfer.send(self.link(name))
-        return surfer
+            visitor.send(self.link(name))
+        return visitor
 
     def link(self, name: str) -> str:
-        """The path of a new one-time link."""
+        """Return the path of a new one-time link."""
         return local_admin.issue_link(self.settings, local_admin.find_account(self.settings, name))
 
 
 @dataclass
-class Surfer:
-    """Reads pages and sends their forms, as a person without scripts does."""
+class PageClient:
+    """Reads pages and submits their forms, like a browser without scripts."""
 
     client: httpx2.Client
 
@@ -78,7 +78,7 @@ class Surfer:
         return found[1]
 
     def send(self, path: str, page: str | None = None, **fields: str) -> httpx2.Response:
-        """Sends the form that goes to `path`, with the token and hidden fields of the page it is on."""
+        """Submit the form whose action is `path`, with the CSRF token and hidden fields of its page."""
         page = page or path
         text = self.get(page).text
         form = re.search(rf'<form[^>]*action="{re.escape(path)}".*?</form>', text, re.DOTALL)
@@ -88,7 +88,7 @@ class Surfer:
 
 
 @contextmanager
-def running_world(folder: Path, **options: Any) -> Iterator[World]:
-    """The forum with its people, served from a thread until the block ends."""
+def running_site(folder: Path, **options: Any) -> Iterator[Site]:
+    """Serve the forum from a thread until the block ends."""
     with running_board(folder, **options) as board:
-        yield World(board)
+        yield Site(board)

@@ -1,4 +1,5 @@
-"""Says on domain 0 where a G1 is, from cyclonedds 11 with or without our patch: `our_talker.py plain|patched`."""
+"""Publish a G1's odometry on domain 0, from cyclonedds 11 with or without our patch: `publish_odometry.py
+plain|patched`."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""The forum's design in real Chromium: phone width, light and dark, contrast, structure, keyboard."""
+"""The forum's layout in real Chromium: phone width, light and dark themes, contrast, structure, keyboard."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from tests.board.web.browser_windows import (
     robot_posts,
     running_chromium,
 )
-from tests.board.web.page_world import CARD, World, running_world
+from tests.board.web.forum_site import CARD, Site, running_site
 
 pytestmark = pytest.mark.browser
 UNTIL = {"until": "2026-11-22T20:14:05+00:00"}
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
-        world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board"), sign_up=True) as site:
+        site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
+        yield site
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +42,8 @@ def chromium() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def windows(world: World, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(world, chromium) as windows:
+def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
+    with open_windows(site, chromium) as windows:
         yield windows
 
 
@@ -98,41 +98,41 @@ STRUCTURE = """() => {
 
 
 #: One pair of width and colour scheme; the other pairs are slow.
-LOOKS = [
+APPEARANCES = [
     *((390, "dark"), (1280, "light")),
     *(pytest.param(*look, marks=pytest.mark.slow) for look in ((390, "light"), (1280, "dark"))),
 ]
 
 
 @pytest.fixture(scope="module")
-def paths(world: World) -> list[str]:
-    """Open every page, with a thread that contains everything."""
-    topic = new_topic(world, replies=2)
-    world.board.add("owner-of-robots")
-    world.chief().patch("/admin/robots/quadruped", json={"owner": "owner-of-robots"}).raise_for_status()
+def paths(site: Site) -> list[str]:
+    """Write a thread with content of every kind; return the paths of all pages."""
+    topic = new_topic(site, replies=2)
+    site.board.add("owner-of-robots")
+    site.admin_api().patch("/admin/robots/quadruped", json={"owner": "owner-of-robots"}).raise_for_status()
     long = "a" * 150
     robot_posts(
-        world, topic, f"| step | asked | measured |\n|---|--:|--:|\n| {long} | 1 m | 1 m |\n\n```\n{long} {long}\n```"
+        site, topic, f"| step | asked | measured |\n|---|--:|--:|\n| {long} | 1 m | 1 m |\n\n```\n{long} {long}\n```"
     )
-    robot_posts(world, topic, f"{long} https://example.org/{long}\n\n> quoted\n\n`{long}`", RUNNING)
+    robot_posts(site, topic, f"{long} https://example.org/{long}\n\n> quoted\n\n`{long}`", RUNNING)
     for state in STATES:
-        robot_posts(world, topic, state, RUNNING | {"state": state, "doing": "a rather long description " * 4} | UNTIL)
-    robot = world.api("quadruped")
+        robot_posts(site, topic, state, RUNNING | {"state": state, "doing": "a rather long description " * 4} | UNTIL)
+    robot = site.api("quadruped")
     image = robot.post("/images", files={"file": ("a.jpg", jpeg(50), "image/jpeg")}).json()["id"]
     robot.post(f"/topics/{topic}/posts", json={"body": "wide", "images": [image]}).raise_for_status()
-    post = world.api("bob").post(f"/topics/{topic}/posts", json={"body": "mine"}).json()["post"]["id"]
-    world.api("bob").patch(f"/posts/{post}", json={"body": "mine, edited"})
-    api = world.api("alice")
+    post = site.api("bob").post(f"/topics/{topic}/posts", json={"body": "mine"}).json()["post"]["id"]
+    site.api("bob").patch(f"/posts/{post}", json={"body": "mine, edited"})
+    api = site.api("alice")
     api.post("/topics", json={"board_id": "talk", "title": "W" * 190, "body": "x"}).raise_for_status()
     own = [f"/p/{post}/edit", f"/p/{post}/remove", f"/p/{post}/history"]
     return ["/", "/b/robots", "/b/talk", "/b/robots/new", f"/t/{topic}", *own, "/robots", "/robots/quadruped", "/u/bob"]
 
 
-@pytest.mark.parametrize(("width", "scheme"), LOOKS)
-def test_the_pages_of_a_robot_that_is_locked_or_has_no_home_fit_and_can_be_read(
-    world: World, windows: Windows, scheme: Any, width: int
+@pytest.mark.parametrize(("width", "scheme"), APPEARANCES)
+def test_pages_of_a_locked_or_homeless_robot_fit_and_have_contrast(
+    site: Site, windows: Windows, scheme: Any, width: int
 ) -> None:
-    robot = world.api("quadruped")
+    robot = site.api("quadruped")
     told = {"deed": "release", "by": "w" * 32, "at": datetime.now(UTC).isoformat(), "said": "It could not. " * 9}
     lock = {"by": "w" * 90, "why": "a rather long reason of its guard " * 5, "at": "2026-11-22T16:00:05+00:00"}
     page = windows.open("root", viewport={"width": width, "height": 800}, color_scheme=scheme)
@@ -148,15 +148,15 @@ def test_the_pages_of_a_robot_that_is_locked_or_has_no_home_fit_and_can_be_read(
         robot.put("/robots/quadruped", json={"card": CARD}).raise_for_status()
 
 
-@pytest.mark.parametrize(("width", "scheme"), LOOKS)
-def test_every_page_fits_can_be_read_and_is_well_built(
-    world: World, windows: Windows, paths: list[str], scheme: Any, width: int
+@pytest.mark.parametrize(("width", "scheme"), APPEARANCES)
+def test_every_page_fits_has_contrast_and_a_valid_structure(
+    site: Site, windows: Windows, paths: list[str], scheme: Any, width: int
 ) -> None:
     size = {"width": width, "height": 800}
     signed_in = windows.open("bob", viewport=size, color_scheme=scheme)
     signed_out = windows.open(viewport=size, color_scheme=scheme)
     visits = [(signed_in, path) for path in paths]
-    visits += [(signed_out, path) for path in ("/sign-in", "/sign-up", world.link("bob"))]
+    visits += [(signed_out, path) for path in ("/sign-in", "/sign-up", site.link("bob"))]
     for page, path in visits:
         page.goto(path, wait_until="domcontentloaded")
         assert page.evaluate("document.documentElement.scrollWidth") <= width, path
@@ -178,23 +178,23 @@ def test_the_keyboard_reaches_the_content_first(windows: Windows) -> None:
     assert page.evaluate("document.querySelector('main').contains(document.activeElement)")
 
 
-def test_an_error_page_has_no_errors_of_its_own(windows: Windows) -> None:
+def test_an_error_page_logs_no_console_errors(windows: Windows) -> None:
     page = windows.open("bob")
     answer = page.goto("/t/999999")
     assert answer is not None
     assert answer.status == 404
     expect(page.get_by_role("heading", name="Not found")).to_be_visible()
-    windows.complaints = [c for c in windows.complaints if "404" not in c]
+    windows.console_errors = [c for c in windows.console_errors if "404" not in c]
 
 
 @pytest.mark.parametrize("motion", ["no-preference", "reduce"])
-def test_a_recording_plays_in_the_thread_and_is_a_link_for_who_wants_no_motion(
-    world: World, windows: Windows, motion: Any
+def test_a_recording_plays_in_the_thread_or_is_a_link_with_reduced_motion(
+    site: Site, windows: Windows, motion: Any
 ) -> None:
     frames = [Image.new("RGB", (48, 36), (80 * k, 120, 60)) for k in range(3)]
     webp = io.BytesIO()
     frames[0].save(webp, "WEBP", save_all=True, append_images=frames[1:], duration=100)
-    topic, robot = new_topic(world), world.api("quadruped")
+    topic, robot = new_topic(site), site.api("quadruped")
     image = robot.post("/images", files={"file": ("a.webp", webp.getvalue(), "image/webp")}).json()["id"]
     robot.post(f"/topics/{topic}/posts", json={"body": "walked", "images": [image]}).raise_for_status()
     page = windows.open("bob")

@@ -1,4 +1,4 @@
-"""The forum in real Chromium: live threads that do not jump, stop with and without scripts, the robot's camera."""
+"""The forum in real Chromium: threads update without jumping, stop works with and without scripts, the camera runs."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from tests.board.web.browser_windows import (
     robot_posts,
     running_chromium,
 )
-from tests.board.web.page_world import CARD, World, running_world
+from tests.board.web.forum_site import CARD, Site, running_site
 
 pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=True) as world:
-        world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board"), sign_up=True) as site:
+        site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
+        yield site
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +41,8 @@ def chromium() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def windows(world: World, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(world, chromium) as windows:
+def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
+    with open_windows(site, chromium) as windows:
         yield windows
 
 
@@ -56,9 +56,9 @@ def top_of(page: Page, selector: str) -> float:
 
 
 # -------------------------------------------------------------------- the live thread
-def test_a_person_posts_and_sees_the_robot_answer_without_reloading(world: World, windows: Windows) -> None:
+def test_the_robots_reply_appears_without_reloading(site: Site, windows: Windows) -> None:
     page = windows.open()
-    page.goto(world.link("alice"))
+    page.goto(site.link("alice"))
     page.get_by_role("button", name="Enter").click()
     expect(page.get_by_role("heading", name="Boards", exact=True)).to_be_visible()
     page.get_by_role("link", name="Robots", exact=True).last.click()
@@ -72,16 +72,16 @@ def test_a_person_posts_and_sees_the_robot_answer_without_reloading(world: World
     wait_live(page)
     page.evaluate("window.sameDocument = true")
 
-    post = robot_posts(world, topic, "Seen.", RUNNING | {"state": "seen", "step": 0})
+    post = robot_posts(site, topic, "Seen.", RUNNING | {"state": "seen", "step": 0})
     article = page.locator(f"#post-{post}")
     expect(article.locator(".chip")).to_have_text("seen")
     expect(article.locator(".badge")).to_have_text("robot")
-    robot_edits(world, post, "Queued.", RUNNING | {"state": "queued", "place": 1})
+    robot_edits(site, post, "Queued.", RUNNING | {"state": "queued", "place": 1})
     expect(article.locator(".status")).to_contain_text("place 1 in the queue")
-    robot_edits(world, post, "Step 2.", RUNNING)
+    robot_edits(site, post, "Step 2.", RUNNING)
     expect(article.locator(".status")).to_contain_text("step 2 of 4: turning")
     expect(article.get_by_role("button", name="Stop @quadruped")).to_be_visible()
-    robot_edits(world, post, "**Asked 1.00 m, measured 1.02 m.**", RUNNING | {"state": "done", "step": 4})
+    robot_edits(site, post, "**Asked 1.00 m, measured 1.02 m.**", RUNNING | {"state": "done", "step": 4})
     expect(article.locator(".chip")).to_have_text("done")
     expect(article.locator("strong")).to_have_text("Asked 1.00 m, measured 1.02 m.")
     expect(article.get_by_role("button")).to_have_count(0)
@@ -89,42 +89,42 @@ def test_a_person_posts_and_sees_the_robot_answer_without_reloading(world: World
     assert page.evaluate("window.sameDocument")
 
 
-def test_many_edits_in_a_row_end_with_the_last_one(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
+def test_many_edits_in_a_row_end_with_the_last_one(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
     wait_live(page)
-    post = robot_posts(world, topic, "edit 0")
+    post = robot_posts(site, topic, "edit 0")
     for n in range(1, 15):
-        robot_edits(world, post, f"edit {n}")
+        robot_edits(site, post, f"edit {n}")
     expect(page.locator(f"#post-{post} .body")).to_have_text("edit 14")
     expect(page.locator(f"#post-{post}")).to_have_attribute("data-version", "15")
 
 
-def test_a_removed_post_disappears_from_open_pages(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
-    post = robot_posts(world, topic, "soon gone")
+def test_a_removed_post_disappears_from_open_pages(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
+    post = robot_posts(site, topic, "soon gone")
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
     wait_live(page)
-    world.api("admin").delete(f"/posts/{post}").raise_for_status()
+    site.api("admin").delete(f"/posts/{post}").raise_for_status()
     expect(page.locator(f"#post-{post}")).to_contain_text("This post was removed.")
 
 
-def test_what_the_reader_looks_at_stays_where_it_is(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
-    first = robot_posts(world, topic, "short")
+def test_new_posts_do_not_move_the_text_that_is_being_read(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
+    first = robot_posts(site, topic, "short")
     for n in range(20):
-        robot_posts(world, topic, f"number {n}\n\nand more")
+        robot_posts(site, topic, f"number {n}\n\nand more")
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
     wait_live(page)
     middle = f"#post-{int(first) + 10}"
     page.eval_on_selector(middle, "e => window.scrollTo(0, window.scrollY + e.getBoundingClientRect().top)")
     before = top_of(page, middle)
-    robot_edits(world, first, "\n\n".join(["a much longer text"] * 12))
+    robot_edits(site, first, "\n\n".join(["a much longer text"] * 12))
     expect(page.locator(f"#post-{first}")).to_have_attribute("data-version", "2")
-    late = robot_posts(world, topic, "at the end")
+    late = robot_posts(site, topic, "at the end")
     expect(page.locator(f"#post-{late}")).to_be_attached()
     assert abs(top_of(page, middle) - before) <= 1
     pill = page.get_by_role("link", name="1 new post below")
@@ -135,8 +135,8 @@ def test_what_the_reader_looks_at_stays_where_it_is(world: World, windows: Windo
     expect(page.locator("#live")).to_have_text("")
 
 
-def test_who_is_writing_is_not_pushed_away_by_new_posts(world: World, windows: Windows) -> None:
-    topic = new_topic(world, replies=12)
+def test_new_posts_do_not_move_the_reply_form_while_typing(site: Site, windows: Windows) -> None:
+    topic = new_topic(site, replies=12)
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
     wait_live(page)
@@ -144,15 +144,15 @@ def test_who_is_writing_is_not_pushed_away_by_new_posts(world: World, windows: W
     page.get_by_label("Reply").focus()
     before = top_of(page, "#reply")
     for n in range(3):
-        post = robot_posts(world, topic, f"new {n}\n\nwith more lines\n\nand more")
+        post = robot_posts(site, topic, f"new {n}\n\nwith more lines\n\nand more")
         expect(page.locator(f"#post-{post}")).to_be_attached()
     assert abs(top_of(page, "#reply") - before) <= 1
     expect(page.get_by_label("Reply")).to_be_focused()
     expect(page.get_by_label("Reply")).to_have_value("half a sen")
 
 
-def test_a_lost_stream_is_taken_up_again_without_missing_anything(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
+def test_a_lost_stream_resumes_without_a_gap(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
     page = windows.open("bob")
     page.add_init_script("""
         window.streams = [];
@@ -161,46 +161,44 @@ def test_a_lost_stream_is_taken_up_again_without_missing_anything(world: World, 
         };""")
     page.goto(f"/t/{topic}")
     wait_live(page)
-    seen = robot_posts(world, topic, "before")
+    seen = robot_posts(site, topic, "before")
     expect(page.locator(f"#post-{seen}")).to_be_attached()
     page.evaluate("streams[0].close(); streams[0].dispatchEvent(new Event('error'))")
     expect(page.locator("#live")).to_have_text("Connection lost, trying again…")
-    missed = robot_posts(world, topic, "meanwhile")
-    robot_edits(world, seen, "edited meanwhile")
+    missed = robot_posts(site, topic, "meanwhile")
+    robot_edits(site, seen, "edited meanwhile")
     expect(page.locator(f"#post-{missed}")).to_be_attached()
     expect(page.locator(f"#post-{seen} .body")).to_have_text("edited meanwhile")
     assert page.evaluate("streams.length") == 2
 
 
-def test_a_page_that_is_not_the_last_offers_new_posts_instead_of_misplacing_them(
-    world: World, windows: Windows
-) -> None:
-    topic = new_topic(world, replies=55)
+def test_a_page_before_the_last_offers_a_link_to_new_posts(site: Site, windows: Windows) -> None:
+    topic = new_topic(site, replies=55)
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
     wait_live(page)
-    post = robot_posts(world, topic, "far away")
+    post = robot_posts(site, topic, "far away")
     page.get_by_role("link", name="New posts").click()
     expect(page.locator(f"#post-{post}")).to_be_in_viewport()
 
 
-def test_a_board_says_that_there_is_something_new(world: World, windows: Windows) -> None:
+def test_a_board_page_announces_new_topics(site: Site, windows: Windows) -> None:
     page = windows.open("bob")
     page.goto("/b/robots")
     wait_live(page)
-    new_topic(world)
+    new_topic(site)
     page.get_by_role("link", name="New posts: show them").click()
     expect(page.get_by_role("link", name="A walk").first).to_be_visible()
 
 
-def test_a_page_of_a_history_that_a_backup_has_undone_offers_to_be_loaded_anew(world: World, windows: Windows) -> None:
+def test_a_page_from_before_a_restored_backup_offers_to_reload(site: Site, windows: Windows) -> None:
     def undone(route: Route) -> None:
         answer = route.fetch()
         body, changed = re.subn(r'data-after="(\d+)-\w+"', r'data-after="\1-1"', answer.text())
         assert changed == 1
         route.fulfill(response=answer, body=body)
 
-    new_topic(world)
+    new_topic(site)
     page = windows.open("bob")
     page.route("**/b/robots", undone)
     page.goto("/b/robots")
@@ -209,53 +207,53 @@ def test_a_page_of_a_history_that_a_backup_has_undone_offers_to_be_loaded_anew(w
     page.unroute("**/b/robots")
     anew.click()
     wait_live(page)
-    assert [c for c in windows.complaints if "404" in c], "the browser says that the stream was refused"
-    windows.complaints = [c for c in windows.complaints if "404" not in c]
+    assert [c for c in windows.console_errors if "404" in c], "the browser says that the stream was refused"
+    windows.console_errors = [c for c in windows.console_errors if "404" not in c]
 
 
 # -------------------------------------------------------------------- stop
-def stops(world: World, after: str) -> list[tuple[str, str]]:
-    items = world.api("quadruped").get("/changes", params={"after": after}).json()["items"]
+def stops(site: Site, after: str) -> list[tuple[str, str]]:
+    items = site.api("quadruped").get("/changes", params={"after": after}).json()["items"]
     return [(e["robot"], e["account"]["name"]) for e in items if e["kind"] == "robot.stop"]
 
 
-def now(world: World) -> str:
-    return str(world.api("quadruped").get("/changes").json()["now"]["id"])
+def now(site: Site) -> str:
+    return str(site.api("quadruped").get("/changes").json()["now"]["id"])
 
 
-def test_stop_in_the_thread_with_scripts_stays_on_the_page(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
-    post = robot_posts(world, topic, "Running.", RUNNING)
+def test_stop_in_the_thread_with_scripts_stays_on_the_page(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
+    post = robot_posts(site, topic, "Running.", RUNNING)
     page = windows.open("bob")
     page.goto(f"/t/{topic}")
-    before = now(world)
+    before = now(site)
     page.evaluate("window.sameDocument = true")
     page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
     sent = "Stop sent to @quadruped. Its reply says how fast it stopped, or that it did not confirm the stop."
     expect(page.locator("#live")).to_have_text(sent)
-    assert stops(world, before) == [("quadruped", "bob")]
+    assert stops(site, before) == [("quadruped", "bob")]
     assert page.evaluate("window.sameDocument")
 
 
-def test_everything_works_with_scripts_disabled(world: World, windows: Windows) -> None:
+def test_everything_works_with_scripts_disabled(site: Site, windows: Windows) -> None:
     page = windows.open("bob", java_script_enabled=False)
-    topic = new_topic(world)
-    post = robot_posts(world, topic, "Running.", RUNNING)
+    topic = new_topic(site)
+    post = robot_posts(site, topic, "Running.", RUNNING)
     page.goto(f"/t/{topic}")
     page.get_by_label("Reply").fill("I watch")
     page.get_by_role("button", name="Reply").click()
     expect(page.locator("article").last).to_contain_text("I watch")
-    before = now(world)
+    before = now(site)
     page.locator(f"#post-{post}").get_by_role("button", name="Stop @quadruped").click()
     expect(page.get_by_role("status").first).to_contain_text("Stop sent to @quadruped")
-    assert stops(world, before) == [("quadruped", "bob")]
+    assert stops(site, before) == [("quadruped", "bob")]
 
 
 @pytest.mark.parametrize("scripts", [True, False], ids=["scripts", "no scripts"])
 def test_law_17_emergency_stop_and_release_with_and_without_scripts(
-    world: World, windows: Windows, scripts: bool
+    site: Site, windows: Windows, scripts: bool
 ) -> None:
-    robot, before = world.api("quadruped"), now(world)
+    robot, before = site.api("quadruped"), now(site)
     page = windows.open("root", java_script_enabled=scripts)
     page.goto("/robots/quadruped", wait_until="domcontentloaded")  # without scripts the camera goes on for ever
     page.get_by_role("button", name="Emergency stop").click()
@@ -286,9 +284,9 @@ def test_law_17_emergency_stop_and_release_with_and_without_scripts(
     assert [(e["kind"], e["account"]["name"]) for e in items] == [("robot.estop", "root"), ("robot.release", "root")]
 
 
-def test_stop_buttons_are_large_enough_for_a_thumb(world: World, windows: Windows) -> None:
-    topic = new_topic(world)
-    robot_posts(world, topic, "Running.", RUNNING)
+def test_stop_buttons_are_large_enough_for_a_thumb(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
+    robot_posts(site, topic, "Running.", RUNNING)
     page = windows.open("bob", viewport={"width": 390, "height": 844})
     for path in (f"/t/{topic}", "/robots/quadruped"):
         page.goto(path)
@@ -298,62 +296,62 @@ def test_stop_buttons_are_large_enough_for_a_thumb(world: World, windows: Window
 
 
 # -------------------------------------------------------------------- the robot's page
-def frame(world: World, shade: int = 100) -> int:
-    """The robot's agent shows a picture; how many look."""
-    answer = world.api("quadruped").put(
+def frame(site: Site, shade: int = 100) -> int:
+    """Send a camera frame as the robot's agent; return the number of viewers."""
+    answer = site.api("quadruped").put(
         "/robots/quadruped/frame", content=jpeg(shade), headers={"Content-Type": "image/jpeg"}
     )
     return int(answer.json()["viewers"])
 
 
-def wait_viewers(world: World, number: int) -> None:
+def wait_viewers(site: Site, number: int) -> None:
     end = time.monotonic() + 60
-    while (seen := frame(world)) != number:
+    while (seen := frame(site)) != number:
         assert time.monotonic() < end, f"{seen} look, not {number}"
 
 
-def test_the_camera_runs_only_while_somebody_looks(world: World, windows: Windows) -> None:
-    wait_viewers(world, 0)
+def test_the_camera_runs_only_while_somebody_watches(site: Site, windows: Windows) -> None:
+    wait_viewers(site, 0)
     page = windows.open("bob")
     page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
-    wait_viewers(world, 1)
-    frame(world)  # only pictures from after its arrival are a viewer's, and it shows one when the next one comes
+    wait_viewers(site, 1)
+    frame(site)  # only pictures from after its arrival are a viewer's, and it shows one when the next one comes
     expect(page.locator(".camera img")).to_have_js_property("naturalWidth", 64)
     page.set_viewport_size({"width": 390, "height": 300})
     page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
-    wait_viewers(world, 0)
+    wait_viewers(site, 0)
     page.evaluate("window.scrollTo(0, 0)")
-    wait_viewers(world, 1)
+    wait_viewers(site, 1)
     page.goto("/robots")
-    wait_viewers(world, 0)
+    wait_viewers(site, 0)
 
 
-def test_a_camera_that_failed_is_tried_again(world: World, windows: Windows) -> None:
-    wait_viewers(world, 0)
+def test_a_failed_camera_stream_is_retried(site: Site, windows: Windows) -> None:
+    wait_viewers(site, 0)
     page = windows.open("bob")
     page.route("**/camera.mjpg*", lambda route: route.abort())
     with page.expect_event("requestfailed", lambda request: "camera.mjpg" in request.url):
         page.goto("/robots/quadruped", wait_until="domcontentloaded")
     page.unroute("**/camera.mjpg*")
-    wait_viewers(world, 1)
-    frame(world)
+    wait_viewers(site, 1)
+    frame(site)
     expect(page.locator(".camera img")).to_have_js_property("naturalWidth", 64)
     page.goto("/robots")
-    wait_viewers(world, 0)
-    assert [c for c in windows.complaints if "ERR_FAILED" in c], "the browser says that the picture did not come"
-    windows.complaints = [c for c in windows.complaints if "ERR_FAILED" not in c]
+    wait_viewers(site, 0)
+    assert [c for c in windows.console_errors if "ERR_FAILED" in c], "the browser says that the picture did not come"
+    windows.console_errors = [c for c in windows.console_errors if "ERR_FAILED" not in c]
 
 
-def test_the_robots_state_is_renewed(world: World, windows: Windows) -> None:
+def test_the_robots_state_is_updated(site: Site, windows: Windows) -> None:
     page = windows.open("bob")
     page.goto("/robots/quadruped", wait_until="domcontentloaded")  # the camera may keep it loading
     expect(page.locator(".facts-state")).to_contain_text("idle")
-    world.api("quadruped").put("/robots/quadruped", json={"card": CARD | {"state": "walking", "battery_percent": 12}})
+    site.api("quadruped").put("/robots/quadruped", json={"card": CARD | {"state": "walking", "battery_percent": 12}})
     expect(page.locator(".facts-state")).to_contain_text("walking")
     expect(page.locator(".battery")).to_contain_text("12 %")
-    world.api("quadruped").put("/robots/quadruped", json={"card": CARD})
+    site.api("quadruped").put("/robots/quadruped", json={"card": CARD})
 
 
-def test_our_own_scripts_stay_small() -> None:
+def test_the_forums_scripts_stay_small() -> None:
     scripts = list((Path(server.__file__).parent / "web/static").glob("*.js"))
     assert 0 < sum(len(script.read_text(encoding="utf-8").splitlines()) for script in scripts) <= 400

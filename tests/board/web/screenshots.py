@@ -1,8 +1,8 @@
-"""Pictures of the forum's pages for docs/board.md: each page on a desktop and a phone, light and dark, on one sheet.
+"""Take the screenshots in docs/board.md: each page on desktop and phone, light and dark, side by side in one picture.
 
     scripts/board-pictures [--only NAME …] [--whole FOLDER]
 
-`--whole` also writes each page in its full length as PNG, to look at closely.
+`--whole` also writes full-page screenshots as PNG, for a closer look.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from playwright.sync_api import Page
 
 from agentrob.semantic.encoder import Encoder
 from tests.board.web.browser_windows import Windows, running_chromium
-from tests.board.web.page_world import World, running_world
-from tests.board.web.shown_pages import PAGES, Shown, alive, fill
+from tests.board.web.forum_site import Site, running_site
+from tests.board.web.page_list import PAGES, PageEntry, fill, send_presence
 
-SHEETS = Path(__file__).parents[3] / "docs/images/board"
-LOOKS = {
+FOLDER = Path(__file__).parents[3] / "docs/images/board"
+APPEARANCES = {
     "desktop-light": ((1280, 900), "light"),
     "desktop-dark": ((1280, 900), "dark"),
     "phone-light": ((390, 844), "light"),
@@ -35,8 +35,8 @@ HEIGHT, GAP = 640, 8
 MOST_BYTES = 150_000
 
 
-def sheet(pictures: Sequence[bytes]) -> bytes:
-    """The looks of one page side by side, as WebP of at most `MOST_BYTES`."""
+def side_by_side(pictures: Sequence[bytes]) -> bytes:
+    """Put the screenshots of one page side by side; return a WebP of at most `MOST_BYTES`."""
     opened = [Image.open(io.BytesIO(picture)).convert("RGB") for picture in pictures]
     scaled = [p.resize((round(p.width * HEIGHT / p.height), HEIGHT), Image.Resampling.LANCZOS) for p in opened]
     made = Image.new("RGB", (sum(p.width for p in scaled) + GAP * (len(scaled) - 1), HEIGHT), (128, 128, 128))
@@ -61,18 +61,18 @@ LOADED = """() => Promise.race([
 ])"""
 
 
-def settle(world: World, names: Mapping[str, str], page: Page, path: str) -> None:
-    """Go there and wait until its pictures are there; a live camera never ends loading."""
+def open_and_wait(site: Site, names: Mapping[str, str], page: Page, path: str) -> None:
+    """Open a page and wait until its pictures are loaded, except the live camera, which never finishes loading."""
     page.goto(path, wait_until="domcontentloaded")
     page.evaluate(LOADED)
     if "/robots/" in path and page.locator("[data-camera]").count():
         page.locator(".camera img").wait_for()
-        for _ in range(2):  # a browser shows a live picture when the next one comes
-            alive(world, names)
-        page.evaluate(SEEN)
+        for _ in range(2):  # a browser shows a frame of a multipart stream only when the next one arrives
+            send_presence(site, names)
+        page.evaluate(FRAME_SHOWN)
 
 
-SEEN = """async () => {
+FRAME_SHOWN = """async () => {
   for (const until = Date.now() + 5000; !document.querySelector('.camera img')?.naturalWidth;) {
     if (Date.now() > until) throw new Error('no live picture');
     await new Promise(done => setTimeout(done, 50));
@@ -80,48 +80,50 @@ SEEN = """async () => {
 }"""
 
 
-def understood(world: World) -> None:
-    """Wait until what the posts mean is known."""
+def wait_until_indexed(site: Site) -> None:
+    """Wait until the posts are indexed for search by meaning."""
     asked, pause, until_s = {"q": "walk", "mode": "meaning"}, threading.Event(), time.monotonic() + 60.0
-    while not world.api("alice").get("/search", params=asked).json()["items"]:
+    while not site.api("alice").get("/search", params=asked).json()["items"]:
         if time.monotonic() > until_s:
-            raise TimeoutError("no post was understood within a minute")
+            raise TimeoutError("no post was indexed by meaning within a minute")
         pause.wait(0.2)
 
 
-def take(world: World, windows: Windows, wanted: Sequence[Shown], whole: Path | None) -> dict[str, list[bytes]]:
-    names = fill(world)
-    understood(world)
-    taken: dict[str, list[bytes]] = {shown.name: [] for shown in wanted}
-    for look, ((width, height), theme) in LOOKS.items():
-        for who in sorted({shown.who or "" for shown in wanted}):
+def take_screenshots(
+    site: Site, windows: Windows, wanted: Sequence[PageEntry], whole: Path | None
+) -> dict[str, list[bytes]]:
+    names = fill(site)
+    wait_until_indexed(site)
+    taken: dict[str, list[bytes]] = {entry.name: [] for entry in wanted}
+    for look, ((width, height), theme) in APPEARANCES.items():
+        for who in sorted({entry.who or "" for entry in wanted}):
             size = {"width": width, "height": height}
             page = windows.open(who or None, viewport=size, color_scheme=theme, reduced_motion="no-preference")
-            for shown in (s for s in wanted if (s.who or "") == who):
-                alive(world, names)
-                settle(world, names, page, shown.path.format(**names))
-                taken[shown.name].append(page.screenshot())
+            for entry in (s for s in wanted if (s.who or "") == who):
+                send_presence(site, names)
+                open_and_wait(site, names, page, entry.path.format(**names))
+                taken[entry.name].append(page.screenshot())
                 if whole:
-                    page.screenshot(path=whole / f"{shown.name}-{look}.png", full_page=True)
+                    page.screenshot(path=whole / f"{entry.name}-{look}.png", full_page=True)
     return taken
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--only", nargs="*", default=[], help="names of pages")
-    parser.add_argument("--whole", type=Path, help="a folder for whole pages as PNG")
+    parser.add_argument("--whole", type=Path, help="a folder for full-page screenshots as PNG")
     given = parser.parse_args()
-    wanted = [shown for shown in PAGES if not given.only or shown.name in given.only]
+    wanted = [entry for entry in PAGES if not given.only or entry.name in given.only]
     if given.whole:
         given.whole.mkdir(parents=True, exist_ok=True)
-    SHEETS.mkdir(parents=True, exist_ok=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
     with (
         TemporaryDirectory() as folder,
-        running_world(Path(folder), sign_up=True, encoder=Encoder) as world,
+        running_site(Path(folder), sign_up=True, encoder=Encoder) as site,
         running_chromium() as chromium,
     ):
-        for name, pictures in take(world, Windows(world, chromium), wanted, given.whole).items():
-            (SHEETS / f"{name}.webp").write_bytes(sheet(pictures))
+        for name, pictures in take_screenshots(site, Windows(site, chromium), wanted, given.whole).items():
+            (FOLDER / f"{name}.webp").write_bytes(side_by_side(pictures))
             sys.stdout.write(f"{name}\n")
 
 

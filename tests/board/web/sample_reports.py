@@ -1,4 +1,4 @@
-"""What a robot tells of commands on pages that are shown: made by the agent's own report, plot, record and words."""
+"""Sample reports and records of commands for the forum's pages, written by the agent's own reporting code."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from agentrob.model import (
     Understanding,
     Verdict,
 )
-from tests.board.web.page_world import World
+from tests.board.web.forum_site import Site
 
 IMAGES = Path(__file__).parents[3] / "docs/images"
 ROBOT = "quadruped"
@@ -84,7 +84,7 @@ def look(post: str, topic: str) -> Report:
     return Report(**fields(report) | {"goal": "the red ball", "timings_ms": timings, "message": "It was not reached."})
 
 
-def looked() -> LoopRecord:
+def loop_record() -> LoopRecord:
     left, ahead = {"direction": "left", "degrees": 45}, {"direction": "forward", "distance_m": 1}
     turns = (
         LoopCall("get_front_image", {}, outcome="done", step=1, latency_ms=1640.0),
@@ -100,16 +100,18 @@ def fields(report: Report) -> dict[str, Any]:
     return {name: getattr(report, name) for name in Report.__slots__}
 
 
-def tell(world: World, topic: str, command: str, report: Report, looked: LoopRecord | None = None, **more: Any) -> None:
-    """Say it in the thread as the agent does, and send its record."""
-    robot = world.api(ROBOT)
+def send_report(
+    site: Site, topic: str, command: str, report: Report, loop: LoopRecord | None = None, **more: Any
+) -> None:
+    """Post a report in the thread and send its record, as the agent does."""
+    robot = site.api(ROBOT)
     page = robot.get(f"/commands/{command}").json()["url"]
     pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
     if plot := path_plot(report.results):
         pictures.append(Picture("path", plot))
         pictures.append(Picture("recording", (IMAGES / "recording-room.webp").read_bytes()))
     images = [upload(robot, picture) for picture in pictures]
-    notes = visual_text.paragraphs(looked, report.results, "en")
+    notes = visual_text.paragraphs(loop, report.results, "en")
     steps = len(report.results)
     card = {"robot": ROBOT, "state": report.status, "step": steps, "steps": steps, "trace_id": report.command.trace_id}
     told = {
@@ -123,7 +125,7 @@ def tell(world: World, topic: str, command: str, report: Report, looked: LoopRec
     thought = Assessment(
         understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,))
     )
-    more |= {"looked": asdict(looked)} if looked else {}
+    more |= {"looked": asdict(loop)} if loop else {}
     with TemporaryDirectory() as folder:
         facts = Records(Path(folder)).write(report, thought, **more)
     robot.put(f"/commands/{command}", json={"reply_id": reply, "record": public(facts, pictures)}).raise_for_status()
@@ -135,19 +137,19 @@ def upload(robot: Any, picture: Picture) -> str:
     return str(answer.json()["id"])
 
 
-# -------------------------------------------------------------------- ends of all kinds
-def waits(world: World, topic: str, post: str) -> None:
-    """The robot asks for an approval, in its status post."""
+# -------------------------------------------------------------------- one report for each final state
+def ask_for_approval(site: Site, topic: str, post: str) -> None:
+    """Post the status in which the robot asks for an approval."""
     until = datetime.now(UTC) + timedelta(minutes=10)
     text = words.waits("a backflip", "A risky move needs an approval.", None, ROBOT, 600.0, "en")
     card = {"robot": ROBOT, "state": "waiting", "trace_id": "77aa01c4", "until": until.isoformat()}
     told = {"body": text, "reply_to": post, "card": card}
     key = {"Idempotency-Key": f"claim:{post}"}
-    world.api(ROBOT).post(f"/topics/{topic}/posts", json=told, headers=key).raise_for_status()
+    site.api(ROBOT).post(f"/topics/{topic}/posts", json=told, headers=key).raise_for_status()
 
 
-def decided(yes: bool, post: str) -> dict[str, Any]:
-    """What a record has of an approval."""
+def approval_record(yes: bool, post: str) -> dict[str, Any]:
+    """Return the fields of a record about its approval."""
     at = datetime.now(UTC) - timedelta(seconds=5)
     by = {"by": "root", "role": "admin", "post": post, "at": at.isoformat()}
     return {"approval": {"until": (at + timedelta(minutes=9)).isoformat(), "approved": yes} | by}

@@ -1,4 +1,4 @@
-"""Every page in Chromium: WCAG 2.2 AA as axe checks it, desktop and phone, light and dark; and writing by keyboard."""
+"""Accessibility in Chromium: axe checks WCAG 2.2 AA on every page, size and theme; every function works by keyboard."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from playwright.sync_api import Browser, Page, expect
 from agentrob.board.web import routes
 from tests.board.search.encoder_double import Concepts
 from tests.board.web.browser_windows import Windows, open_windows, running_chromium
-from tests.board.web.page_world import CARD, World, running_world
-from tests.board.web.shown_pages import PAGES, alive, decisions, fill
-from tests.board.web.told_commands import ROBOT
+from tests.board.web.forum_site import CARD, Site, running_site
+from tests.board.web.page_list import PAGES, approval_commands, fill, send_presence
+from tests.board.web.sample_reports import ROBOT
 
 pytestmark = pytest.mark.browser
 
 AXE = Path(__file__).parents[1] / "axe" / "node_modules" / "axe-core" / "axe.min.js"
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 SIZES = {"desktop": (1280, 900), "phone": (390, 844), "zoomed": (320, 640)}
-#: One in each run of the tests; the others take a minute together.
+#: The pair that every run tests; the other pairs take a minute together and are slow tests.
 QUICK = ("phone", "dark")
-#: What is no page of its own: pieces that scripts ask for, what only leads on, what is no HTML.
-NO_PAGES = {
+#: Routes that are not full pages: fragments for scripts, redirects, and responses other than HTML.
+PARTIAL_ROUTES = {
     *(
         "/p/{post_id}",
         "/p/{post_id}/fragment",
@@ -42,14 +42,14 @@ NO_PAGES = {
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    with running_world(tmp_path_factory.mktemp("board"), sign_up=True, encoder=Concepts) as world:
-        yield world
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    with running_site(tmp_path_factory.mktemp("board"), sign_up=True, encoder=Concepts) as site:
+        yield site
 
 
 @pytest.fixture(scope="module")
-def names(world: World) -> dict[str, str]:
-    return fill(world)
+def names(site: Site) -> dict[str, str]:
+    return fill(site)
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +59,8 @@ def chromium() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def windows(world: World, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(world, chromium) as windows:
+def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
+    with open_windows(site, chromium) as windows:
         yield windows
 
 
@@ -71,43 +71,43 @@ def png() -> bytes:
 
 
 def violations(page: Page) -> list[str]:
-    """What axe finds, one line for each element."""
-    # Evaluated, not added as a script: the pages' own policy allows none but theirs.
+    """Return axe's findings, one line for each element."""
+    # Evaluated instead of added as a script: the pages' content security policy allows only their own scripts.
     page.evaluate(AXE.read_text(encoding="utf-8") + "; 0")
     found: Any = page.evaluate("rules => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", RULES)
     return [f"{v['id']}: {node['html'][:160]}" for v in found["violations"] for node in v["nodes"]]
 
 
-def wide(page: Page) -> int:
-    """By how many pixels a page must be scrolled sideways."""
+def overflow_px(page: Page) -> int:
+    """Return by how many pixels the page overflows horizontally."""
     return int(page.evaluate("document.documentElement.scrollWidth - innerWidth"))
 
 
-def looks() -> list[Any]:
-    """Sizes and themes; all but one are slow."""
+def appearances() -> list[Any]:
+    """Return all pairs of size and theme; all but one are slow."""
     every = [(size, theme) for size in SIZES for theme in ("light", "dark")]
     return [pytest.param(*look, marks=[] if look == QUICK else pytest.mark.slow, id="-".join(look)) for look in every]
 
 
-@pytest.mark.parametrize(("size", "theme"), looks())
-def test_every_page_meets_wcag_and_needs_no_scrolling_sideways(
-    world: World, windows: Windows, names: dict[str, str], size: str, theme: Any
+@pytest.mark.parametrize(("size", "theme"), appearances())
+def test_every_page_meets_wcag_and_fits_the_width(
+    site: Site, windows: Windows, names: dict[str, str], size: str, theme: Any
 ) -> None:
     how: dict[str, Any] = {"viewport": dict(zip(("width", "height"), SIZES[size], strict=True)), "color_scheme": theme}
     found: dict[str, list[str]] = {}
     for who in ("alice", "bob", "root", None):
         page = windows.open(who, **how)
-        for shown in PAGES:
-            if shown.who == who and (shown.quick or (size, theme) != QUICK):
-                page.goto(shown.path.format(**names), wait_until="domcontentloaded")
-                over = wide(page)
-                found[shown.name] = violations(page) + ([f"{over} px too wide"] if over > 0 else [])
-    windows.complaints = [c for c in windows.complaints if "404" not in c]  # the page that says so
+        for entry in PAGES:
+            if entry.who == who and (entry.quick or (size, theme) != QUICK):
+                page.goto(entry.path.format(**names), wait_until="domcontentloaded")
+                over = overflow_px(page)
+                found[entry.name] = violations(page) + ([f"{over} px too wide"] if over > 0 else [])
+    windows.console_errors = [c for c in windows.console_errors if "404" not in c]  # the page that says so
     assert {name: those for name, those in found.items() if those} == {}
 
 
 def routes_of(router: APIRouter) -> Iterator[APIRoute]:
-    """The routes of a router and of those that it includes."""
+    """Yield the routes of a router and of the routers that it includes."""
     for route in router.routes:
         if isinstance(route, APIRoute):
             yield route
@@ -115,16 +115,16 @@ def routes_of(router: APIRouter) -> Iterator[APIRoute]:
             yield from routes_of(route.original_router)  # type: ignore[attr-defined]
 
 
-def test_no_page_is_left_out(names: dict[str, str]) -> None:
+def test_the_page_list_covers_every_route(names: dict[str, str]) -> None:
     page_routes = list(routes_of(routes.router))
     gets = {r.path: r for r in page_routes if "GET" in (r.methods or ()) and not r.path.endswith(".atom")}
-    addresses = [shown.path.format(**names).partition("?")[0] for shown in PAGES]
+    addresses = [entry.path.format(**names).partition("?")[0] for entry in PAGES]
     unseen = {path for path, route in gets.items() if not any(route.path_regex.match(a) for a in addresses)}
     assert len(gets) > 30
-    assert unseen == NO_PAGES
+    assert unseen == PARTIAL_ROUTES
 
 
-def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windows, names: dict[str, str]) -> None:
+def test_popups_of_the_editor_are_accessible(site: Site, windows: Windows, names: dict[str, str]) -> None:
     page = windows.open("alice")
     page.goto(f"/t/{names['topic']}")
     page.get_by_label("Reply", exact=True).press_sequentially("Hello @qu")
@@ -140,7 +140,7 @@ def test_what_opens_while_writing_is_accessible_too(world: World, windows: Windo
 
 # -------------------------------------------------------------------- by keyboard
 def tab_to(page: Page, name: str) -> None:
-    """Press Tab until what has this name has the focus."""
+    """Press Tab until the element with this name has the focus."""
     for _ in range(150):
         page.keyboard.press("Tab")
         if name in page.evaluate(
@@ -150,8 +150,8 @@ def tab_to(page: Page, name: str) -> None:
     raise AssertionError(f"Tab does not lead to {name!r}")
 
 
-def test_a_command_is_written_previewed_and_posted_by_keyboard_alone(world: World, windows: Windows) -> None:
-    world.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()  # it is here now
+def test_a_command_can_be_written_previewed_and_posted_by_keyboard(site: Site, windows: Windows) -> None:
+    site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()  # it is here now
     page = windows.open("alice")
     page.goto("/b/robots/new")
     page.keyboard.type("By keyboard")
@@ -172,22 +172,20 @@ def test_a_command_is_written_previewed_and_posted_by_keyboard_alone(world: Worl
     expect(page.locator("article .body")).to_have_text("@quadruped walk forward 1 m")
 
 
-def test_a_command_that_waits_is_approved_by_keyboard_alone(
-    world: World, windows: Windows, names: dict[str, str]
-) -> None:
-    asks = decisions(world)["asks"]
+def test_a_waiting_command_can_be_approved_by_keyboard(site: Site, windows: Windows, names: dict[str, str]) -> None:
+    asks = approval_commands(site)["asks"]
     page = windows.open("root", viewport={"width": 390, "height": 844})
     page.goto(f"/c/{asks}")
     tab_to(page, "Approve the command of alice to quadruped")
     assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "solid"
     page.keyboard.press("Enter")
     expect(page.get_by_role("status").filter(has_text="You approved a command")).to_be_visible()
-    answers = world.api("root").get(f"/posts/{asks}").json()["topic_id"]
-    said = world.api("root").get(f"/topics/{answers}/posts").json()["items"][-1]
+    answers = site.api("root").get(f"/posts/{asks}").json()["topic_id"]
+    said = site.api("root").get(f"/topics/{answers}/posts").json()["items"][-1]
     assert (said["author"]["name"], said["raw"], said["reply_to"]) == ("root", f"@{ROBOT} approve", asks)
 
 
-def test_escape_and_an_at_sign_in_an_address_leave_the_text_alone(world: World, windows: Windows) -> None:
+def test_escape_closes_the_name_list_and_an_email_address_does_not_open_it(site: Site, windows: Windows) -> None:
     page = windows.open("alice")
     page.goto("/b/robots/new")
     text = page.get_by_label("Post", exact=True)
@@ -201,10 +199,10 @@ def test_escape_and_an_at_sign_in_an_address_leave_the_text_alone(world: World, 
     expect(page.get_by_role("option")).to_have_count(0)
 
 
-def test_the_first_tab_leads_to_the_content_and_stop_is_reached_and_seen(
-    world: World, windows: Windows, names: dict[str, str]
+def test_the_first_tab_skips_to_the_content_and_stop_is_reachable_and_visible(
+    site: Site, windows: Windows, names: dict[str, str]
 ) -> None:
-    alive(world, names)
+    send_presence(site, names)
     page = windows.open("bob")
     page.goto(f"/t/{names['topic']}")
     page.keyboard.press("Tab")
@@ -225,7 +223,7 @@ MARK = """() => { let n = 0;
     e.dataset.walk = n++;
   }
   return n; }"""
-FROM_THE_TOP = """() => { const top = document.createElement('span'); top.tabIndex = -1;
+FOCUS_TOP = """() => { const top = document.createElement('span'); top.tabIndex = -1;
   document.body.prepend(top); top.focus(); }"""
 #: What has the focus now: its mark, and whether it shows that, on the screen.
 FOCUSED = """() => { const e = document.activeElement;
@@ -241,8 +239,8 @@ GROUP = """() => { const e = document.activeElement;
   return e.type === 'radio' ? [e.form.elements[e.name].length ?? 1, e.value] : null; }"""
 
 
-def missed_by_arrows(page: Page) -> list[str]:
-    """What is wrong with going through the radio buttons around the focus by arrows; ends where it began."""
+def radio_group_problems(page: Page) -> list[str]:
+    """Step through the focused group of radio buttons with the arrow keys, back to the start; return the problems."""
     if (group := page.evaluate(GROUP)) is None:
         return []
     size, chosen = group
@@ -258,8 +256,8 @@ def missed_by_arrows(page: Page) -> list[str]:
     return wrong
 
 
-def walked(page: Page) -> list[str]:
-    """What is wrong with going through a page by Tab alone: not reached, not seen, or held fast."""
+def tab_order_problems(page: Page) -> list[str]:
+    """Step through a page with Tab; return the problems: controls not reached, focus not visible, focus trapped."""
     marks, got, wrong = page.evaluate(MARK), list[int](), list[str]()
     for _ in range(marks + 20):
         page.keyboard.press("Tab")
@@ -271,7 +269,7 @@ def walked(page: Page) -> list[str]:
         got.append(mark)
         if not seen:
             wrong.append(f"its focus is not seen: {what}")
-        wrong += missed_by_arrows(page)
+        wrong += radio_group_problems(page)
     else:
         wrong.append("Tab never leaves it")
     missing = sorted(set(range(marks)) - set(got))
@@ -282,18 +280,18 @@ def walked(page: Page) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", ["desktop", "phone"])
-def test_every_page_is_gone_through_by_keyboard_and_shows_where_one_is(
-    world: World, windows: Windows, names: dict[str, str], size: str
+def test_every_control_is_reachable_by_tab_with_a_visible_focus(
+    site: Site, windows: Windows, names: dict[str, str], size: str
 ) -> None:
     found: dict[str, list[str]] = {}
     for who in ("alice", "bob", "root", None):
         page = windows.open(who, viewport=dict(zip(("width", "height"), SIZES[size], strict=True)))
         page.add_init_script("window.setInterval = () => 0")  # nothing is renewed under the marks
-        for shown in (s for s in PAGES if s.who == who):
-            page.goto(shown.path.format(**names), wait_until="domcontentloaded")
-            page.evaluate(FROM_THE_TOP)
-            found[shown.name] = walked(page)
-    windows.complaints = [c for c in windows.complaints if "404" not in c]  # the page that says so
+        for entry in (s for s in PAGES if s.who == who):
+            page.goto(entry.path.format(**names), wait_until="domcontentloaded")
+            page.evaluate(FOCUS_TOP)
+            found[entry.name] = tab_order_problems(page)
+    windows.console_errors = [c for c in windows.console_errors if "404" not in c]  # the page that says so
     assert {name: wrong for name, wrong in found.items() if wrong} == {}
 
 
@@ -303,8 +301,8 @@ DATA = """bytes => { const data = new DataTransfer();
 
 
 @pytest.mark.parametrize("kind", ["paste", "drop"])
-def test_a_picture_that_is_pasted_or_dropped_is_attached(
-    world: World, windows: Windows, names: dict[str, str], kind: str
+def test_a_pasted_or_dropped_picture_is_attached(
+    site: Site, windows: Windows, names: dict[str, str], kind: str
 ) -> None:
     page = windows.open("alice")
     page.goto(f"/t/{names['topic']}")
@@ -323,7 +321,7 @@ def test_a_picture_that_is_pasted_or_dropped_is_attached(
     expect(post.locator(".pictures img")).to_have_js_property("naturalWidth", 640)
 
 
-def test_who_may_not_add_pictures_is_told_so(world: World, windows: Windows, names: dict[str, str]) -> None:
+def test_an_account_that_may_not_upload_is_told_so(site: Site, windows: Windows, names: dict[str, str]) -> None:
     page = windows.open("bob")
     page.goto(f"/t/{names['topic']}")
     data = page.evaluate_handle(DATA, list(png()))
@@ -335,8 +333,8 @@ def test_who_may_not_add_pictures_is_told_so(world: World, windows: Windows, nam
     expect(page.locator("[data-told]")).to_contain_text("Only operators can add pictures here")
 
 
-def test_a_quote_is_put_where_one_writes_and_loses_nothing(
-    world: World, windows: Windows, names: dict[str, str]
+def test_a_quote_is_inserted_into_the_draft_without_losing_text(
+    site: Site, windows: Windows, names: dict[str, str]
 ) -> None:
     page = windows.open("alice")
     page.goto(f"/t/{names['topic']}")
@@ -350,12 +348,12 @@ def test_a_quote_is_put_where_one_writes_and_loses_nothing(
     assert page.locator("[name=reply_to]").input_value() == names["said"]
 
 
-def test_the_bell_rings_without_reloading(world: World, windows: Windows, names: dict[str, str]) -> None:
+def test_the_notification_count_updates_without_reloading(site: Site, windows: Windows, names: dict[str, str]) -> None:
     page = windows.open("bob")
     page.clock.install()
     page.goto("/robots")
     expect(page.get_by_role("link", name="Notifications", exact=True)).to_be_visible()
     body = {"body": "@bob look"}
-    world.api("alice").post(f"/topics/{names['topic']}/posts", json=body).raise_for_status()
+    site.api("alice").post(f"/topics/{names['topic']}/posts", json=body).raise_for_status()
     page.clock.run_for(10_500)
     expect(page.get_by_role("link", name="Notifications 1 new")).to_be_visible()

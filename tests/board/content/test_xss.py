@@ -1,7 +1,7 @@
-"""Markup attacks in a real browser: rendered as posts, none of them may run anything, ask anything, or shape the page.
+"""XSS payloads rendered as posts, in a real browser: none runs a script, sends a request or changes the page's layout.
 
-A few attacks of our own always run; a large collection is measured when it is there (`AGENTROB_EVAL`, or the folder
-`shared/eval` beside the checkout), and the test says so plainly when it is not.
+A few payloads in this file always run. A large collection is added if it exists (`AGENTROB_EVAL`, or the folder
+`shared/eval` beside the checkout); otherwise the test prints that it was not measured.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ OWN = [
     "<base href=http://evil.test/><meta http-equiv=refresh content='0;url=http://evil.test'>",
 ]
 
-#: Notes every way in which a payload commonly shows that it ran.
+#: Records the calls by which a payload commonly shows that it ran.
 TRAP = """
 window.ran = [];
 for (const name of ['alert', 'confirm', 'prompt', 'print', 'open', 'fetch'])
@@ -55,7 +55,7 @@ for (const name of ['alert', 'confirm', 'prompt', 'print', 'open', 'fetch'])
 addEventListener('error', e => { if (e.message) window.ran.push('error ' + e.message); });
 """
 
-#: Touches everything as a curious reader would, without following links away.
+#: Sends mouse, keyboard and form events to every element, without following links to other pages.
 POKE = """() => {
   document.addEventListener('click', e => { if (!e.target.closest('a[href^="javascript"]')) e.preventDefault(); });
   document.addEventListener('submit', e => e.preventDefault());
@@ -87,11 +87,11 @@ def page(browser: Browser) -> Iterator[Page]:
 
 
 def say(line: str) -> None:
-    """Shown also when pytest captures output, at the end of the line of dots."""
+    """Print a line even while pytest captures output."""
     sys.__stdout__.write(f"\n{line}\n") if sys.__stdout__ else None
 
 
-def payloads() -> list[str]:
+def all_payloads() -> list[str]:
     path = EVAL / "xss.jsonl"
     if not path.exists():
         say(f"NOT MEASURED: the collection of attacks {path} is absent; only {len(OWN)} attacks of our own ran")
@@ -103,7 +103,10 @@ def payloads() -> list[str]:
 
 
 def attack(page: Page, fragments: list[str]) -> tuple[list[str], list[str], int]:
-    """Shows the fragments on one page without any content policy; what ran, what was asked for, what was foreign."""
+    """Show HTML fragments on one page without a content security policy.
+
+    Return the calls that ran, the URLs that were requested, and the number of elements that no post may contain.
+    """
     asked: list[str] = []
     body = "\n".join(f"<article>{fragment}</article>" for fragment in fragments)
     document = f"<!doctype html><meta charset=utf-8><title>x</title><body id=here>{body}</body>"
@@ -126,24 +129,24 @@ def attack(page: Page, fragments: list[str]) -> tuple[list[str], list[str], int]
     return page.evaluate("window.ran"), asked, foreign
 
 
-def test_the_trap_catches_an_attack_that_is_not_defused(page: Page) -> None:
+def test_an_unsanitised_payload_is_detected(page: Page) -> None:
     ran, asked, foreign = attack(page, ["<img src=http://evil.test/x onerror=alert(7)>", "<svg onload=alert(8)></svg>"])
     assert "alert(7)" in ran
     assert asked == ["http://evil.test/x"]
     assert foreign == 1
 
 
-def test_no_attack_does_anything_in_a_post(page: Page) -> None:
-    fragments = [render(text, lambda _: True) for text in payloads()]
+def test_no_payload_has_any_effect_in_a_post(page: Page) -> None:
+    fragments = [render(text, lambda _: True) for text in all_payloads()]
     assert attack(page, fragments) == ([], [], 0)
 
 
-def test_the_cleaner_alone_stops_every_script(page: Page) -> None:
-    """The second wall by itself, as if the Markdown parser passed HTML through."""
-    assert attack(page, [_CLEANER.clean(text) for text in payloads()]) == ([], [], 0)
+def test_the_sanitiser_alone_stops_every_script(page: Page) -> None:
+    """The sanitiser must suffice if the Markdown parser let HTML through."""
+    assert attack(page, [_CLEANER.clean(text) for text in all_payloads()]) == ([], [], 0)
 
 
 def test_the_parser_alone_stops_every_script(page: Page) -> None:
-    """The first wall by itself, as if nothing cleaned what it makes."""
-    ran, asked, _ = attack(page, [_MARKDOWN.render(text, {"is_account": lambda _: True}) for text in payloads()])
+    """The Markdown parser must suffice if its output were not sanitised."""
+    ran, asked, _ = attack(page, [_MARKDOWN.render(text, {"is_account": lambda _: True}) for text in all_payloads()])
     assert (ran, asked) == ([], [])

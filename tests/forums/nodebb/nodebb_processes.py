@@ -1,4 +1,4 @@
-"""The whole job with NodeBB as the forum, by configuration alone: the driver and the agent as processes."""
+"""Run a driver and an agent as processes on a NodeBB, from a configuration file alone."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ options = {{ room = [-1000, 1000, -1000, 1000] }}
 
 
 @contextmanager
-def working_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Path]:
-    """Start a fake robot's driver and agent like their owner, from a configuration file."""
+def running_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Path]:
+    """Start the driver and agent of a fake robot from a configuration file, as its owner would."""
     config = folder / "agentrob.toml"
     domain = os.environ["AGENTROB_TEST_DOMAIN"]
     names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}

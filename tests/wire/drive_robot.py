@@ -1,4 +1,4 @@
-"""Drives a robot as its owner does, and prints what came of it: `our_drive.py CONFIG ROBOT TEXT`; its driver runs."""
+"""Drive a robot like its owner and print the result: `drive_robot.py CONFIG ROBOT TEXT`; its driver must be running."""
 
 import asyncio
 import json
@@ -16,14 +16,14 @@ LIMIT_S = 60.0
 
 
 async def set_home(name: str) -> RobotState:
-    """Where it stands is its home; what its state says then."""
+    """Set the robot's home to its current position; return its state."""
     async with DriverClient(name) as client:
         end_s = time.monotonic() + LIMIT_S
         while True:
             try:
                 await client.home("owner")
                 return await client.state()
-            except RobotError:  # no state yet, or it has not been seen to stand
+            except RobotError:  # no state yet, or it was not seen standing still
                 if time.monotonic() > end_s:
                     raise
                 await asyncio.sleep(0.1)

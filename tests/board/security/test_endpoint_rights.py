@@ -13,13 +13,14 @@ from agentrob.model import AccountKind, Role
 from tests.board.auth.test_rights import jpeg, topic_on
 from tests.board.running_board import RunningBoard
 
-#: Rising: who may, those behind may too. `account` is any that is signed in, also a suspended one.
+#: Roles in rising order: whatever a role may do, those after it may do too. `account` is any signed-in account, even a
+#: suspended one.
 RISING = ("account", "guest", "member", "operator", "moderator", "admin")
-#: The least who may: a word of `RISING`; with `+robot` robots' agents may too; `robot` only the robot's own; `author`
-#: nobody but who wrote it; `owner` who owns the robot, and admins.
+#: The lowest role that may call an endpoint, a member of `RISING`. With `+robot`, agents of robots may too; `robot` is
+#: the agent of that robot only, `author` the author of the post only, `owner` the robot's owner and admins.
 LEAST = {
     "GET /me": "account",
-    "GET /notifications": "guest",  # one's own: whoever has none gets none
+    "GET /notifications": "guest",  # returns the caller's own; an account without any gets an empty list
     "GET /unread": "guest",
     "PUT /unread": "guest",
     "PUT /topics/{topic_id}/read": "guest",
@@ -42,11 +43,11 @@ LEAST = {
     "GET /search": "guest",
     "GET /search/modes": "guest",
     "GET /tags": "guest",
-    "PUT /topics/{topic_id}/tags": "moderator",  # of a topic that somebody else began
+    "PUT /topics/{topic_id}/tags": "moderator",  # the topic was started by another account
     "GET /commands/{post_id}": "guest",
     "POST /commands/{post_id}/approve": "approver",
     "POST /commands/{post_id}/deny": "approver",
-    "PUT /commands/{post_id}": "robot+robot",  # of whatever post, under its own name
+    "PUT /commands/{post_id}": "robot+robot",  # for any post, under the robot's own name
     "GET /changes": "guest",
     "GET /events": "guest",
     "GET /robots": "guest",
@@ -81,7 +82,7 @@ BODIES: dict[str, Any] = {
     "POST /admin/accounts": {"name": "op"},
     "POST /admin/boards": {"id": "talk", "name": "Talk"},
 }
-#: What asking may change is of this account, which nobody here uses.
+#: The account that the requests may change; no test signs in with it.
 NAMES = {"name": "victim", "board_id": "talk", "token_id": "0" * 16, "invite_id": "0" * 16}
 WITH_SCOPE = ("member", "operator", "moderator", "admin", "robot", "owner")
 
@@ -107,9 +108,9 @@ def everybody(board: RunningBoard) -> dict[str, httpx2.Client]:
     found["robot"] = board.client("quadruped")
     agent = board.add("agent", kind=AccountKind.COMMANDING_AGENT, role=Role.ADMIN)
     found["agent"] = bearer(board, local_admin.issue_token(board.settings, agent, "all", ("read", "write", "admin")))
-    chief = local_admin.find_account(board.settings, "a-admin")
-    found["admin, read only"] = bearer(board, local_admin.issue_token(board.settings, chief, "r", ("read",)))
-    found["admin, no admin"] = bearer(board, local_admin.issue_token(board.settings, chief, "w", ("read", "write")))
+    admin = local_admin.find_account(board.settings, "a-admin")
+    found["admin, read only"] = bearer(board, local_admin.issue_token(board.settings, admin, "r", ("read",)))
+    found["admin, no admin"] = bearer(board, local_admin.issue_token(board.settings, admin, "w", ("read", "write")))
     found["admin"].patch("/admin/robots/quadruped", json={"owner": "owner"}).raise_for_status()
     found["robot"].put(
         "/robots/quadruped/frame", content=jpeg(), headers={"Content-Type": "image/jpeg"}
@@ -147,9 +148,9 @@ def may(who: str, name: str) -> bool:
             return looks or also == "robot" or wanted == "robot"
         case "other-robot":
             return looks or also == "robot"
-        case "monitor":  # an admin by role, and a machine that only watches
+        case "monitor":  # an admin by role, but of a kind that may only read
             return reading or looks or wanted in ("member", "operator")
-        case "agent":  # an admin by role: but only people administer, and own robots
+        case "agent":  # an admin by role, but only people may administer or own robots
             return looks or wanted in ("member", "operator", "moderator")
         case "owner":
             return looks or wanted in ("member", "owner", "releaser")
@@ -157,9 +158,9 @@ def may(who: str, name: str) -> bool:
             return looks
         case "admin, no admin":
             return looks or wanted in ("member", "operator", "approver", "releaser")
-    if wanted in ("owner", "releaser"):  # a releaser's token need only be good for writing
+    if wanted in ("owner", "releaser"):  # to release, a token of scope `write` is enough
         return who == "admin"
-    if wanted == "approver":  # a person, as the robot's rights are when nothing is set
+    if wanted == "approver":  # by default only people may approve
         return who in ("moderator", "admin")
     return wanted in RISING and RISING.index(who if who != "victim" else "member") >= RISING.index(wanted)
 
@@ -181,14 +182,16 @@ def ask(client: httpx2.Client, name: str, ids: dict[str, str]) -> int:
         return answer.status_code
 
 
-def test_every_endpoint_is_written_down(board: RunningBoard) -> None:
+def test_the_table_lists_every_endpoint(board: RunningBoard) -> None:
     names = [name for name, _ in operations(board)]
     assert [name for name in names if least(name) == "not written down"] == []
     assert [name for name in LEAST if name not in names] == []
     assert len(names) > 40
 
 
-def test_nobody_does_what_is_for_others(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
+def test_nobody_may_call_an_endpoint_above_their_rights(
+    board: RunningBoard, everybody: dict[str, httpx2.Client]
+) -> None:
     wrong = []
     topic, post = topic_on(board, "talk")
     for name, _ in operations(board):
@@ -202,7 +205,7 @@ def test_nobody_does_what_is_for_others(board: RunningBoard, everybody: dict[str
     assert wrong == []
 
 
-def test_nothing_of_others_was_changed(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
+def test_refused_requests_changed_nothing(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
     topic, post = topic_on(board, "talk", "as it was")
     picture = {"file": ("x.jpg", jpeg(), "image/jpeg")}
     theirs = board.client("author").post("/images", files=picture).json()["id"]
@@ -222,8 +225,10 @@ FOREIGN = {
 }
 
 
-def test_law_1_no_body_sets_what_is_not_its_to_set(board: RunningBoard, everybody: dict[str, httpx2.Client]) -> None:
-    """Mass assignment: each JSON body of the document, with each foreign field beside valid ones."""
+def test_law_1_undeclared_fields_of_a_body_change_nothing(
+    board: RunningBoard, everybody: dict[str, httpx2.Client]
+) -> None:
+    """Mass assignment: send each JSON body of the document with one undeclared field added to the valid ones."""
     topic, post = topic_on(board, "talk")
     ids, tried = NAMES | {"topic_id": topic, "post_id": post}, 0
     for name, operation in operations(board):
