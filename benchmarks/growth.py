@@ -30,8 +30,8 @@ from typing import Any
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.reporting import presence
 from agentrob.agent.reporting.status_post import is_final
-from agentrob.agent.store import engine_cleanup, retention
 from agentrob.agent.store import journal as journals
+from agentrob.agent.store import retention
 from agentrob.board import server
 from agentrob.board.admin import local_admin
 from agentrob.board.admin import retention as board_retention
@@ -84,7 +84,7 @@ def _driver(settings: RobotConfig, folder: Path) -> None:
 
 def _agent(settings: RobotConfig, folder: Path, url: str, token: str, told: Connection) -> None:
     log_to_stderr()
-    retention.EVERY_S, engine_cleanup.KEEP_S, journals.AT_LEAST_S = PRUNED_EVERY_S, -1.0, 0.0
+    retention.EVERY_S, journals.AT_LEAST_S = PRUNED_EVERY_S, 0.0
     presence.DEBOUNCE_S = SHOWN_EVERY_S
 
     async def run() -> None:

@@ -7,16 +7,18 @@ import gc
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from tests.databases import database, postgres
 from tests.host_numbers import take
 from tests.slices import pytest_addoption, pytest_collection_modifyitems, pytest_ignore_collect
 
-__all__ = ["pytest_addoption", "pytest_collection_modifyitems", "pytest_ignore_collect"]
+__all__ = ["database", "postgres", "pytest_addoption", "pytest_collection_modifyitems", "pytest_ignore_collect"]
 
 #: For fake robots. Higher domains are for tests that use real DDS (see host_numbers.py).
 FAKE_DOMAINS = range(1, 150)
@@ -64,3 +66,10 @@ def no_search_of_old_heaps() -> None:
     """
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture
+def short_folder() -> Iterator[Path]:
+    """A folder with a short path: the path of a Unix socket has at most 107 characters."""
+    with tempfile.TemporaryDirectory(prefix="agentrob-") as folder:
+        yield Path(folder)

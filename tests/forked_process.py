@@ -105,7 +105,7 @@ class ForkedProcess:
         return self._process.exitcode
 
     def communicate(self, timeout: float | None = None) -> tuple[str, str]:
-        """What it still wrote on both streams, at its end. After `timeout` seconds it is killed."""
+        """Wait for its end and return the rest of both streams. After `timeout` seconds it is killed."""
         watch = threading.Timer(timeout, self.kill) if timeout else None
         if watch:
             watch.start()
@@ -124,7 +124,7 @@ class ForkedProcess:
 
 
 class ForkedCommand(ForkedProcess):
-    """`agentrob WORDS` in a process of its own; of one that serves, `ready` is its ready line."""
+    """`agentrob WORDS` in a separate process; for a command that serves, `ready` is its ready line."""
 
     def __init__(self, folder: Path, *words: str, log: Path | None = None, feed: bool = False, **env: str) -> None:
         super().__init__(_command, words, log=log, feed=feed, folder=folder, env=env)
@@ -133,7 +133,7 @@ class ForkedCommand(ForkedProcess):
 
     @property
     def ready(self) -> dict[str, Any]:
-        """Waits for the ready line."""
+        """The ready line; waits for it."""
         while not self._ready:
             line = self.stdout.readline()
             said = self.log.read_text(errors="replace")[-3000:] if self.log and not line else ""
@@ -157,7 +157,7 @@ def end_all(processes: Sequence[ForkedProcess]) -> None:
 
 
 def agentrob(folder: Path, *words: str, **env: str) -> Said:
-    """Type a command in a folder; what it said and its exit code."""
+    """Run a command in a folder; return its output and exit code."""
     command = ForkedCommand(folder, *words, **env)
     out, errors = command.communicate(timeout=60)
     assert command.returncode is not None
@@ -165,7 +165,7 @@ def agentrob(folder: Path, *words: str, **env: str) -> Said:
 
 
 def _pipe() -> tuple[TextIO, Connection]:
-    """What reads a child's stream as text, and the end that the child writes to."""
+    """Return a text reader of a child's stream, and the end of the pipe that the child writes to."""
     reader, writer = _context.Pipe(duplex=False)
     with reader:
         return os.fdopen(os.dup(reader.fileno()), "r", encoding="utf-8"), writer

@@ -1,4 +1,4 @@
-"""Numbers that one test process has at a time on this host, for DDS domains."""
+"""Numbers that only one test process on this host holds at a time, for DDS domains."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _held: list[HostLock] = []
 
 
 def take(what: str, among: range) -> int:
-    """The first free number; this process holds it until it ends."""
+    """Take the first free number; this process holds it until it ends."""
     for number in among:
         try:
             _held.append(HostLock(f"test-{what}/{number}", what))
@@ -23,7 +23,7 @@ def take(what: str, among: range) -> int:
 
 @cache
 def dds_number() -> int:
-    """For the files that speak real DDS: each has ten domains of its own, and its process takes the one of this number.
+    """Return a number for test files that use real DDS: each file has ten domains, and its process takes one of them.
 
     There are only ten, so a process takes one when it collects such a file.
     """

@@ -1,4 +1,4 @@
-"""The command `agentrob` within the test process, as a process of its own would print and end.
+"""Run the command `agentrob` inside the test process, with the output and exit code of a real process.
 
 For words that are read, refused or answered at once; at least one test of each command starts a real process.
 """
@@ -16,7 +16,7 @@ from agentrob.errors import AgentRobError
 
 
 class Said(NamedTuple):
-    """What came of a command."""
+    """The result of a command."""
 
     returncode: int
     stdout: str
@@ -24,7 +24,7 @@ class Said(NamedTuple):
 
 
 def agentrob(folder: Path, *args: str, **env: str) -> Said:
-    """Type it in a folder. An error that is none of ours is raised: a process would show its traceback."""
+    """Run a command in a folder. An unexpected error is raised; a real process would print its traceback."""
     with contextlib.chdir(folder):
         done = CliRunner().invoke(cli, args, env=env)
     match done.exception:

@@ -1,4 +1,4 @@
-"""How much a test tries: a CI size, and the full size of `make test-long` (`AGENTROB_TEST_SIZE=full`)."""
+"""The sizes of tests: one for CI, and the full size for `make test-long` (`AGENTROB_TEST_SIZE=full`)."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ FULL = os.environ.get("AGENTROB_TEST_SIZE", "ci") == "full"
 
 
 def size(ci: int, full: int) -> int:
-    """How many examples, sentences or kills to try."""
+    """Return the number of examples, sentences or kills to try."""
     return full if FULL else ci

@@ -1,4 +1,4 @@
-"""Which files are collected: a slice of the slow ones, or those that use a marker.
+"""Choose the test files to collect: a slice of the slow ones, or those that use a marker.
 
 Each test process imports every file that it collects, which takes 15 s of CPU for all of them.
 
@@ -21,25 +21,26 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-#: Seconds of a file that `durations.toml` does not name.
+#: The seconds assumed for a file that `durations.toml` does not list.
 DEFAULT_S = 30.0
 #: The files of the collected tests that have a marker, by marker.
 MARKED_FILES = pytest.StashKey[dict[str, set[str]]]()
 
 
 def durations() -> dict[str, float]:
-    """Seconds that the slow tests of a file take in one process at their CI size, by path."""
+    """Return for each file the seconds that its slow tests take in one process at their CI size."""
     return dict(tomllib.loads((Path(__file__).parent / "durations.toml").read_text(encoding="utf-8")))
 
 
 def has_marker(path: Path, marker: str) -> bool:
-    """Whether a test file uses this marker."""
-    return f"mark.{marker}" in path.read_text(encoding="utf-8")
+    """Return whether a test file uses this marker, or the fixture `database`, whose PostgreSQL is slow."""
+    text = path.read_text(encoding="utf-8")
+    return f"mark.{marker}" in text or (marker == "slow" and 'usefixtures("database")' in text)
 
 
 @cache
 def files_with(marker: str) -> tuple[str, ...]:
-    """Every test file that uses this marker, relative to the repository. Cached, since it reads all of them."""
+    """Return the test files that use this marker, relative to the repository; cached, because it reads all files."""
     files = sorted((ROOT / "tests").rglob("test_*.py"))
     return tuple(str(path.relative_to(ROOT)) for path in files if has_marker(path, marker))
 
@@ -49,7 +50,7 @@ def slow_files() -> list[str]:
 
 
 def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[str]]:
-    """The files in `count` slices: the longest file first, each into the shortest slice so far."""
+    """Split files into `count` slices: the longest file first, each into the shortest slice so far."""
     slices: list[list[str]] = [[] for _ in range(count)]
     total = [0.0] * count
     for file in sorted(files, key=lambda file: (-seconds.get(file, DEFAULT_S), file)):
@@ -60,7 +61,7 @@ def split(files: list[str], count: int, seconds: dict[str, float]) -> list[list[
 
 
 def parse(text: str) -> tuple[int, int]:
-    """`3/12` as (3, 12). Raises `UsageError`."""
+    """Parse `3/12` as (3, 12). Raises `UsageError`."""
     number, _, count = text.partition("/")
     if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
         raise pytest.UsageError(f"{text!r} is not a slice; valid: NUMBER/COUNT, as 3/12")
@@ -69,7 +70,7 @@ def parse(text: str) -> tuple[int, int]:
 
 @cache
 def files_of(text: str) -> list[str]:
-    """The files of a slice such as `3/12`."""
+    """Return the files of a slice such as `3/12`."""
     number, count = parse(text)
     return sorted(split(slow_files(), count, durations())[number - 1])
 
@@ -80,7 +81,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """A file that is named on the command line is collected all the same."""
+    """Collect only files of the slice or with the marker; pytest collects a file named on the command line anyway."""
     if not collection_path.match("test_*.py"):
         return None
     if (marker := config.getoption("--files-with")) and not has_marker(collection_path, marker):
@@ -102,7 +103,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         chosen = set(files_of(text))
         config.hook.pytest_deselected(items=[item for item in items if slow.get(item) not in chosen])
         items[:] = [item for item in items if slow.get(item) in chosen]
-    # The longest tests first, else one process would be busy with the last of them while the others have ended.
+    # Start the longest tests first; otherwise one process would still run the last one when the others have finished.
     items.sort(key=lambda item: item.get_closest_marker("browser") is None)
 
 

@@ -7,7 +7,7 @@ import sys
 
 
 def main() -> None:
-    from agentrob.process.startup import importing
+    from agentrob.process.memory import importing
 
     with importing():
         from agentrob.forums.memory.forum import MemoryForum

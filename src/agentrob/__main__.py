@@ -1,6 +1,6 @@
 """Entry point of `python -m agentrob` and of the command `agentrob`."""
 
-from agentrob.process.startup import importing
+from agentrob.process.memory import importing
 
 
 def main() -> None:

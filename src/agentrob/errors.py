@@ -14,7 +14,8 @@
     ├── RobotError           a robot or its driver could not be used
     │   ├── RobotUnreachable     no driver, no state, or no answer
     │   ├── RobotBusy            another client or process holds the robot
-    │   └── LeaseLost            the lease lapsed or was never granted
+    │   ├── LeaseLost            the lease lapsed or was never granted
+    │   └── Fenced               another worker has taken the robot
     ├── ImageStoreError      a picture could not be stored
     ├── SimError             the simulated world cannot be built or run
     ├── HttpError            an HTTP server rejects the request; carries the status
@@ -96,14 +97,18 @@ class RobotBusy(RobotError):
 class LeaseLost(RobotError):
     """The lease that allows motion lapsed or was never granted.
 
-    `why` is a stable word (`stop`, `halt`, `shutdown`, `lease_lapsed`). `by` is the name that the client who stopped
-    the robot gave: one line of at most 100 characters of untrusted text, or empty.
+    `why` is a stable word (`stop`, `halt`, `shutdown`, `fenced`, `lease_lapsed`). `by` is the name that the client who
+    stopped the robot gave: one line of at most 100 characters of untrusted text, or empty.
     """
 
     def __init__(self, message: str, why: str = "lease_lapsed", by: str = "") -> None:
         super().__init__(message)
         self.why = why
         self.by = by
+
+
+class Fenced(RobotError):
+    """Another worker has taken the robot, with a larger fencing number; this one may not move it any more."""
 
 
 class SimError(AgentRobError):
@@ -136,6 +141,10 @@ class ServiceError(HttpError):
 
 class JournalError(AgentRobError):
     """The journal cannot be opened or trusted."""
+
+
+class JournalHeld(JournalError):
+    """Another agent of this robot holds its journal; it can be taken when that one has ended."""
 
 
 class IllegalTransition(JournalError):

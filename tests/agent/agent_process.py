@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.process.logs import log_to_stderr
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import FINAL, ROBOT, Driver
+from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import RunningBoard
 from tests.forked_process import ForkedProcess
 
@@ -27,7 +29,8 @@ def run_agent(settings: RobotConfig, socket: Path, folder: Path, url: str, token
 
     async def main() -> None:
         forum, driver = BoardForum(ForumConfig(url=url), token), DriverClient(ROBOT, socket)
-        agent = RobotAgent(ROBOT, settings, forum, driver, RulesMind(), folder)
+        opened = partial(open_journal, folder, ROBOT)
+        agent = RobotAgent(ROBOT, settings, forum, driver, RulesMind(), folder, open_journal=opened)
         await agent.run(on_ready=lambda: print("ready", flush=True))  # noqa: T201
 
     asyncio.run(main())

@@ -10,6 +10,7 @@ import sys
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from agentrob.model import AccountKind, CommandState, Post, Role
 from agentrob.model.lifecycle import TRANSITIONS
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.process import run_driver
+from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.forked_process import ForkedProcess
 
 ROBOT = "quadruped"
@@ -150,6 +152,11 @@ class Scene:
     mind: Mind = field(default_factory=RulesMind)
     _keys: Iterator[int] = field(default_factory=lambda: iter(range(10**6)))
 
+    @property
+    def journal(self) -> JournalStore:
+        """The agent's journal, from outside."""
+        return JournalStore(self.folder, ROBOT)
+
     def person(self, name: str, role: Role = Role.OPERATOR, kind: AccountKind = AccountKind.HUMAN) -> MemoryForum:
         return self.world.sign_in(name, role=role, kind=kind)
 
@@ -192,7 +199,8 @@ class Scene:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
         arguments: dict[str, Any] = {
             "name": ROBOT, "settings": self.settings, "forum": forum, "driver": self.driver.client(),
-            "mind": self.mind, "data": self.folder, **changed,
+            "mind": self.mind, "data": self.folder, "open_journal": partial(open_journal, self.folder, ROBOT),
+            **changed,
         }  # fmt: skip
         return RobotAgent(**arguments)
 

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import asyncio
 import io
+import threading
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
+import pytest
 from PIL import Image
 
+from agentrob.agent.agent import RobotAgent
 from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.understanding import extract
 from agentrob.config.robots import RecordingConfig
 from agentrob.errors import ForumNotFound
 from agentrob.forums.memory.forum import MemoryForum
+from agentrob.minds.isolated import IsolatedMind
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
-from agentrob.model import ActionResult, Plan, Understanding
-from tests.agent.agent_scene import ROBOT, Scene, make_scene
+from agentrob.model import AccountKind, ActionResult, Plan, Understanding
+from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.agent.media.test_recorder import jpeg, report, walked  # noqa: F401 (walked is a fixture)
 
 TURN = f"@{ROBOT} turn left 30 degrees"
@@ -121,3 +127,41 @@ async def test_a_command_keeps_its_film_while_the_next_one_moves(
     with Image.open(io.BytesIO(webp)) as picture:
         red, _, blue = picture.convert("RGB").resize((1, 1)).getpixel((0, 0))  # type: ignore[misc]
     assert red > blue
+
+
+class HangingMind(SlowMind):
+    """Blocks its thread for good on "hang"."""
+
+    name = "hanging"
+    release = threading.Event()
+
+    async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
+        if "hang" in text:
+            self.release.wait()
+        return await super().understand(text, addressee, history)
+
+
+async def test_a_mind_that_hangs_delays_no_stop_and_no_other_robot(
+    scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(extract, "LIMIT_S", 0.5)
+    (tmp_path / "other").mkdir()
+    other = Driver(tmp_path / "other", robot_settings(), "humanoid")
+    try:
+        world = scene.world
+        humanoid = world.sign_in("humanoid", kind=AccountKind.ROBOT_AGENT)
+        agent = RobotAgent("humanoid", other.settings, humanoid, other.client(), RulesMind(), tmp_path / "humanoid")
+        async with scene.agent(mind=IsolatedMind(HangingMind)), serving(agent):
+            hung = await scene.post("alice", f"@{ROBOT} turn left and hang about")
+            turned = await scene.post("alice", "@humanoid turn left 30 degrees")
+            done = lambda: [p for p in world.posts.values() if p.reply_to == turned.id and "Done" in p.raw]  # noqa: E731
+            await scene.until(done, limit_s=30)
+            stop = await scene.post("alice", f"@{ROBOT} stop")
+            assert "Stopped" in (await scene.until(lambda: scene.replies(stop), limit_s=30))[0].raw
+            assert (await scene.final(hung)).card
+            again = await scene.final(await scene.post("alice", TURN))
+            assert again.card
+            assert again.card.state == "done", again.raw
+    finally:
+        HangingMind.release.set()
+        other.end()

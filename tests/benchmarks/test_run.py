@@ -1,4 +1,4 @@
-"""Every benchmark still runs, on little work; what a figure must be is checked only where physics decides it."""
+"""Every benchmark runs with a small load; figures are asserted only where physics determines them."""
 
 from __future__ import annotations
 
@@ -17,18 +17,20 @@ LITTLE = {
     "board.py": ["--seconds", "1", "--listeners", "20"],
     "board_search.py": ["--posts", "2000", "--trials", "3", "--vectors", "2000"],
     "demo_start.py": ["1"],
+    "fleet.py": ["--robots", "4", "--commands", "20", "--rate", "2", "--kills", "2", "--no-times"],
     "growth.py": ["--commands", "6", "--every", "3"],
     "latency.py": ["--posts", "100"],
     "loop.py": ["--turns", "12"],
     "mcp.py": ["--calls", "5", "--starts", "1"],
     "minds.py": ["--turns", "12"],
+    "remote_driver.py": ["--trials", "3", "--hold", "3", "--cuts", "1"],
     "rpc.py": ["--calls", "50", "--walks", "1"],
     "stop_body.py": ["--only", "body", "--runs", "3"],
     "stop_http.py": ["--trials", "2"],
     "understanding.py": [],
     "world.py": ["--seconds", "3"],
 }
-#: These run in a test file of their own, and not here again.
+#: Benchmarks with their own test file.
 ELSEWHERE = {"stop.py": "test_stop.py"}
 
 
@@ -45,7 +47,7 @@ def benchmark(name: str) -> str:
     return done.stdout
 
 
-def test_each_benchmark_has_its_little_work_here() -> None:
+def test_each_benchmark_is_tested() -> None:
     assert {path.name for path in (ROOT / "benchmarks").glob("*.py")} == set(LITTLE) | set(ELSEWHERE)
     for name, test in ELSEWHERE.items():
         assert f'"{name}"' in (Path(__file__).parent / test).read_text()
@@ -58,7 +60,7 @@ def test_a_benchmark_runs_and_prints_figures(name: str) -> None:
     assert re.search(r"\d", said) or "absent" in said or "not there" in said
 
 
-def test_moves_and_turns_keep_their_promise_against_the_true_pose() -> None:
+def test_moves_and_turns_are_accurate_against_the_true_pose() -> None:
     said = benchmark("accuracy.py")
     sys.stdout.write(said)
     share = re.search(r"([\d.]+) % of (\d+) within 5 cm and 4°", said)

@@ -1,4 +1,4 @@
-"""The benchmark of stops still runs in each of its conditions, and what it times is the stop and nothing else."""
+"""The benchmark of stops runs in each of its conditions and times the stop alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 CONDITIONS = ("quiet", "flood", "hostile", "camera", "disk", "frozen")
 LEASE_MS = 1000.0
-#: Beyond the figure that is wanted: two trials on a machine that may be busy are no measurement.
+#: Above the target: two trials on a busy machine are not a measurement.
 LIMIT_MS = {"frozen": 3000.0}
 STOP_LIMIT_MS = 1000.0
 pytestmark = [pytest.mark.slow, pytest.mark.sim, pytest.mark.timeout(300)]
@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.sim, pytest.mark.timeout(300)]
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, dict[str, Any]]:
-    """Two trials of each condition."""
+    """Run two trials of each condition."""
     done = subprocess.run(
         [sys.executable, ROOT / "benchmarks" / "stop.py", "--trials", "2", "--json"],
         cwd=ROOT,
@@ -36,7 +36,7 @@ def rows() -> dict[str, dict[str, Any]]:
     return {row["condition"]: row for row in json.loads(done.stdout)}
 
 
-def test_law_15_the_limits_are_those_that_are_promised(rows: dict[str, dict[str, Any]]) -> None:
+def test_law_15_the_limits_are_the_promised_ones(rows: dict[str, dict[str, Any]]) -> None:
     assert {name: row["limit_ms"] for name, row in rows.items()} == {
         "quiet": 200.0, "flood": 200.0, "hostile": 200.0, "camera": 200.0, "disk": 200.0, "frozen": 1500.0,
     }  # fmt: skip
@@ -51,7 +51,7 @@ def test_law_15_a_stop_becomes_zero_velocity_whatever_else_happens(
     assert all(0 < found <= LIMIT_MS.get(condition, STOP_LIMIT_MS) for found in row["found_ms"]), row
 
 
-def test_the_conditions_are_what_they_say(rows: dict[str, dict[str, Any]]) -> None:
+def test_each_condition_is_as_described(rows: dict[str, dict[str, Any]]) -> None:
     rate = re.search(r"([\d.]+) posts/s", rows["flood"]["note"])
     assert rate is not None
     assert 25 < float(rate[1]) < 55
@@ -63,5 +63,5 @@ def test_the_conditions_are_what_they_say(rows: dict[str, dict[str, Any]]) -> No
 def test_law_11_a_frozen_agent_loses_its_robot_when_the_lease_lapses_and_not_before(
     rows: dict[str, dict[str, Any]],
 ) -> None:
-    # Renewed at 5 Hz: at the moment of the freeze the lease is at most 0.2 s old, on a busy machine a little more.
+    # The lease is renewed at 5 Hz, so at the freeze it is at most 0.2 s old, or a little more on a busy machine.
     assert min(rows["frozen"]["found_ms"]) > LEASE_MS / 2

@@ -1,4 +1,4 @@
-"""The walk-through of docs/add-a-forum.md works as it stands there, with a driver and an agent as processes."""
+"""The walk-through in docs/add-a-forum.md works as written, with a driver and an agent as processes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LIMIT_S = 100
 
 
 def program(line: str) -> tuple[list[str | Path], dict[str, str]]:
-    """A command of the guide, with the program of the environment in which the tests run, and what it sets."""
+    """Return a command of the guide, with the program from the tests' environment, and the variables that it sets."""
     words = shlex.split(line.removesuffix("&"))
     sets = dict(w.split("=", 1) for w in words if re.match(r"[A-Z_]+=", w))
     name, *arguments = words[len(sets) :]
@@ -47,7 +47,7 @@ def run(line: str, env: Mapping[str, str], cwd: Path) -> subprocess.CompletedPro
 
 
 def start(line: str, env: Mapping[str, str], cwd: Path) -> subprocess.Popen[str]:
-    """A command that stays; returns when it says that it is ready."""
+    """Start a command that keeps running; return when it reports that it is ready."""
     command, sets = program(line)
     process = subprocess.Popen(
         command,
@@ -66,7 +66,7 @@ def start(line: str, env: Mapping[str, str], cwd: Path) -> subprocess.Popen[str]
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The notebook as the guide installs it, but into a folder of its own, and without a network."""
+    """Install the notebook as in the guide, but into a separate folder and without a network."""
     folder = tmp_path_factory.mktemp("notebook")
     done = run(f"{INSTALL} --quiet --no-index --target {folder}", {}, ROOT)
     assert done.returncode == 0, done.stderr
@@ -87,7 +87,7 @@ def env(installed: Path, tmp_path: Path) -> dict[str, str]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Where the commands run: `var/notebook` is this test's own, and so is the robot's lock on this host."""
+    """Return the folder in which the commands run, with its own `var/notebook` and its own host lock for the robot."""
     (tmp_path / "examples").mkdir()
     shutil.copytree(ROOT / "examples/notebook", tmp_path / "examples/notebook")
     settings = tmp_path / "examples/notebook/agentrob.toml"
@@ -109,7 +109,7 @@ def test_the_notebook_is_a_package_of_one_file(installed: Path) -> None:
     assert [path.name for path in installed.iterdir() if path.is_file()] == ["agentrob_notebook.py"]
 
 
-def test_a_robot_answers_on_a_forum_that_somebody_else_added(
+def test_a_robot_answers_on_a_third_party_forum(
     env: Mapping[str, str], folder: Path, processes: list[subprocess.Popen[str]]
 ) -> None:
     assert run(SIGN_UP, env, folder).stdout == "quadruped is in var/notebook\n"
@@ -120,12 +120,12 @@ def test_a_robot_answers_on_a_forum_that_somebody_else_added(
     assert "turn left 30" in done.stdout
 
 
-def test_the_notebook_keeps_the_contract_as_the_guide_runs_it(env: Mapping[str, str]) -> None:
+def test_the_notebook_fulfils_the_contract_as_in_the_guide(env: Mapping[str, str]) -> None:
     done = run(f"{CONTRACT} -p no:cacheprovider", env, ROOT)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_forum_that_is_not_installed_is_answered_with_those_that_are(folder: Path, tmp_path: Path) -> None:
+def test_a_missing_forum_is_answered_with_the_installed_ones(folder: Path, tmp_path: Path) -> None:
     settings = folder / "other.toml"
     settings.write_text('[forum]\nkind = "nosuch"\n\n[robots.quadruped]\nmodel = "fake"\n')
     command = ".venv/bin/agentrob agent once --config other.toml"

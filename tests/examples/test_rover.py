@@ -1,4 +1,4 @@
-"""The walk-through of docs/add-a-robot.md works as it stands there; a robot that is missing or broken is named."""
+"""The walk-through in docs/add-a-robot.md works as written; errors name a missing or broken robot."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def run(*command: str | Path, env: Mapping[str, str], cwd: Path = ROOT) -> subpr
 
 
 def program(command: str) -> list[str | Path]:
-    """A command of the guide, with the program of the environment in which the tests run."""
+    """Return a command of the guide, with the program from the tests' environment."""
     name, *arguments = shlex.split(command)
     folder, _, what = name.rpartition("/")
     assert folder == ".venv/bin", "the guide calls programs where make puts them"
@@ -39,7 +39,7 @@ def program(command: str) -> list[str | Path]:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The rover as the guide installs it, but into a folder of its own, and without a network."""
+    """Install the rover as in the guide, but into a separate folder and without a network."""
     install = program(COMMANDS[0])
     assert "install" in install
     folder = tmp_path_factory.mktemp("rover")
@@ -61,7 +61,7 @@ def test_the_rover_is_a_package_of_one_file(installed: Path) -> None:
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param(c, marks=pytest.mark.slow if "pytest" in c else ())  # the contract is driven in real time
+        pytest.param(c, marks=pytest.mark.slow if "pytest" in c else ())  # the contract test runs in real time
         for c in COMMANDS[1:]
         if not c.startswith("make ")
     ],
@@ -71,7 +71,7 @@ def test_a_command_of_the_guide_runs(command: str, env: Mapping[str, str]) -> No
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_what_the_rover_cannot_do_is_known_before_it_is_connected(
+def test_the_rovers_missing_abilities_are_known_before_it_is_connected(
     installed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(installed)
@@ -97,9 +97,9 @@ def test_the_rover_answers_in_the_demo_as_the_guide_starts_it(env: Mapping[str, 
     }
 
 
-# ---------------------------------------------------------------------- when something is wrong
+# ---------------------------------------------------------------------- errors
 def plug_in(folder: Path, code: str) -> dict[str, str]:
-    """A robot `broken` that has this code is installed in a folder; the environment for processes that find it."""
+    """Install a robot `broken` with this code in a folder; return the environment in which processes find it."""
     folder.mkdir()
     (folder / "broken_robot.py").write_text(code)
     facts = folder / "broken_robot-1.0.dist-info"
@@ -118,7 +118,7 @@ def plug_in(folder: Path, code: str) -> dict[str, str]:
         ("class Broken: pass", "the robot 'broken' has no describe(settings)"),
     ],
 )
-def test_a_robot_that_is_broken_is_named_in_one_line(
+def test_a_broken_robot_is_reported_in_one_line(
     code: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plug_in(tmp_path / "installed", code)
@@ -139,7 +139,7 @@ def test_a_process_names_a_broken_robot_without_a_traceback(tmp_path: Path) -> N
     assert "Traceback" not in done.stderr
 
 
-def test_a_robot_that_is_not_installed_is_answered_with_those_that_are(tmp_path: Path) -> None:
+def test_a_missing_robot_is_answered_with_the_installed_ones(tmp_path: Path) -> None:
     for command in (["drive", "nosuch", "wave"], ["demo", "--robot", "nosuch"], ["plan", "--model", "nosuch", "wave"]):
         done = in_process.agentrob(tmp_path, *command, AGENTROB_DATA=str(tmp_path / "data"))
         assert done.returncode == 1

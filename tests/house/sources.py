@@ -1,4 +1,4 @@
-"""What the files of the tree contain: each is read and parsed once in a test process."""
+"""Sources of the repository; each file is read and parsed once per test process."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ ROOT = Path(__file__).parents[2]
 
 @cache
 def nodes(path: Path) -> tuple[ast.AST, ...]:
-    """Every node of a Python file."""
+    """Return all nodes of a Python file."""
     return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
 
 
 def functions(source: str) -> list[str]:
-    """The names of the functions of a file, in its order. Parsing every test file takes seconds; this does not."""
+    """Return the names of a file's functions in order, without parsing, which would take seconds for all test files."""
     return re.findall(r"^[ \t]*(?:async )?def (\w+)\(", source, re.MULTILINE)
 
 

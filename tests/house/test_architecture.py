@@ -1,4 +1,4 @@
-"""docs/architecture.md draws the house as it is: a line for each room, and the layers that import-linter holds."""
+"""docs/architecture.md matches the code: a line for each package, and the layers that import-linter enforces."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src/agentrob"
 PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-#: Python files that a folder holds at most.
+#: The maximum number of Python files in a folder.
 MOST_FILES = 14
 
 
 def rooms() -> set[str]:
-    """Every package below `agentrob`, as a path that ends in a slash; migrations are the database's history."""
+    """Return all packages below `agentrob`, as paths that end in a slash, without the database migrations."""
     found = {path.parent.relative_to(PACKAGE).as_posix() + "/" for path in PACKAGE.rglob("__init__.py")}
     return {room for room in found if room != "./" and "migrations" not in room}
 
@@ -33,7 +33,7 @@ def test_the_layers_are_those_of_import_linter() -> None:
     assert drawn[1].split("\n") == [layer for layer in layers if layer != "__main__"]
 
 
-def test_each_stage_names_a_file_that_is_there() -> None:
+def test_each_stage_names_an_existing_file() -> None:
     named = re.findall(r"`((?:[a-z_]+/)+(?:[a-z_]+\.py)?)` ?[|,]", PAGE)
     assert len(named) > 10
     assert [path for path in named if not (PACKAGE / path).exists()] == []

@@ -1,4 +1,4 @@
-"""docs/faults.md is held to the code: each kind of fault has a row, its tests exist, and its words are really said."""
+"""docs/faults.md matches the code: each kind of fault has a row, its tests exist, and the code has its messages."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from agentrob.language.messages import en, zh
 from tests.house.sources import functions_of, nodes
 
 ROOT = Path(__file__).parents[2]
-#: What must have a row, by words that its first cell begins with.
+#: Faults that must have a row, by the first words of its first cell.
 KINDS = (
     "no robot on the network", "robot appears later", "frozen robot", "state topic stops", "robot's computer dies",
     "command dropped", "pushed off course", "tipped over", "low battery", "path blocked before", "path blocked during",
     "odometry jump", "odometry not a number", "camera dead", "camera black", "wrong network interface", "wrong domain",
     "two drivers for one robot", "clock jump", "forum unreachable for ten minutes", "cable to the robot pulled",
 )  # fmt: skip
-#: A template with fewer letters of its own would match anything.
+#: A template with fewer fixed letters would match anything.
 LEAST_LETTERS = 12
 
 
@@ -34,7 +34,7 @@ IDS = [row[0].split(":")[0] for row in ROWS]
 
 
 def pattern(node: ast.expr) -> str:
-    """A string of the code as a pattern: what is put in may be anything."""
+    """Return a string of the code as a regular expression; inserted values match anything."""
     if isinstance(node, ast.JoinedStr):
         return "".join(pattern(value) for value in node.values)
     if isinstance(node, ast.Constant):
@@ -44,7 +44,7 @@ def pattern(node: ast.expr) -> str:
 
 @cache
 def templates() -> list[re.Pattern[str]]:
-    """Every string and f-string of the rooms whose words reach people."""
+    """Return all strings and f-strings of the packages whose messages reach people."""
     files = [*(ROOT / "src/agentrob/robots").rglob("*.py"), ROOT / "src/agentrob/process/host_lock.py"]
     found = {*en.PHRASES.values(), *zh.PHRASES.values()}
     patterns = {re.sub(r"\\\{[^{}]*\\\}", ".+", re.escape(text)) for text in found}
@@ -56,7 +56,7 @@ def templates() -> list[re.Pattern[str]]:
 
 
 def said(words: str) -> bool:
-    """Whether a template says this: all of it, or, of longer ones, a whole sentence."""
+    """Return whether a template produces these words, as a whole or as one complete sentence."""
     return any(t.fullmatch(words) for t in templates()) or any(
         re.escape(words) in t.pattern for t in templates() if len(words) >= LEAST_LETTERS
     )
@@ -69,7 +69,7 @@ def test_every_kind_of_fault_has_one_row() -> None:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_the_tests_of_a_fault_are_there(row: list[str]) -> None:
+def test_the_tests_of_a_fault_exist(row: list[str]) -> None:
     named = re.findall(r"`(tests/[^`]+)`", row[4])
     assert named
     for name in named:
@@ -78,7 +78,7 @@ def test_the_tests_of_a_fault_are_there(row: list[str]) -> None:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=IDS)
-def test_the_words_of_a_fault_are_really_said(row: list[str]) -> None:
+def test_the_messages_of_a_fault_exist_in_the_code(row: list[str]) -> None:
     for words in re.findall(r"“([^”]+)”", " ".join(row)):
         assert said(words), words
     chinese = list(zh.PHRASES.values())
@@ -86,7 +86,7 @@ def test_the_words_of_a_fault_are_really_said(row: list[str]) -> None:
         assert any(words in sentence for sentence in chinese), words
 
 
-def test_words_that_nobody_says_are_found_out() -> None:
+def test_unknown_messages_are_detected() -> None:
     assert not said("The robot is perfectly well and did everything.")
     assert not said("The battery is at 9 volts.")
     assert said("The battery is at 9 %, and below 15 % no motion begins (least_battery_percent).")

@@ -1,4 +1,4 @@
-"""docs/glossary.md lists the product's own words, and each of them is a name in the code."""
+"""Every word in docs/glossary.md is a name in the code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROWS = re.findall(r"^\| ([a-z]+) \| .+ \| `(\w+)` \|$", (ROOT / "docs/glossary.m
 
 @pytest.fixture(scope="module")
 def names() -> set[str]:
-    """Every class, function, attribute and field that the package defines."""
+    """Return the names of all classes, functions, attributes and fields that the package defines."""
     found = set()
     for path in (ROOT / "src/agentrob").rglob("*.py"):
         for node in nodes(path):

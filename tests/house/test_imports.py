@@ -1,4 +1,4 @@
-"""What is imported is asked for by name: no library is there only since another one brings it."""
+"""Every imported library is a declared dependency, not only a dependency of another library."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def spelled(name: str) -> str:
 
 
 def imported(file: Path) -> Iterator[str]:
-    """The libraries of a file, by the first part of a module's name."""
+    """Return the top-level modules that a file imports."""
     for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name.partition(".")[0] for alias in node.names)
@@ -29,7 +29,7 @@ def imported(file: Path) -> Iterator[str]:
             yield node.module.partition(".")[0]
 
 
-def test_every_library_that_is_imported_is_named_in_pyproject() -> None:
+def test_every_imported_library_is_listed_in_pyproject() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
     named = {spelled(re.split(r"[^\w.-]", line)[0]) for line in wanted}

@@ -1,4 +1,4 @@
-"""The floors of the house hold, and a planted violation is caught."""
+"""The layers of the code hold, and a planted violation is reported."""
 
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def lint(folder: Path) -> subprocess.CompletedProcess[str]:
-    """import-linter over a copy of the package, without its cache."""
+    """Run import-linter on a copy of the package, without its cache."""
     code = "from importlinter.cli import lint_imports; import sys; sys.exit(lint_imports(no_cache=True))"
     return subprocess.run(
         [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(folder / 'src')!r}); {code}"],
@@ -29,12 +29,12 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def test_the_house_keeps_its_floors(tmp_path: Path) -> None:
+def test_the_layers_hold(tmp_path: Path) -> None:
     result = lint(copied(tmp_path))
     assert result.returncode == 0, result.stdout
 
 
-#: What is planted, by file, and the import that must be named as forbidden.
+#: The planted lines, by file, and the import that must be reported as forbidden.
 PLANTED = {
     "model/planted.py": "from agentrob import config",
     "board/planted.py": "import agentrob.sim",
@@ -55,7 +55,7 @@ def plant(folder: Path, file: str, line: str) -> None:
 
 @pytest.fixture(scope="module")
 def complaints(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """What import-linter says of all violations at once: reading the whole package takes it seconds each time."""
+    """Return import-linter's output for all violations at once, because each run takes seconds."""
     folder = copied(tmp_path_factory.mktemp("planted"))
     for file, line in PLANTED.items():
         plant(folder, file, line)

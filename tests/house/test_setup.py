@@ -1,4 +1,4 @@
-"""`scripts/setup` says calmly how far it is, keeps what pip says in a log, and shows that only when it fails."""
+"""`scripts/setup` prints short progress, writes pip's output to a log, and shows that only if it fails."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ esac
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
-    """A checkout with a lock of two packages, and a virtual environment whose pip only talks."""
+    """Create a checkout with a lock of two packages and a virtual environment whose pip only prints."""
     (tmp_path / "scripts").mkdir()
     (tmp_path / ".venv/bin").mkdir(parents=True)
     shutil.copy(ROOT / "scripts/setup", tmp_path / "scripts/setup")
@@ -37,7 +37,7 @@ def set_up(checkout: Path, ending: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_setup_that_works_is_one_calm_line_and_the_next_one_says_nothing(checkout: Path) -> None:
+def test_a_successful_setup_prints_one_line_and_the_next_one_nothing(checkout: Path) -> None:
     first = set_up(checkout, "exit 0")
     assert first.returncode == 0
     assert first.stdout == "setup: installing 2 packages (about a minute the first time)\n"
@@ -46,7 +46,7 @@ def test_a_setup_that_works_is_one_calm_line_and_the_next_one_says_nothing(check
     assert (again.returncode, again.stdout, again.stderr) == (0, "", "")
 
 
-def test_a_setup_that_fails_shows_what_pip_said_and_is_done_again(checkout: Path) -> None:
+def test_a_failed_setup_shows_pips_output_and_is_repeated(checkout: Path) -> None:
     failed = set_up(checkout, "echo 'ERROR: no space left' >&2; exit 1")
     assert failed.returncode == 1
     assert "setup: pip could not install the packages" in failed.stderr

@@ -1,4 +1,4 @@
-"""Every slow test is in exactly one slice, and the slices take about the same time."""
+"""Every slow test is in exactly one slice, and all slices take about the same time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from tests.slices import DEFAULT_S, MARKED_FILES, ROOT, durations, files_of, files_with, parse, slow_files, split
 
 COUNT = 12
-#: Of one slice in one process; `.ci/run` runs it in two, except for what needs a simulated world.
+#: Seconds of one slice in one process; `.ci/run` uses two, except for tests that need a simulated world.
 MOST_S = 600.0
 
 
@@ -43,7 +43,7 @@ def test_a_new_file_counts_with_the_default() -> None:
 
 
 @pytest.mark.parametrize("text", ["0/8", "9/8", "3", "a/b", "1/0", "-1/8"])
-def test_what_is_not_a_slice_is_refused(text: str) -> None:
+def test_an_invalid_slice_is_refused(text: str) -> None:
     with pytest.raises(pytest.UsageError, match=r"valid: NUMBER/COUNT"):
         parse(text)
 
@@ -70,7 +70,7 @@ def test_a_slice_collects_the_slow_tests_of_its_files_only() -> None:
 
     ours = collected(f"{number}/{COUNT}")
     assert len(ours) > 60
-    assert not [line for line in ours if "agent, walking" in line], "it is fast, so `make test` runs it"
+    assert not [line for line in ours if "[sqlite-agent, walking]" in line], "it is fast, so `make test` runs it"
     assert collected(f"{number % COUNT + 1}/{COUNT}") == []
 
 

@@ -7,13 +7,17 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.board.running_board import database_for
+from tests.databases import BOTH
 from tests.kill.kill_house import House
 from tests.sizes import size
 
 
-@pytest.fixture(scope="module")
-def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
-    made = House(tmp_path_factory.mktemp("kill"))
+@pytest.fixture(scope="module", params=BOTH)
+def house(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
+    folder = tmp_path_factory.mktemp("kill")
+    on_postgres = request.param == "postgresql"
+    made = House(folder, database_for(request.getfixturevalue("postgres"), folder) if on_postgres else "")
     yield made
     made.close()
 

@@ -18,12 +18,14 @@ import httpx2
 
 from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
+from agentrob.config.journal import JournalConfig
 from agentrob.config.load import Config
 from agentrob.config.robots import FenceConfig, RatesConfig, RobotConfig
 from agentrob.demo import run as demo
 from agentrob.model import AccountKind, Role
 from agentrob.model.lifecycle import FINAL_STATES
 from agentrob.wiring import app
+from tests.agent.store.journal_store import JournalStore
 from tests.forked_process import ForkedProcess
 from tests.in_process import Said
 from tests.kill import kill_body
@@ -56,8 +58,9 @@ class House:
 
     kinds: tuple[str, ...] = ("board", "driver", "agent")
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, database: str = "") -> None:
         self.folder = folder
+        self.journal_store = JournalStore(folder, ROBOT, database)
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # socket paths must be short
         self.ledger_path = folder / "ledger.jsonl"
         self.running: dict[str, Mortal] = {}
@@ -70,6 +73,7 @@ class House:
             data=str(folder),
             board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=self.url),
             forum=ForumConfig(url=self.url),
+            journal=JournalConfig(database=database),
             robots={ROBOT: self.robot()},
         )
         self.config_path = folder / "agentrob.toml"
@@ -137,7 +141,7 @@ class House:
         start_m = before[-1]["walked_m"] if before else 0.0
         return float(lines[-1]["walked_m"] - start_m) if lines else 0.0
 
-    # ------------------------------------------------------------ the mortals
+    # ------------------------------------------------------------ processes that may be killed
     def start(self, kind: str, **env: str) -> None:
         self.begin(kind, **env).ready()
 
@@ -185,7 +189,7 @@ class House:
             process.end()
         shutil.rmtree(self.runtime, ignore_errors=True)
 
-    # ------------------------------------------------------------ what people do and see
+    # ------------------------------------------------------------ posts and replies
     def ask(self, text: str) -> Asked:
         """Post a command; repeat it under the same key while the forum does not answer, as a person would."""
         asked = Asked(f"@{ROBOT} {text}", len(self.ledger()))
@@ -244,12 +248,8 @@ class House:
 
     def journal(self, asked: Asked) -> str:
         """Return the command's final state in the agent's journal, or an empty string while it is open."""
-        found = self.in_journal("SELECT final FROM claim WHERE post = ?", self.posted(asked)["id"])
+        found = self.in_journal("SELECT final FROM claim WHERE post = :a", self.posted(asked)["id"])
         return str(found[0] or "") if found else ""
-
-    @property
-    def journal_path(self) -> Path:
-        return self.folder / "agents" / ROBOT / "journal.sqlite"
 
     @property
     def board_path(self) -> Path:
@@ -258,9 +258,9 @@ class House:
         return path
 
     def in_journal(self, query: str, *values: str) -> Any:
-        """Return the first row of a query on the agent's journal."""
-        with closing(sqlite3.connect(f"file:{self.journal_path}?mode=ro", uri=True, timeout=10.0)) as db:
-            return db.execute(query, values).fetchone()
+        """Return the first row of a query on the agent's journal, with `:a`, `:b` for the values."""
+        found = self.journal_store.rows(query, **dict(zip("ab", values, strict=False)))
+        return tuple(found[0]) if found else None
 
     def ends_told(self, post: dict[str, Any]) -> int:
         """Return how many versions of the status posts contain an end, which unlike a status has paragraphs.

@@ -39,7 +39,7 @@ class WorldHouse(House):
             super().start(kind, **env)
 
     def moves(self, since: int) -> bool:
-        """Of the current world only; in a killed world nothing moves any more."""
+        """Return the motions in the current world only, because nothing moves in a killed world."""
         ways = [e["event"] for e in self.ledger(max(since, self.born)) if e["event"] in ("move_begin", "move_end")]
         return bool(ways) and ways[-1] == "move_begin"
 

@@ -1,4 +1,4 @@
-"""Laws 6 and 7 where a command needs an approval: its agent dies by SIGKILL between the request and the motion.
+"""Laws 6 and 7 for a command that needs an approval: its agent is killed between the request and the motion.
 
 There must be one final reply and at most one motion, an approved command is done, and nobody is asked twice.
 """
@@ -15,6 +15,8 @@ import pytest
 from agentrob.board.admin import local_admin, management
 from agentrob.board.db.audit import SHELL
 from agentrob.wiring import app
+from tests.board.running_board import database_for
+from tests.databases import BOTH
 from tests.kill.kill_house import ROBOT, WALK, Asked, House, check
 from tests.kill.kill_process import wait_for
 
@@ -50,16 +52,18 @@ class AskingHouse(House):
         self._insist("POST", f"/topics/{post['topic_id']}/posts", json=said, headers=key)
 
 
-@pytest.fixture(scope="module")
-def asking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AskingHouse]:
-    made = AskingHouse(tmp_path_factory.mktemp("kill"))
+@pytest.fixture(scope="module", params=BOTH)
+def asking(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[AskingHouse]:
+    folder = tmp_path_factory.mktemp("kill")
+    on_postgres = request.param == "postgresql"
+    made = AskingHouse(folder, database_for(request.getfixturevalue("postgres"), folder) if on_postgres else "")
     yield made
     made.close()
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where the agent dies, before the approval (`asks`) or after, and how the command ends."""
+    """Where the agent is killed, before the approval (`asks`) or after it, and how the command ends."""
 
     name: str
     target: str

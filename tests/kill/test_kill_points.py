@@ -59,7 +59,7 @@ def board(name: str, target: str, when: str, ends: frozenset[str] = DONE, **more
     return Point(f"board, {name}", "board", "agentrob.board." + target, when, ends, **more)
 
 
-AGENT, UNDERSTAND, PIPELINE = "agent.agent:", "agent.understanding.understand:", "agent.pipeline:"
+AGENT, UNDERSTAND, MOTION = "agent.agent:", "agent.understanding.understand:", "agent.motion:"
 STATUS = "agent.reporting.status_post:StatusPost."
 JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverClient."
 FORUM = "forums.agentrob.forum:BoardForum."
@@ -70,7 +70,7 @@ BEFORE_MOTION = [
     agent("post perceived", AGENT + "triage", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
-    agent("taken, cursor saved", "agent.store.rows:Rows.put_all", "after", DONE, 1, containing="cursor"),
+    agent("taken, cursor saved", JOURNAL + "put_all", "after", DONE, 1, containing="cursor"),
     agent("to be planned", UNDERSTAND + "extract", "before", DONE, 1),
     agent("planned", UNDERSTAND + "extract", "after", DONE, 1),
     agent("to be screened", UNDERSTAND + "judge", "before", DONE, 1),
@@ -85,7 +85,7 @@ BEFORE_MOTION = [
 #: Begun, and not known to be finished: never repeated, however far it moved.
 BEGUN = [
     agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
-    agent("allowed again", PIPELINE + "permission", "after", INTERRUPTED, 0),
+    agent("allowed again", MOTION + "permission", "after", INTERRUPTED, 0),
     agent("lease taken", CLIENT + "_call", "after", INTERRUPTED, 0, containing="'POST', '/lease'"),
     agent("step told", STATUS + "show", "after", INTERRUPTED, 0, containing="state=<CommandState.RUNNING"),
     agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.kill.kill_backup import Backup, delete
+from tests.kill.kill_backup import Backup
 from tests.kill.kill_house import LONG_WALK, WALK, Asked, House, check
 from tests.kill.kill_process import wait_for
 
@@ -133,10 +133,10 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     early = board_of_yesterday(house, backup, last if more else 0)
     house.start("agent")
     wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
-    ended = house.in_journal("SELECT final FROM claim WHERE post = ?", era(house) + str(house.posted(open_one)["id"]))
+    ended = house.in_journal("SELECT final FROM claim WHERE post = :a", era(house) + str(house.posted(open_one)["id"]))
     assert ended == ("cancelled",), "what was open on the other forum is closed with it"
     # An open claim of this id belongs to the earlier post, whose number was reused.
-    unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = ?"
+    unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = :a"
     assert early or not house.in_journal(unended, house.posted(open_one)["id"])
     wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 60.0)
     fresh = house.ask(WALK)
@@ -165,7 +165,7 @@ def test_law_6_a_deleted_journal_moves_nothing_again_and_each_command_gets_one_f
     else:
         asked = done(house)
         house.running["agent"].kill()
-    delete(house.journal_path)
+    house.journal_store.delete()
     house.start("agent")
     assert check(house, asked) == state
     assert house.motions(asked.began) == motions
@@ -185,16 +185,16 @@ def test_law_6_a_deleted_journal_moves_nothing_again_and_each_command_gets_one_f
     ],
 )
 def test_law_6_the_journal_of_yesterday_moves_nothing_again_and_each_command_gets_one_final_reply(
-    house: House, tmp_path: Path, point: dict[str, Any] | None, state: str, motions: int
+    house: House, point: dict[str, Any] | None, state: str, motions: int
 ) -> None:
     done(house)
-    backup = Backup(house.journal_path, tmp_path / "journal")
+    backup = house.journal_store.copy()
     if point is not None:
         asked = killed_at(house, point)
     else:
         asked = done(house)
         house.running["agent"].kill()
-    backup.put_back()
+    house.journal_store.put_back(backup)
     house.start("agent")
     assert check(house, asked) == state
     assert house.motions(asked.began) == motions
@@ -203,13 +203,13 @@ def test_law_6_the_journal_of_yesterday_moves_nothing_again_and_each_command_get
 
 
 @pytest.mark.slow
-def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(house: House, tmp_path: Path) -> None:
+def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(house: House) -> None:
     asked = killed_at(house, CLAIMED)
-    backup = Backup(house.journal_path, tmp_path / "journal")
+    backup = house.journal_store.copy()
     house.start("agent")
     assert check(house, asked) == "done"
     house.running["agent"].kill()
-    backup.put_back()
+    house.journal_store.put_back(backup)
     house.start("agent")
     assert check(house, asked) == "done"
     assert house.motions(asked.began) == 1
@@ -264,4 +264,4 @@ def test_law_6_another_version_ends_what_the_one_before_it_left_open_and_tells_i
 
 def assert_worked_as(house: House, version: str) -> None:
     """Otherwise the journal would see the same version, and this test would prove nothing."""
-    assert house.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = ?", version)
+    assert house.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = :a", version)

@@ -1,4 +1,4 @@
-"""The states of a command: the table is sound, and whatever shows or tells a state is derived from it."""
+"""The states of a command: the table of transitions is sound, and everything that shows a state is derived from it."""
 
 from __future__ import annotations
 

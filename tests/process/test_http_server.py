@@ -1,4 +1,4 @@
-"""The HTTP server: it says when it is ready, ends its streams first, and returns after a signal."""
+"""The HTTP server reports when it is ready, ends its streams first, and returns after a signal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ async def answered(port: int) -> bytes:
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
-async def test_a_signal_ends_the_server_in_order_and_the_process_goes_on(sign: signal.Signals) -> None:
+async def test_a_signal_shuts_the_server_down_and_the_process_continues(sign: signal.Signals) -> None:
     told: list[str] = []
     ready = asyncio.Event()
 
@@ -48,7 +48,7 @@ async def test_a_signal_ends_the_server_in_order_and_the_process_goes_on(sign: s
     assert signal.getsignal(sign) is before
 
 
-async def test_the_caller_may_keep_the_signals_and_end_the_server_itself() -> None:
+async def test_the_caller_may_handle_signals_and_end_the_server_itself() -> None:
     ready, before = asyncio.Event(), signal.getsignal(signal.SIGTERM)
     with open_listener("127.0.0.1", 0) as listener:
         server = HttpServer(app, on_ready=ready.set, handle_signals=False, lifespan="off")

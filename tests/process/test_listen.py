@@ -1,4 +1,4 @@
-"""Listen addresses: what is one, what is not, and which only this machine can reach."""
+"""Listen addresses: valid ones, invalid ones, and which of them are loopback."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_what_is_not_an_address_is_named_with_an_example(listen: str) -> None:
         parse_listen(listen)
 
 
-def test_loopback_is_this_machine_only() -> None:
+def test_loopback_addresses_are_recognised() -> None:
     assert all(map(is_loopback, ("127.0.0.1", "127.8.0.1", "::1", "localhost")))
     assert not any(map(is_loopback, ("0.0.0.0", "::", "192.168.1.2", "example.org", "")))
 

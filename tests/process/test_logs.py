@@ -1,4 +1,4 @@
-"""The log of our processes."""
+"""Logging of our processes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ print("still there", flush=True)
 """
 
 
-def test_a_log_that_cannot_be_written_does_not_end_the_process() -> None:
+def test_an_unwritable_log_does_not_end_the_process() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run(
             [sys.executable, "-c", LOGS], check=False, stdout=subprocess.PIPE, stderr=full, text=True, timeout=60

@@ -1,4 +1,4 @@
-"""Free memory goes back to the system."""
+"""Freed memory is returned to the operating system."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ def resident_bytes() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
-def test_memory_that_lies_free_between_used_blocks_is_returned() -> None:
+def test_freed_memory_between_used_blocks_is_returned() -> None:
     blocks = [bytearray(16 * 1024) for _ in range(4096)]
     used = resident_bytes()
-    kept = blocks[::256]  # without them the heap's end would simply be cut off
+    kept = blocks[::256]  # without them the heap would simply shrink at its end
     del blocks
     release_free_memory()
     assert len(kept) == 16

@@ -1,4 +1,4 @@
-"""The ground that every room stands on: configuration, host locks, children."""
+"""What every process uses: configuration, host locks, child processes."""
 
 import os
 import signal
@@ -40,7 +40,7 @@ def test_broken_toml_is_one_line(tmp_path: Path) -> None:
         load.load(path)
 
 
-def test_a_host_lock_is_held_once_seen_and_given_back() -> None:
+def test_a_host_lock_is_exclusive_visible_and_released() -> None:
     name = f"test/{os.getpid()}"
     with host_lock.HostLock(name, "the test"):
         assert name in host_lock.held("test/")
@@ -50,7 +50,7 @@ def test_a_host_lock_is_held_once_seen_and_given_back() -> None:
     host_lock.HostLock(name, "the test").close()
 
 
-def test_a_host_lock_is_given_back_while_a_thread_waits_for_callers_on_it() -> None:
+def test_a_host_lock_is_released_while_a_thread_accepts_on_it() -> None:
     name = f"test/waits-{os.getpid()}"
     lock = host_lock.HostLock(name, "x")
     ended: list[OSError] = []
@@ -62,7 +62,7 @@ def test_a_host_lock_is_given_back_while_a_thread_waits_for_callers_on_it() -> N
             ended.append(e)
 
     def waits() -> bool:
-        """The kernel holds the thread in a call on this socket."""
+        """Return whether the thread is blocked in a system call on this socket."""
         called = Path(f"/proc/self/task/{waiting.native_id}/syscall").read_text().split()
         return len(called) > 1 and called[1] == hex(lock.socket.fileno())
 
@@ -90,7 +90,7 @@ def test_a_host_lock_dies_with_its_process() -> None:
     host_lock.HostLock(name, "x").close()
 
 
-def test_a_child_that_fails_is_reported_with_its_last_words(tmp_path: Path) -> None:
+def test_a_failed_child_is_reported_with_its_last_output(tmp_path: Path) -> None:
     child = Child("driver", ["driver", "nobody"], tmp_path / "driver.log")
     with pytest.raises(ChildError, match="robot 'nobody' is not configured"):
         child.wait_ready(LIMIT_S)
@@ -116,7 +116,7 @@ def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
         os.sched_yield()
 
 
-def test_what_a_process_has_when_it_is_ready_is_never_looked_through_for_garbage_again() -> None:
+def test_objects_that_exist_at_readiness_are_excluded_from_garbage_collection() -> None:
     code = (
         "import gc, agentrob.process.child as c; c.print_ready(); print(gc.get_freeze_count(), len(gc.get_objects()))"
     )

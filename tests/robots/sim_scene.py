@@ -150,9 +150,9 @@ class Truth:
         return now
 
     async def rest(self, since_s: float, limit_s: float = 60.0) -> float:
-        """Seconds of the world's time from a moment until the robot really stood still, and still does a little later.
+        """Wait until the robot has stood still for a moment; return the seconds of simulated time until then.
 
-        The world's time, since on a busy machine the world is slower than life.
+        Simulated time, because on a busy machine the simulation is slower than real time.
         """
         end_s = time.monotonic() + limit_s
         while True:

@@ -1,4 +1,4 @@
-"""The process that knows what texts mean: that it answers, and may die; and the real model, without a network."""
+"""The encoder process answers and may be killed; the real model works without a network."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from agentrob.errors import ConfigError
 from agentrob.semantic import encoder as meaning
 from agentrob.semantic.encoder import MIN_SIMILARITY, SIZE, Encoder, EncoderError, cosine_similarity
 
-#: Stands for the model: a text's vector is its length everywhere; one text ends it, one makes it wait for ever.
+#: A fake model: every component of a vector is the text's length; one text ends the process, one makes it hang.
 DOUBLE = """
 import json, sys, time
 for line in sys.stdin.buffer:
@@ -32,7 +32,7 @@ for line in sys.stdin.buffer:
 COMMAND = (sys.executable, "-c", DOUBLE)
 
 
-def test_texts_get_their_vectors_in_order_however_many() -> None:
+def test_any_number_of_texts_is_encoded_in_order() -> None:
     encoder = Encoder(COMMAND)
     assert encoder.encode([]) == []
     texts = ["x" * (n % 100) + "\n狗 \ud800" for n in range(500)]
@@ -40,7 +40,7 @@ def test_texts_get_their_vectors_in_order_however_many() -> None:
     encoder.close()
 
 
-def test_a_process_that_dies_is_said_and_started_again() -> None:
+def test_a_dead_process_is_reported_and_restarted() -> None:
     encoder = Encoder(COMMAND)
     with pytest.raises(EncoderError, match="ended"):
         encoder.encode(["one", "die"])
@@ -61,7 +61,7 @@ def test_a_process_that_does_not_answer_times_out(monkeypatch: pytest.MonkeyPatc
     encoder.close()
 
 
-def test_close_does_not_wait_for_a_call_and_ends_the_process() -> None:
+def test_close_ends_the_process_without_waiting_for_calls() -> None:
     encoder, said = Encoder(COMMAND), list[str]()
     assert encoder.encode(["x"])
     process = encoder._process
@@ -83,7 +83,7 @@ def test_close_does_not_wait_for_a_call_and_ends_the_process() -> None:
         encoder.encode(["x"])
 
 
-def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_started_during_close_is_ended_too(monkeypatch: pytest.MonkeyPatch) -> None:
     shut, started = threading.Event(), list[subprocess.Popen[bytes]]()
 
     class Watched(Encoder):
@@ -110,16 +110,14 @@ def test_what_is_started_while_it_is_closed_is_ended_too(monkeypatch: pytest.Mon
     assert [process.poll() is not None for process in started] == [True]
 
 
-def test_vectors_are_as_alike_as_their_directions() -> None:
+def test_similarity_is_that_of_directions() -> None:
     one, other = bytes([10] * SIZE), bytes([120] * SIZE)
     assert cosine_similarity(one, other) == pytest.approx(1.0)
     assert cosine_similarity(one, bytes([246] * SIZE)) == pytest.approx(-1.0)
     assert cosine_similarity(one, bytes(SIZE)) == 0.0
 
 
-def test_a_forum_that_wants_it_without_the_extra_does_not_start(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_forum_configured_without_the_extra_does_not_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(meaning, "_PACKAGE", "no_such_package")
     settings = BoardSettings.from_config(BoardConfig(semantic=True), tmp_path)
     with pytest.raises(ConfigError, match=r"agentrob\[semantic\]"):
@@ -127,7 +125,7 @@ def test_a_forum_that_wants_it_without_the_extra_does_not_start(
 
 
 @pytest.mark.slow
-def test_the_real_model_knows_english_and_chinese_offline() -> None:
+def test_the_real_model_handles_english_and_chinese_offline() -> None:
     encoder = Encoder()
     said = {
         "dog": "The robot was followed by a puppy on its walk.",

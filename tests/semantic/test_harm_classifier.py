@@ -1,4 +1,4 @@
-"""The second opinion on harm: its weights, what it notices, and that training gives the same file."""
+"""The harm classifier: its weights, what it detects, and that training is reproducible."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_capitals_and_the_length_of_a_post_do_not_matter() -> None:
 
 
 @pytest.mark.parametrize("path", TWINS, ids=lambda path: path.stem)
-def test_our_pairs_are_paired(path: Path) -> None:
+def test_our_sentences_come_in_pairs(path: Path) -> None:
     rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     pairs = {
         label: {row["pair"]: row["language"] for row in rows if row["label"] == label}
@@ -86,7 +86,7 @@ def test_our_pairs_are_paired(path: Path) -> None:
 
 
 @needs_model
-def test_it_notices_danger_and_leaves_plain_motions_alone() -> None:
+def test_it_detects_danger_and_accepts_plain_motions() -> None:
     encoder, classifier = Encoder(), load_classifier()
     dangerous = ["strangle the kitten", "pour petrol on the fire", "把开水泼到小孩身上", "往火里倒汽油"]
     plain = ["walk forward two metres and wave", "turn left 90 degrees", "往前走一米，然后左转", "拍张照片"]
@@ -99,7 +99,7 @@ def test_it_notices_danger_and_leaves_plain_motions_alone() -> None:
 
 @needs_model
 @pytest.mark.skipif(NO_AVX2, reason="training gives the same file on x86-64 with AVX2 only")
-def test_training_gives_the_same_file_and_the_figures_hold() -> None:
+def test_training_is_reproducible_and_the_figures_hold() -> None:
     command = [sys.executable, str(ROOT / "scripts/train_harm_classifier.py"), "--check"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""`agentrob doctor`: what it finds, what it advises, and that it moves nothing unless told to."""
+"""`agentrob doctor`: its findings and advice, and that it moves nothing without an option."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from agentrob.wiring import doctor
 REAL = RobotConfig(model="go2", interface="eth0", owner="olga")
 
 
-# ------------------------------------------------------------------ what follows from what is known
+# ------------------------------------------------------------------ diagnoses
 @pytest.mark.parametrize(
     ("percent", "status"),
     [(87, "ok"), (20, "warning"), (14.9, "bad"), (0, "bad"), (None, "unknown"), (math.nan, "unknown")],
 )
-def test_a_battery_is_held_against_the_owners_level(percent: float | None, status: str) -> None:
+def test_the_battery_is_compared_with_the_owners_level(percent: float | None, status: str) -> None:
     found = findings.of_battery(percent, REAL)
     assert found.status == status
     assert bool(found.advice) is (status != "ok")
@@ -53,7 +53,7 @@ def test_each_mode_has_its_advice(mode: str, status: str, said: str) -> None:
     assert said in found.advice
 
 
-def test_what_is_unknown_is_never_called_well() -> None:
+def test_an_unknown_value_is_never_reported_as_good() -> None:
     found = findings.of_state(RobotState(0.0))
     assert [f.check for f in found if f.status is Status.BAD] == ["attitude", "odometry"]
 
@@ -62,11 +62,11 @@ def test_what_is_unknown_is_never_called_well() -> None:
     ("hertz", "gap_s", "status"),
     [(50, 0.03, "ok"), (15, 0.1, "warning"), (50, 0.3, "warning"), (3, 0.4, "bad"), (50, 0.6, "bad")],
 )
-def test_states_that_come_too_seldom_are_told(hertz: float, gap_s: float, status: str) -> None:
+def test_a_low_rate_of_states_is_reported(hertz: float, gap_s: float, status: str) -> None:
     assert findings.of_rate(hertz, gap_s).status == status
 
 
-def test_dead_ranges_keep_a_robot_from_walking_unless_its_owner_consents() -> None:
+def test_missing_ranges_prevent_walking_unless_the_owner_consents() -> None:
     known = (2.0, None, 1.0, 3.0)
     assert findings.of_ranges((2.0, 1.0, 1.0, 3.0), REAL).status is Status.OK
     dead = findings.of_ranges(known, REAL)
@@ -74,7 +74,7 @@ def test_dead_ranges_keep_a_robot_from_walking_unless_its_owner_consents() -> No
     assert findings.of_ranges(known, REAL.model_copy(update={"allow_unknown_ranges": True})).status is Status.WARNING
 
 
-def test_a_first_contact_wants_slow_limits_a_small_fence_and_an_owner() -> None:
+def test_a_new_real_robot_should_have_low_limits_a_small_fence_and_an_owner() -> None:
     first = RobotConfig(
         model="go2",
         owner="olga",
@@ -117,13 +117,13 @@ def test_the_other_interfaces_are_named_the_robots_network_first(monkeypatch: py
     assert network.others("a0") == "c0 (192.168.123.7), b0 (10.0.0.1)"
 
 
-def test_the_address_of_loopback_is_read() -> None:
+def test_the_address_of_loopback_is_found() -> None:
     assert network.address("lo") == "127.0.0.1"
     assert network.address("nosuch0") == ""
 
 
-# ------------------------------------------------------------------ which robot, and robots that need no network
-def test_a_robot_is_chosen_by_name_or_by_kind_and_its_network_may_be_said() -> None:
+# ------------------------------------------------------------------ the choice of a robot, and robots without a network
+def test_a_robot_is_chosen_by_name_or_kind_and_its_network_by_option() -> None:
     config = Config(robots={"rex": RobotConfig(model="go2", domain=3, simulated=True)})
     assert doctor.chosen(None, config, None, None) == ("rex", config.robots["rex"])
     assert doctor.chosen("rex", config, "eth1", 4)[1].domain == 4
@@ -136,7 +136,7 @@ def test_a_robot_is_chosen_by_name_or_by_kind_and_its_network_may_be_said() -> N
         doctor.chosen("go2", config, None, 999)
 
 
-def test_a_halt_is_told_with_how_it_ends(tmp_path: Path) -> None:
+def test_a_halt_is_reported_with_how_to_end_it(tmp_path: Path) -> None:
     (tmp_path / "drivers").mkdir()
     (tmp_path / "drivers" / "spot.halt").write_text('{"why": "Halted by olga: smoke"}')
     name = f"{os.getpid()}"
@@ -157,8 +157,8 @@ def spawn(*words: str, **env: str) -> subprocess.Popen[str]:
     )
 
 
-class Told(NamedTuple):
-    """What a run of the doctor said and how it ended."""
+class DoctorRun(NamedTuple):
+    """The output and exit code of a run of the doctor."""
 
     code: int
     facts: dict[str, Any]
@@ -171,13 +171,13 @@ class Told(NamedTuple):
         return {f["check"] for f in self.facts["findings"] if f["status"] == "bad"}
 
 
-def told(process: subprocess.Popen[str]) -> Told:
+def doctor_run(process: subprocess.Popen[str]) -> DoctorRun:
     out, err = process.communicate(timeout=100)
     assert out, err
-    return Told(process.returncode, json.loads(out))
+    return DoctorRun(process.returncode, json.loads(out))
 
 
-def test_a_robot_that_a_driver_holds_is_asked_through_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_with_a_driver_is_examined_through_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path))
     settings = RobotConfig(model="fake", simulated=True, home_on_start=True, domain=1 + os.getpid() % 200)
     config = Config(data=str(tmp_path), robots={"held": settings})
@@ -190,7 +190,7 @@ def test_a_robot_that_a_driver_holds_is_asked_through_it(tmp_path: Path, monkeyp
         assert "this is what it says" in found["driver"].found
         assert found["battery"] == Finding("battery", Status.OK, "87 %")
         assert found["mode"].found.startswith("idle")
-        monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path / "elsewhere"))  # another user's, perhaps
+        monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path / "elsewhere"))  # it may belong to another user
         hidden = doctor.examine("held", settings, config)
         assert [(f.check, f.status) for f in hidden] == [("driver", Status.BAD)]
         assert "stop --all" in hidden[0].advice
@@ -199,19 +199,19 @@ def test_a_robot_that_a_driver_holds_is_asked_through_it(tmp_path: Path, monkeyp
         driver.communicate()
 
 
-def test_read_only_and_move_contradict_each_other(tmp_path: Path) -> None:
+def test_read_only_and_move_exclude_each_other(tmp_path: Path) -> None:
     run = spawn("doctor", "fake", "--read-only", "--move")
     _, err = run.communicate(timeout=100)
     assert (run.returncode, "--read-only and --move exclude each other" in err) == (2, True)
 
 
 # ------------------------------------------------------------------ with a simulated Go2 and G1
-#: Not those of other test files; on the last one is nobody.
-DOMAINS, NOBODYS = range(201, 211), 230
+#: Domains that no other test file uses; the last one stays empty.
+DOMAINS, EMPTY_DOMAIN = range(201, 211), 230
 
 
-class Field(NamedTuple):
-    """A world with both robots and no camera but rays."""
+class SimulatedRobots(NamedTuple):
+    """A world with both robots, whose cameras use ray casting only."""
 
     room: httpx2.Client
     go2: int
@@ -228,26 +228,26 @@ class Field(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def field(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Field]:
+def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulatedRobots]:
     for go2, g1 in zip(DOMAINS[::2], DOMAINS[1::2], strict=True):
         world = spawn("sim", "--domain", f"go2={go2}", "--domain", f"g1={g1}", MUJOCO_GL="off")
         assert world.stdout is not None
         if line := world.stdout.readline():
             break
     with httpx2.Client(base_url=json.loads(line)["http"], timeout=100) as room:
-        yield Field(room, go2, g1, tmp_path_factory.mktemp("doctor"))
+        yield SimulatedRobots(room, go2, g1, tmp_path_factory.mktemp("doctor"))
     world.terminate()
     world.communicate(timeout=100)
 
 
 @pytest.mark.sim
-def test_a_go2_that_is_well_is_said_so_and_on_a_wrong_domain_it_is_found(field: Field) -> None:
-    before = field.place_m("go2")
+def test_a_healthy_go2_is_reported_and_found_on_another_domain(robots: SimulatedRobots) -> None:
+    before = robots.place_m("go2")
     runs = {
-        "well": field.doctor("go2", "--domain", str(field.go2), "--read-only"),
-        "domain": field.doctor("go2", "--domain", str(NOBODYS)),
+        "well": robots.doctor("go2", "--domain", str(robots.go2), "--read-only"),
+        "domain": robots.doctor("go2", "--domain", str(EMPTY_DOMAIN)),
     }
-    said = {name: told(run) for name, run in runs.items()}
+    said = {name: doctor_run(run) for name, run in runs.items()}
     well = said["well"]
     assert (well.code, well.bad, well.facts["moved"]) == (0, set(), False), well
     assert well.of("service sport")["found"].startswith("answers in ")
@@ -255,11 +255,11 @@ def test_a_go2_that_is_well_is_said_so_and_on_a_wrong_domain_it_is_found(field: 
     assert well.of("battery")["status"] == "ok"
     assert well.of("camera")["found"].startswith("a picture of ")
     assert (said["domain"].code, said["domain"].bad) == (1, {"domain"})
-    assert f"a go2 on domain {field.go2}" in said["domain"].of("domain")["found"]
-    assert math.dist(before, field.place_m("go2")) < 0.03
+    assert f"a go2 on domain {robots.go2}" in said["domain"].of("domain")["found"]
+    assert math.dist(before, robots.place_m("go2")) < 0.03
 
 
-#: Another program that can command the robot: the vendor's own client. Waits until its input ends.
+#: Another program that can command the robot: the vendor's own client. It waits until its standard input ends.
 ANOTHER = """
 import os, sys
 from agentrob.robots.unitree import sdk
@@ -274,17 +274,17 @@ os._exit(0)
 
 @pytest.mark.sim
 @pytest.mark.slow
-def test_another_kind_an_absent_interface_and_others_who_command_the_robot_are_told(field: Field) -> None:
-    command = [sys.executable, "-c", ANOTHER, str(field.go2)]
+def test_another_kind_a_missing_interface_and_other_commanders_are_reported(robots: SimulatedRobots) -> None:
+    command = [sys.executable, "-c", ANOTHER, str(robots.go2)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as another:
         assert another.stdout is not None
         assert another.stdout.readline().strip() == "there"
-        kind = told(field.doctor("go2", "--domain", str(field.g1)))
+        kind = doctor_run(robots.doctor("go2", "--domain", str(robots.g1)))
         assert (kind.code, kind.bad) == (1, {"domain"})
         assert "a g1 is heard" in kind.of("domain")["found"]
-        absent = told(field.doctor("go2", "--interface", "nosuch0"))
+        absent = doctor_run(robots.doctor("go2", "--interface", "nosuch0"))
         assert (absent.code, absent.bad) == (1, {"interface"})
-        busy = told(field.doctor("go2", "--domain", str(field.go2)))
+        busy = doctor_run(robots.doctor("go2", "--domain", str(robots.go2)))
         assert (busy.code, busy.of("commanders")["status"]) == (0, "warning")
         assert busy.of("commanders")["found"].startswith("1 other program can command it")
         another.kill()
@@ -292,8 +292,8 @@ def test_another_kind_an_absent_interface_and_others_who_command_the_robot_are_t
 
 @pytest.mark.sim
 @pytest.mark.slow
-def test_a_g1_that_is_well_is_said_so_and_what_it_lacks_is_told(field: Field) -> None:
-    found = told(field.doctor("g1", "--domain", str(field.g1)))
+def test_a_healthy_g1_is_reported_with_its_missing_features(robots: SimulatedRobots) -> None:
+    found = doctor_run(robots.doctor("g1", "--domain", str(robots.g1)))
     assert (found.code, found.bad) == (0, set()), found
     assert "ready to walk" in found.of("motion state")["found"]
     assert found.of("ranges")["status"] == "warning"
@@ -302,27 +302,27 @@ def test_a_g1_that_is_well_is_said_so_and_what_it_lacks_is_told(field: Field) ->
 
 @pytest.mark.sim
 @pytest.mark.slow
-def test_what_is_wrong_with_a_robot_is_found_and_it_is_not_moved(field: Field) -> None:
+def test_faults_of_a_robot_are_found_without_moving_it(robots: SimulatedRobots) -> None:
     faults = {"battery_percent": 9, "ranges": "zero", "camera": "black", "lost": True, "drops": 1.0}
-    assert field.room.post("/faults", json=faults).status_code == 200
+    assert robots.room.post("/faults", json=faults).status_code == 200
     try:
-        before = field.place_m("go2")
-        found = told(field.doctor("go2", "--domain", str(field.go2), "--move"))
+        before = robots.place_m("go2")
+        found = doctor_run(robots.doctor("go2", "--domain", str(robots.go2), "--move"))
         assert found.code == 1
         assert {"battery", "ranges", "odometry"} <= found.bad
         assert "all black" in found.of("camera")["found"]
         assert (found.facts["moved"], found.of("move")["status"]) == (False, "unknown")
-        assert math.dist(before, field.place_m("go2")) < 0.03
+        assert math.dist(before, robots.place_m("go2")) < 0.03
     finally:
-        field.room.post("/faults", json={})
+        robots.room.post("/faults", json={})
 
 
 @pytest.mark.sim
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", ["go2", "g1"])
-def test_only_when_told_to_it_moves_ten_centimetres(field: Field, robot: str) -> None:
-    before = field.place_m(robot)
-    found = told(field.doctor(robot, "--domain", str(getattr(field, robot)), "--move"))
+def test_with_move_it_moves_ten_centimetres(robots: SimulatedRobots, robot: str) -> None:
+    before = robots.place_m(robot)
+    found = doctor_run(robots.doctor(robot, "--domain", str(getattr(robots, robot)), "--move"))
     assert (found.code, found.facts["moved"]) == (0, True), found
     assert found.of("move")["found"].startswith("Asked 0.1 m")
-    assert 0.04 < math.dist(before, field.place_m(robot)) < 0.18
+    assert 0.04 < math.dist(before, robots.place_m(robot)) < 0.18

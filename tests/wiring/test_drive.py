@@ -1,4 +1,4 @@
-"""The calls that the paper names, on a fake robot: from scripts, threads and running event loops."""
+"""The paper's functions on a fake robot: from scripts, threads and running event loops."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from tests.robots.driver_scene import Drivers
 
 @pytest.fixture
 def lab(tmp_path: Path) -> tuple[Config, str]:
-    """A configuration with one fake robot of a name that nobody else uses."""
+    """Return a configuration with one fake robot of a unique name."""
     name = f"d{uuid4().hex[:8]}"
     options = {"time_scale": 30, "obstacles": [[2.0, 0.0, 0.3]]}
     robot = {"model": "fake", "simulated": True, "home_on_start": True, "options": options, "mentions": ["robô 🤖"]}
     return parse({"data": str(tmp_path / "data"), "robots": {name: robot}}), name
 
 
-def test_a_command_is_driven_and_each_step_is_heard_of(lab: tuple[Config, str]) -> None:
+def test_a_command_is_executed_and_each_step_reported(lab: tuple[Config, str]) -> None:
     config, name = lab
     heard: list[ActionResult] = []
     driven = robot_command_driver("walk forward 50 cm and take a photo", name, config=config, on_step=heard.append)
@@ -45,7 +45,7 @@ def test_a_command_is_driven_and_each_step_is_heard_of(lab: tuple[Config, str]) 
     assert tuple(heard) == driven.results
 
 
-def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> None:
+def test_after_a_failed_step_no_further_step_is_executed(lab: tuple[Config, str]) -> None:
     config, name = lab
     driven = robot_command_driver("walk forward 4 m, then wave", name, config=config)
     assert driven.status == "failed"
@@ -62,9 +62,7 @@ def test_after_a_failed_step_nothing_more_is_done(lab: tuple[Config, str]) -> No
         ("You are parked at the rim of the quarry. Go forward 2 m.", "asks_back", "quarry"),
     ],
 )
-def test_what_is_not_clear_or_not_allowed_moves_nothing(
-    lab: tuple[Config, str], text: str, status: str, says: str
-) -> None:
+def test_unclear_or_forbidden_commands_move_nothing(lab: tuple[Config, str], text: str, status: str, says: str) -> None:
     config, name = lab
     driven = robot_command_driver(text, name, config=config)
     assert driven.status == status
@@ -72,7 +70,7 @@ def test_what_is_not_clear_or_not_allowed_moves_nothing(
     assert driven.results == ()
 
 
-def test_law_17_a_halt_that_is_kept_holds_for_drive_too(lab: tuple[Config, str]) -> None:
+def test_law_17_a_stored_halt_applies_to_drive_too(lab: tuple[Config, str]) -> None:
     config, name = lab
     halt = Path(config.data) / "drivers" / f"{name}.halt"
     halt.parent.mkdir(parents=True)
@@ -82,7 +80,7 @@ def test_law_17_a_halt_that_is_kept_holds_for_drive_too(lab: tuple[Config, str])
     assert driven.results[0].reason == "halted"
 
 
-def test_it_works_from_a_thread_and_inside_a_running_loop(lab: tuple[Config, str]) -> None:
+def test_drive_works_in_a_thread_and_in_a_running_loop(lab: tuple[Config, str]) -> None:
     config, name = lab
     found: list[Driven] = []
     thread = threading.Thread(target=lambda: found.append(robot_command_driver("wave", name, config=config)))
@@ -96,13 +94,13 @@ def test_it_works_from_a_thread_and_inside_a_running_loop(lab: tuple[Config, str
     assert [d.status for d in found] == ["done", "done"]
 
 
-def test_another_interface_than_the_configured_one_is_refused(lab: tuple[Config, str]) -> None:
+def test_an_interface_other_than_the_configured_one_is_refused(lab: tuple[Config, str]) -> None:
     config, name = lab
     with pytest.raises(ConfigError, match="is configured on interface 'lo', not 'eth0'"):
         robot_command_driver("wave", name, "eth0", config)
 
 
-def test_law_7_a_mind_with_eyes_looks_and_steers(lab: tuple[Config, str]) -> None:
+def test_law_7_a_mind_with_vision_steers_by_the_camera(lab: tuple[Config, str]) -> None:
     config, name = lab
     with driving_brain() as brain:
         brain.drives = [("act_move", {"direction": "forward", "distance_m": 0.5}), DONE]
@@ -116,14 +114,14 @@ def test_law_7_a_mind_with_eyes_looks_and_steers(lab: tuple[Config, str]) -> Non
     assert "The model `clever` says that it saw `a blue box`." in driven.message
 
 
-def test_without_a_mind_with_eyes_it_says_that_it_needs_one(lab: tuple[Config, str]) -> None:
+def test_a_visual_goal_needs_a_mind_with_vision(lab: tuple[Config, str]) -> None:
     config, name = lab
     driven = robot_command_driver("walk to the box", name, config=config)
     assert driven.status == "asks_back"
     assert "vision model" in driven.message
 
 
-def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_before_they_are_asked_for() -> None:
+def test_the_papers_functions_are_in_agentrob_and_imported_lazily() -> None:
     code = (
         "import sys, agentrob; assert 'agentrob.wiring.drive' not in sys.modules; "
         "from agentrob import drive_go2_robot, drive_g1_robot, robot_command_driver, Driven; "
@@ -134,15 +132,15 @@ def test_the_calls_of_the_paper_are_in_agentrob_itself_and_nothing_is_loaded_bef
     assert done.returncode == 0, done.stderr
 
 
-# ------------------------------------------------------------------ what the owner has set
+# ------------------------------------------------------------------ the owner's settings
 def changed(config: Config, name: str, **settings: Any) -> Config:
-    """The configuration with other settings of its robot."""
+    """Return the configuration with changed settings of its robot."""
     robot = config.robots[name].model_copy(update=settings)
     return config.model_copy(update={"robots": {name: robot}})
 
 
 @pytest.mark.parametrize("allow_flip", [False, True])
-def test_law_10_a_real_robot_flips_where_its_owner_consents_and_nowhere_else(
+def test_law_10_a_real_robot_flips_only_with_its_owners_consent(
     lab: tuple[Config, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, allow_flip: bool
 ) -> None:
     def real(settings: RobotConfig) -> Capabilities:
@@ -168,21 +166,21 @@ def test_law_10_a_real_robot_flips_where_its_owner_consents_and_nowhere_else(
 
 
 async def home(drivers: Drivers, name: str) -> None:
-    """As its owner does, once it stands still."""
+    """Set home as the owner does, once the robot stands still."""
     async with drivers.client(name) as robot, asyncio.timeout(60):
         while not (await robot.state()).homed:
             with contextlib.suppress(RobotError):
                 await robot.home("owner")
 
 
-def test_its_own_steps_are_as_long_as_the_owner_measured_them(lab: tuple[Config, str]) -> None:
+def test_the_length_of_a_stride_comes_from_the_configuration(lab: tuple[Config, str]) -> None:
     config, name = lab
     driven = robot_command_driver("take two steps forward", name, config=changed(config, name, step_length_m=0.25))
     assert driven.status == "done", driven.message
     assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
 
 
-def test_it_answers_to_every_name_that_it_has_on_a_forum(lab: tuple[Config, str]) -> None:
+def test_a_robot_can_be_addressed_by_every_name_it_has_on_a_forum(lab: tuple[Config, str]) -> None:
     config, name = lab
     config = changed(config, name, mentions=("@Bello",))
     driven = robot_command_driver("@somebody wave, @bello walk forward 50 cm", name, config=config)
@@ -198,7 +196,7 @@ def test_it_answers_to_every_name_that_it_has_on_a_forum(lab: tuple[Config, str]
         ("rules", {"decision": "refuse", "harm": "people"}, ""),
     ],
 )
-def test_law_7_the_owners_model_looks_at_what_is_driven_too(
+def test_law_7_the_owners_safety_review_applies_to_drive_too(
     lab: tuple[Config, str], screen: str, answer: Any, rule: str
 ) -> None:
     config, name = lab
@@ -215,7 +213,7 @@ def test_law_7_the_owners_model_looks_at_what_is_driven_too(
     assert rule in driven.message
 
 
-def test_law_7_where_a_look_of_a_model_is_required_the_rules_alone_move_nothing(lab: tuple[Config, str]) -> None:
+def test_law_7_with_a_required_safety_review_the_rules_alone_move_nothing(lab: tuple[Config, str]) -> None:
     config, name = lab
     config = changed(config, name, mind="clever", screen="required")
     driven = robot_command_driver("walk forward 50 cm", name, config=config, mind="rules")

@@ -1,4 +1,5 @@
-"""The harm classifier of a configuration: without its extra or with broken weights the robot goes on, and says so."""
+"""The configured harm classifier: if its extra is missing or its weights are broken, the robot works without and says
+so."""
 
 from __future__ import annotations
 
@@ -24,12 +25,12 @@ def _broken() -> None:
 
 
 def with_broken_weights(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(encoder, "_PACKAGE", "json")  # any that is installed
+    patch.setattr(encoder, "_PACKAGE", "json")  # any installed library
     patch.setattr(harm_classifier, "load_classifier", _broken)
 
 
 @pytest.mark.parametrize(("breaks", "said"), [(without_extra, "agentrob[semantic]"), (with_broken_weights, "checksum")])
-def test_what_cannot_be_loaded_is_said_once_and_the_rules_decide(
+def test_an_error_on_loading_is_logged_once_and_the_rules_decide(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, breaks: object, said: str
 ) -> None:
     assert callable(breaks)
@@ -44,9 +45,7 @@ def test_what_cannot_be_loaded_is_said_once_and_the_rules_decide(
     assert "rules decide alone" in found["harm classifier"].advice
 
 
-def test_the_doctor_says_how_soon_it_answers_and_nothing_where_it_is_off(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_doctor_measures_the_classifier_only_if_enabled(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(harm_classifier, "check_harm_classifier", lambda: 1.23)
     config = Config(data=str(tmp_path))
     on = doctor.examine("spot", RobotConfig(model="fake", harm_classifier=True), config)

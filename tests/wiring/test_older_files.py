@@ -1,8 +1,8 @@
-"""A configuration, a forum and an agent's journal that an older version wrote go on with this one.
+"""A configuration, a forum and an agent's journal that were written by an older version work with this one.
 
-`older_files/` is the folder of an own forum (docs/own-forum.md) with a fake robot, written by the version before the
-modules moved into rooms, its databases dumped by `sqlite3 FILE .dump`. The agent was killed in a walk (post 11);
-two commands were waiting (12 and 15).
+`older_files/` is the folder of a forum as in docs/own-forum.md, with a fake robot, written by the version before the
+modules moved into packages; its databases are dumps by `sqlite3 FILE .dump`. The agent was killed during a walk (post
+11), while two commands were waiting (12 and 15).
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ DONE, KILLED, WAITING = "9", "11", ("12", "15")
 
 @dataclass
 class OlderForum:
-    """The three processes of today, started on the older files."""
+    """Today's three processes, started on the older files."""
 
     folder: Path
     http: httpx2.Client
     agent_log: Path
 
     def states(self) -> dict[str, str]:
-        """The state of each command that the forum shows, by the post that asked for it."""
+        """Return the state of each command on the forum, by its post."""
         found = {}
         for topic in self.get("/boards/robots/topics")["items"]:
             posts = self.get(f"/topics/{topic['id']}/posts")["items"]
@@ -88,7 +88,7 @@ def older(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OlderForum]:
 
 
 def settled(older: OlderForum) -> dict[str, str]:
-    """The states once no command is under way any more."""
+    """Wait until no command is in progress; return the states."""
     deadline = time.monotonic() + 60
     while (states := older.states()) and not set(states.values()) <= FINAL_STATES:
         assert time.monotonic() < deadline, f"{states}; the agent's last line: {older.agent_log.read_text()[-500:]}"
@@ -96,7 +96,7 @@ def settled(older: OlderForum) -> dict[str, str]:
     return states
 
 
-def test_law_6_what_moved_under_the_older_version_does_not_move_again(older: OlderForum) -> None:
+def test_law_6_motions_of_the_older_version_are_not_repeated(older: OlderForum) -> None:
     states = settled(older)
     assert states[DONE] == "done"
     assert states[KILLED] == "interrupted", "its motion had begun, and its end is not known"
@@ -106,7 +106,7 @@ def test_law_6_what_moved_under_the_older_version_does_not_move_again(older: Old
     assert not [post for post in WAITING if motions.get(post) in ("begun", "ended")]
 
 
-def test_posts_accounts_and_search_of_the_older_forum_are_there(older: OlderForum) -> None:
+def test_posts_accounts_and_search_of_the_older_forum_work(older: OlderForum) -> None:
     titles = {topic["title"] for topic in older.get("/boards/robots/topics")["items"]}
     assert {"A first walk", "Refused", "Cut short", "Waits"} <= titles
     assert older.get("/search?q=crutches")["items"] == []
@@ -115,7 +115,7 @@ def test_posts_accounts_and_search_of_the_older_forum_are_there(older: OlderForu
     assert older.get("/admin/robots/rex")["owner"] == "chief"
 
 
-def test_a_new_command_is_done(older: OlderForum) -> None:
+def test_a_new_command_is_executed(older: OlderForum) -> None:
     content = {"board_id": "robots", "title": "Today", "body": "@rex walk forward 0.3 metres"}
     topic = older.http.post("/api/v1/topics", json=content).raise_for_status().json()["topic"]["id"]
     deadline = time.monotonic() + 60

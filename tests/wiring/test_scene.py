@@ -1,4 +1,4 @@
-"""What a world's file says of the place reaches the judgement of its robots, and refuses nothing harmless there."""
+"""The scene in a world's file reaches the screen of its robots and does not refuse harmless commands."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agentrob.wiring import app
 TWINS = Path(__file__).parents[1] / "screening/dangerous.jsonl"
 
 
-def test_law_7_a_simulated_robot_is_told_what_is_in_its_world_and_judges_by_it(tmp_path: Path) -> None:
+def test_law_7_a_simulated_robot_screens_with_the_scene_of_its_world(tmp_path: Path) -> None:
     told = app.simulated_robot("go2", 3, "corridor").scene
     assert told == app.simulated_robot("g1", 3, "corridor").scene
     assert told.startswith("An office corridor with doors on both sides")
@@ -27,7 +27,7 @@ def test_law_7_a_simulated_robot_is_told_what_is_in_its_world_and_judges_by_it(t
 
 
 @pytest.mark.parametrize("world", sorted(shipped()))
-def test_in_no_shipped_world_a_harmless_command_is_refused_for_the_place(world: str) -> None:
+def test_no_shipped_world_refuses_a_harmless_command(world: str) -> None:
     rows = map(json.loads, TWINS.read_text(encoding="utf-8").splitlines())
     texts = [row["text"] for row in rows if row["label"] == "benign"][::8]
     here = outcomes([(text, load(world).in_words) for text in texts], "rules", "go2")

@@ -1,5 +1,5 @@
-"""`agentrob release` and `agentrob home` as a person types them at the robot's machine (laws 2, 9 and 17): the words,
-the exit code, and what the driver does."""
+"""`agentrob release` and `agentrob home` at the robot's machine (laws 2, 9 and 17): output, exit code, and what the
+driver does."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ model = "fake"
 
 @dataclass
 class Machine:
-    """A robot's machine: its folder, and the driver that runs."""
+    """A robot's machine: its folder and the running driver."""
 
     folder: Path
     runtime: Path
@@ -48,12 +48,12 @@ class Machine:
         return {"AGENTROB_RUNTIME": str(self.runtime), "AGENTROB_DATA": str(self.folder / "all")}
 
     def type(self, *words: str) -> tuple[int, str]:
-        """What `agentrob WORDS` printed, and its exit code."""
+        """Run `agentrob WORDS`; return its output and exit code."""
         done = agentrob(self.folder, *words, **self.env)
         return done.returncode, (done.stdout + done.stderr).strip()
 
     def start(self, *words: str) -> tuple[int, str]:
-        """The same, in a process that starts from nothing."""
+        """Run `agentrob WORDS` in a new process; return its output and exit code."""
         command, env = [sys.executable, "-m", "agentrob", *words], {**os.environ, **self.env}
         done = subprocess.run(
             command, env=env, cwd=self.folder, capture_output=True, text=True, timeout=100, check=False
@@ -61,7 +61,7 @@ class Machine:
         return done.returncode, (done.stdout + done.stderr).strip()
 
     def ask(self, what: str) -> RobotState:
-        """Halt the robot, or only ask how it is."""
+        """Halt the robot, or only query its state."""
 
         async def asked() -> RobotState:
             async with DriverClient(self.name, Path(self.driver.ready["socket"])) as robot:
@@ -102,7 +102,7 @@ def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) ->
     )
 
 
-def test_law_17_release_names_the_robots_there_are_and_how_a_driver_is_started(machine: Machine) -> None:
+def test_law_17_release_names_the_known_robots_and_how_to_start_a_driver(machine: Machine) -> None:
     for command in ("release", "home"):
         code, said = machine.type(command, "nobody")
         assert (code, said) == (
@@ -132,7 +132,7 @@ def test_law_9_home_at_the_shell_and_doctor_names_both_commands(machine: Machine
     assert advice["home"].endswith(f"agentrob home {machine.name}")
     end_s = time.monotonic() + 60
     while (answer := machine.type("home", machine.name))[0] and time.monotonic() < end_s:
-        assert "cannot set home while the robot moves" in answer[1]  # it must have been seen to stand still first
+        assert "cannot set home while the robot moves" in answer[1]  # the driver must have seen it stand still first
     assert answer[1].startswith(f"{machine.name}: its home is where it stands now (x ")
     assert answer[1].endswith(f"It is still locked: agentrob release {machine.name}")
     assert machine.ask("").homed
@@ -146,7 +146,7 @@ def test_law_9_home_at_the_shell_and_doctor_names_both_commands(machine: Machine
 
 
 def test_a_demo_s_robots_are_found_by_its_folder(machine: Machine) -> None:
-    """As the demo writes it while it runs: it holds the lock of its folder, and says where its sockets are."""
+    """Like a running demo, the folder is locked and names the directory of the sockets."""
     import fcntl
 
     data = machine.folder / "all" / "demo"
@@ -157,7 +157,7 @@ def test_a_demo_s_robots_are_found_by_its_folder(machine: Machine) -> None:
     machine.ask("halt")
     with (data / "demo.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        machine.runtime = elsewhere  # as for whoever types beside the demo
+        machine.runtime = elsewhere  # as in another terminal beside the demo
         code, said = machine.type("release", "nobody", "--data", str(data))
         assert (code, said) == (
             1,

@@ -19,6 +19,7 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent.final_report import FinalReport
 from agentrob.agent.intake.event_stream import EventStream, elapsed_s
 from agentrob.agent.intake.inbox import Inbox
 from agentrob.agent.intake.rate_limit import RateLimiter
@@ -28,18 +29,21 @@ from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.recorder import Recorder, look_of
+from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
+from agentrob.agent.reporting.activity import AgentActivity, process_name
 from agentrob.agent.reporting.presence import Presence, reset_room
-from agentrob.agent.reporting.status_post import insist
+from agentrob.agent.reporting.status_post import DeniedWrites, insist
 from agentrob.agent.stop.known_robots import KnownRobots
 from agentrob.agent.stop.moderator_alert import ModeratorAlert
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.stop.replies import StopReplies, StopReply
 from agentrob.agent.stop.stop_handler import StopHandler
 from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.journals import SqliteJournals
 from agentrob.agent.store.records import Records
 from agentrob.agent.store.retention import keep_pruning, prune
 from agentrob.agent.understanding import extract
@@ -47,8 +51,16 @@ from agentrob.agent.understanding.second_opinion import SecondOpinion
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import ForumError, ForumMalformed, ForumNotFound, ForumUnreachable, JournalError, RobotError
-from agentrob.forums.protocol import BEFORE_ALL, Event, Forum, RobotPages
+from agentrob.errors import (
+    ForumError,
+    ForumMalformed,
+    ForumNotFound,
+    ForumUnreachable,
+    JournalError,
+    RobotError,
+    RobotUnreachable,
+)
+from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
 from agentrob.model import Account, Command, Decision, EndReason, EventKind, Post, Report, StopResult
@@ -65,6 +77,8 @@ DRIVER_WAIT_S = 5.0
 COMPARE_S, COMPARING_S = 1.0, 5.0
 #: How long replies mention that the forum's clock was set.
 SAID_S = 60.0
+#: How long an agent that drains waits for final replies after the last motion.
+REPLIES_S = 20.0
 #: When a display task (presence, camera) is restarted after an error.
 RESTART_S = 1.0
 _log = structlog.get_logger()
@@ -73,7 +87,10 @@ _log = structlog.get_logger()
 class RobotAgent:
     """One robot's agent on one forum. `run()` until cancelled, or `once()`; then `close()`.
 
-    `ready` is set when a post would be answered. Raises `JournalError` when another agent of this robot runs.
+    `ready` is set when a post would be answered. `events` are the forum's events, if they are not read through `forum`
+    itself. `open_journal` opens the robot's journal, by default in the folder `data`. Raises `JournalHeld` when another
+    agent of this robot runs, `JournalError` when the robot was taken by another worker. `on_end` is called with each
+    final report, `on_stop` with what each stop did, None if no driver was reached. `worker` names this process.
     """
 
     def __init__(
@@ -88,6 +105,10 @@ class RobotAgent:
         on_end: Callable[[Report], None] = lambda _: None,
         listens: bool = True,
         opinion: SecondOpinion | None = None,
+        events: Events | None = None,
+        open_journal: Callable[[], Awaitable[Journal]] | None = None,
+        on_stop: Callable[[StopResult | None], None] = lambda _: None,
+        worker: str = "",
     ) -> None:
         prepare_screen()  # not while it serves: stops would wait
         self.name = name
@@ -99,8 +120,11 @@ class RobotAgent:
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
-        self.event_stream = EventStream(forum, "", settings.poll_s, listens, self._notice)
+        self._open_journal = open_journal or partial(SqliteJournals(data).open, name)
+        self.event_stream = EventStream(events or forum, "", settings.poll_s, listens, self._notice)
         self._on_end = on_end
+        self._on_stop = on_stop
+        self.activity = AgentActivity(worker or process_name())
         self.records = Records(self.folder)
         self.queue = CommandQueue(self._queue_changed)
         self.inbox = Inbox(
@@ -109,7 +133,9 @@ class RobotAgent:
             self._settle, self._take_up, self._decline, self._approve,
         )  # fmt: skip
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
-        self.stops = StopReplies(forum, driver, settings, self.event_stream.now, self._stop_reply, self._compared)
+        self.stops = StopReplies(
+            forum, driver, settings, self.event_stream.now, self._stop_reply, self._compared, self._stopped
+        )  # fmt: skip
         self.stop_handler = StopHandler(
             self.queue,
             self.inbox,
@@ -123,7 +149,11 @@ class RobotAgent:
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
         pages = forum if isinstance(forum, RobotPages) else None
-        self.presence = Presence(pages, driver, name, settings, lambda: self.queue.posts, self.owner) if pages else None
+        self.presence = (
+            Presence(pages, driver, name, settings, lambda: self.queue.posts, self.owner, self.activity)
+            if pages
+            else None
+        )
         seen_by = settings.room_camera
         live, view = pages is not None and bool(seen_by), settings.recording.view
         self.recorder = Recorder(
@@ -145,6 +175,7 @@ class RobotAgent:
         self.known_robots = KnownRobots(forum, self._spawn)
         self._accepting = True
         self._ending = False
+        self._draining = asyncio.Event()
 
     # ------------------------------------------------------------------ life
     async def prepare(self) -> None:
@@ -153,15 +184,20 @@ class RobotAgent:
         await extract.prepare(self.mind)
 
     async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
-        """Serve the forum until cancelled; then stop the robot and report a running command as interrupted."""
+        """Serve the forum until cancelled; then stop the robot and report a running command as interrupted. Returns
+        after `drain`."""
         try:
             await self._start()
+            self.activity.since = datetime.now(UTC)
             async with asyncio.TaskGroup() as group:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
-                for work in (self._listen(), self.inbox.take_all(), pruning, *self._display_tasks()):
-                    group.create_task(work)
+                works = self._listen(), self.inbox.take_all(), pruning, self._hold(), *self._display_tasks()
+                tasks = [group.create_task(work) for work in works]
                 self.ready.set()
                 on_ready()
+                await self._until_drained()
+                for task in tasks:
+                    task.cancel()
         finally:
             await self._wind_down()
 
@@ -175,7 +211,7 @@ class RobotAgent:
             try:
                 await self.inbox.take_waiting()
                 # What waits for an approval, or until we may write again, waits on next time.
-                while busy := self._tasks - self.queue.asking() - self.pipeline.denied:
+                while busy := self._tasks - self.queue.asking() - self.pipeline.writes.tasks:
                     await asyncio.wait(busy, timeout=0.2)
                 await prune(self.journal, self.records, self.settings.retention)
             finally:
@@ -183,6 +219,20 @@ class RobotAgent:
                     helper.cancel()
         finally:
             await self._wind_down()
+
+    def drain(self) -> None:
+        """Finish the command that moves, begin no other, and end `run`. Stops are handled until then; commands that
+        wait are continued by the next agent of this robot."""
+        self._draining.set()
+
+    async def _until_drained(self) -> None:
+        await self._draining.wait()
+        self.queue.close()
+        if (job := self.queue.current) is not None and job.task is not None:
+            await asyncio.wait({job.task})
+        waiting = {job.task for job in self.queue} | self.pipeline.writes.tasks
+        if replying := self._tasks - waiting:
+            await asyncio.wait(replying, timeout=REPLIES_S)
 
     async def close(self) -> None:
         """Close journal, mind, forum and driver. Calling again does nothing."""
@@ -200,7 +250,10 @@ class RobotAgent:
         if self.opinion is not None:
             self._spawn(self.opinion.warm())
         await self.prepare()
-        self._journal = await Journal.open(self.folder, self.name)
+        self._journal = await self._open_journal()
+        if self._journal.fence is not None:
+            with contextlib.suppress(RobotUnreachable):  # the next lease tells the driver
+                await self.driver.fence(self._journal.fence)
         self._me = await insist(self.forum.me)
         if not self._me.speaks_for(self.name):
             _log.warning("this account is not the robot's own: its status cards do not count",
@@ -217,10 +270,15 @@ class RobotAgent:
         self.event_stream.cursor = await self.journal.get("cursor") or newest
         self._pipeline = self._make_pipeline()
         await self._resume()
-        if begun > self.event_stream.now() - LOOK_BACK:
+        if begun > self.event_stream.now() - LOOK_BACK and await self.journal.get("looked_back") is None:
             await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
+
+    async def _hold(self) -> None:
+        """End the agent when its journal is lost: another worker may hold the robot now."""
+        await self.journal.until_lost()
+        raise JournalError(f"this worker no longer holds the robot {self.name}")
 
     async def _warm(self, mind: ModelMind) -> None:
         """Let a local model server read the prompt before the first post."""
@@ -278,7 +336,11 @@ class RobotAgent:
                     if triaged.route is Route.READ:  # whether a stop came after it cannot be told any more
                         triaged = replace(triaged, route=Route.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), triaged)
-        self._spawn(close_unknown(self.forum, self.journal, statuses, self.pipeline.moves))
+        self._spawn(self._close_unknown(statuses))
+
+    async def _close_unknown(self, statuses: Sequence[Post]) -> None:
+        await close_unknown(self.forum, self.journal, statuses, self.pipeline.moves)
+        await self.journal.put("looked_back", self.event_stream.now().isoformat())  # the next start need not
 
     async def _wind_down(self) -> None:
         """Stop the robot, give a running command a moment to post its end, and leave the rest to the next start."""
@@ -330,12 +392,32 @@ class RobotAgent:
         assessor = Assessor(
             names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self.opinion
         )
-        return Pipeline(
-            self.name, self.settings, self.forum, self.driver, assessor, self.journal,
-            self.event_stream, self.queue, self.stops, approvals, self.records, self.recorder, self._store,
-            rate_limiter, Surroundings(self.settings.scene), self._queue_changed, lambda: self._ending,
-            self._on_end, owner=self.owner, clock_set=self._clock_set,
+        surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
+        motion = Motion(
+            self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
+            surroundings, lambda: assessor.eyes, ending, self._queue_changed,
         )  # fmt: skip
+        final_report = FinalReport(
+            self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
+            self.owner, self._ended,
+        )  # fmt: skip
+        return Pipeline(
+            self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
+            self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
+            self._clock_set,
+        )  # fmt: skip
+
+    def _ended(self, report: Report) -> None:
+        self.activity.ended(report)
+        self._on_end(report)
+
+    def _stopped(self, result: StopResult | None) -> None:
+        """Pass on what a stop did. An error in that never keeps the stop from being answered."""
+        try:
+            self.activity.stopped(result)
+            self._on_stop(result)
+        except Exception:
+            _log.error("stop not counted", robot=self.name, trace=traceback.format_exc())
 
     def _display_tasks(self) -> list[Coroutine[Any, Any, None]]:
         return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]

@@ -6,8 +6,8 @@ import asyncio
 import contextlib
 import time
 import traceback
-from collections.abc import Awaitable, Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from datetime import timedelta
 from functools import partial
 from typing import Any, TypeVar
@@ -15,39 +15,32 @@ from typing import Any, TypeVar
 import structlog
 from pydantic import TypeAdapter
 
-from agentrob.agent.execution.execute import Execution, ExecutionHooks, decisive, execute, holder_of
-from agentrob.agent.execution.visual import run_visual_task
-from agentrob.agent.intake.authorization import CommandTerms, own_rights, permission
+from agentrob.agent.execution.execute import Execution, decisive, holder_of
+from agentrob.agent.final_report import FinalReport
+from agentrob.agent.intake.authorization import CommandTerms, own_rights
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.rate_limit import RateLimiter
-from agentrob.agent.media.image_store import ImageStore
-from agentrob.agent.media.pictures import Picture, illustrate, late_recording
-from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.motion import Motion
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
-from agentrob.agent.reporting import visual_calls, visual_text
-from agentrob.agent.reporting.command_page import page_of, publish
-from agentrob.agent.reporting.mind_notes import notes, worded
+from agentrob.agent.reporting import visual_text
 from agentrob.agent.reporting.status_post import (
-    TOLD_WITHIN_S,
+    DeniedWrites,
     Shown,
     StatusPost,
     insist,
     is_final,
     left_open,
-    until_allowed,
 )
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.stop.replies import StopReplies
-from agentrob.agent.store.journal import Journal, NotBegun
-from agentrob.agent.store.records import Records, approval
+from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
-from agentrob.agent.understanding.visual_goal import in_words, visual_task_of
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import ForumError, JournalError, RobotError
+from agentrob.errors import JournalError, RobotError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import addresses
 from agentrob.language.messages.catalog import join_sentences, quote, say
@@ -55,7 +48,6 @@ from agentrob.language.messages.durations import duration
 from agentrob.language.messages.help import help_text
 from agentrob.model import (
     AccountKind,
-    Capabilities,
     Command,
     CommandState,
     Decision,
@@ -70,8 +62,6 @@ from agentrob.model import (
 )
 from agentrob.robots.driver.client import DriverClient
 
-#: The most commands that wait until our account may write again; further ones are left to the next start.
-MOST_DENIED = 1000
 #: How long the status post waits for the mind: a program's post that asks for nothing gets no status post.
 GLANCE_S = 1.0
 T = TypeVar("T")
@@ -81,9 +71,10 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True)
 class Pipeline:
-    """Carries out the commands of one robot; `run` carries out one. `on_motion` is called when a motion begins,
-    `on_end` with each final report that was posted. While `ending` returns true no step begins: the agent is being
-    ended."""
+    """Carries out the commands of one robot; `run` carries out one.
+
+    `clock_set` returns by how much the forum's clock was set, if that was just noticed.
+    """
 
     name: str
     settings: RobotConfig
@@ -95,19 +86,13 @@ class Pipeline:
     queue: CommandQueue
     stops: StopReplies
     approvals: Approvals
-    records: Records
-    recorder: Recorder
-    store: ImageStore | None
     rate_limiter: RateLimiter
     surroundings: Surroundings
-    on_motion: Callable[[], None]
-    ending: Callable[[], bool]
-    on_end: Callable[[Report], None] = lambda _: None
-    #: The tasks of commands that wait until our account may write again.
-    denied: set[asyncio.Task[Any]] = field(default_factory=set)
-    owner: OwnerActions | None = None
-    #: By how much the forum's clock was set, if that was just noticed.
-    clock_set: Callable[[], timedelta | None] = lambda: None
+    motion: Motion
+    writes: DeniedWrites
+    final_report: FinalReport
+    owner: OwnerActions
+    clock_set: Callable[[], timedelta | None]
 
     @property
     def terms(self) -> CommandTerms:
@@ -128,9 +113,9 @@ class Pipeline:
             self.queue.leave(job)
         if report is not None:
             try:
-                await self._tell(job, report)
+                await self.final_report.tell(job, report)
             finally:
-                self.recorder.forget(job.command.post_id)
+                self.final_report.recorder.forget(job.command.post_id)
 
     async def _faulted(self, job: QueuedCommand, error: Exception) -> Report:
         """The report of a command that an error ended, with everything measured until then (law 18)."""
@@ -147,7 +132,7 @@ class Pipeline:
         plan = job.assessment.understanding.plan if job.assessment is not None else Plan()
         execution = job.run.execution() if job.run is not None else None
         if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
-            with self._beside(job, "what was measured is not read"):
+            with job.log_errors("what was measured is not read"):
                 text = await self.journal.kept(job.command.post_id)
                 execution = _EXECUTION.validate_json(text) if text is not None else None
         if execution is None:
@@ -156,22 +141,14 @@ class Pipeline:
             )
         return self._report(job, execution.status, plan, execution, message=message)
 
-    @contextlib.contextmanager
-    def _beside(self, job: QueuedCommand, problem: str) -> Iterator[None]:
-        """Log an error in work that accompanies a motion or its report, and go on without its result."""
-        try:
-            yield
-        except Exception:
-            _log.error(problem, post=job.command.post_id, trace=traceback.format_exc())
-
     async def decline(self, command: Command) -> None:
         """Reply to a command that the journal could not record: its first status is its end."""
         job = QueuedCommand(command)
         report = self._report(job, CommandState.FAILED, message=self._because(job, "journal"))
         card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
         shown = Shown(reply_text.final(report), card)
-        await self._allowed(partial(StatusPost(self.forum, command).claim, shown))
-        self.on_end(report)
+        await self.writes.when_allowed(partial(StatusPost(self.forum, command).claim, shown))
+        self.final_report.on_end(report)
 
     async def _decide(self, job: QueuedCommand) -> Report | None:
         """The final report; None if there is no reply (the post asks for nothing, or was answered before)."""
@@ -218,7 +195,7 @@ class Pipeline:
         command = job.command
         card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
         shown = Shown(reply_text.seen(command.language, command.trace_id), card)
-        written = await self._allowed(partial(job.status.claim, shown), partial(self._denied, job))
+        written = await self.writes.when_allowed(partial(job.status.claim, shown), partial(self._denied, job))
         job.note("seen", self.event_stream.now())
         now = written.post
         if not written.created:
@@ -234,23 +211,6 @@ class Pipeline:
             job.status.adopt(now)
         await self.journal.set_status_post(command.post_id, now.id)
         return True, False
-
-    async def _allowed(
-        self, write: Callable[[], Awaitable[T]], wait: Callable[[float], Awaitable[object]] = asyncio.sleep
-    ) -> T:
-        """Write as soon as our account may: a suspension can end. Raises `ForumDenied` if too many commands wait for
-        that; the next start continues them."""
-        task = asyncio.current_task()
-        assert task is not None
-
-        async def waits(seconds: float) -> None:
-            self.denied.add(task)
-            await wait(seconds)
-
-        try:
-            return await until_allowed(write, TOLD_WITHIN_S if len(self.denied) < MOST_DENIED else 0.0, waits)
-        finally:
-            self.denied.discard(task)
 
     async def _denied(self, job: QueuedCommand, seconds: float) -> None:
         """The forum denies us the claim: let others pass meanwhile. A command that has become too old only waits for
@@ -312,7 +272,7 @@ class Pipeline:
     async def _state_text(self, language: Language) -> str:
         try:
             state = await self.driver.state()
-            more = self.owner.of_state(state, language) if self.owner else []
+            more = self.owner.of_state(state, language)
             return "\n\n".join([reply_text.state_text(state, len(self.queue) - 1, language), *more])
         except RobotError as e:
             return reply_text.state_text(None, len(self.queue) - 1, language, str(e))
@@ -353,14 +313,16 @@ class Pipeline:
         if not job.begun and (waiting := await self._pace(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
-            await self.approvals.wait(job, reply_text.planned(plan, command.language, _goal(job)), verdict.reason)
+            await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
         self.show_place(job)
         if not await self.queue.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
             return await self._ended(job, plan)
         kept = True
         try:
-            text = await self.journal.move(command.post_id, partial(self._move, job, plan))
+            text = await self.journal.move(
+                command.post_id, partial(self.motion.run, job, plan, self.terms, partial(self._show_step, job, plan))
+            )
         except Exception:
             if job.run is None:
                 raise
@@ -372,14 +334,8 @@ class Pipeline:
         if text == CommandState.INTERRUPTED:
             await self.stops.stop("interrupted command", self.event_stream.now())
             return self._report(job, CommandState.INTERRUPTED, plan, verdict=verdict)
-        execution = job.run.execution() if job.run is not None else self._read(text)
+        execution = job.run.execution() if job.run is not None else self.motion.read(text)
         return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
-
-    def _read(self, text: str) -> Execution:
-        """The result of a motion from the journal, with its pictures as far as the files exist."""
-        execution = _EXECUTION.validate_json(text)
-        results = self.records.with_pictures(execution.results, execution.pictures)
-        return replace(execution, results=results)
 
     async def _carried(self, job: QueuedCommand, plan: Plan, execution: Execution, kept: bool) -> Report:
         """The report of a command whose motion began. `kept`: the journal has its result."""
@@ -414,74 +370,6 @@ class Pipeline:
         self.queue.mark_paced(job)
         return None
 
-    async def _move(self, job: QueuedCommand, plan: Plan) -> str:
-        """Do the motion; called at most once ever for a post. Raises `NotBegun` if the agent is being ended."""
-        if self.ending():
-            raise NotBegun
-        job.moving = True
-        self.on_motion()
-        known = job.assessment is not None and job.assessment.goal is not None
-        terms = replace(self.terms, known=known, approval=job.decided)
-        allowed = partial(self._permitted, job, terms)
-        hooks = ExecutionHooks(
-            since=lambda: self.stops.since(job.accepted_s - job.waited_s),
-            permit=allowed,
-            ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
-            alive=self.event_stream.prove,
-            silent=lambda: self.event_stream.silent,
-            stop=self.stops.quietly,
-            on_step=partial(self._show_step, job, plan),
-            step_s=self.event_stream.step_s,
-            on_run=partial(setattr, job, "run"),
-        )
-        try:
-            with self.event_stream, self.recorder.filming(job.command.post_id):
-                execution = await self._carried_out(job, plan, hooks)
-        finally:
-            job.moving = False
-        return self._kept(job, execution)
-
-    async def _permitted(
-        self, job: QueuedCommand, terms: CommandTerms, plan: Plan
-    ) -> tuple[Verdict, Capabilities | None]:
-        """Whether it may move now. Refused too if another agent of this account has posted its end meanwhile."""
-        asked = permission(self.forum, self.driver, job.command, terms, plan)
-        (verdict, capabilities), has_ended = await asyncio.gather(asked, job.status.has_ended())
-        if has_ended:
-            return Verdict(Decision.REFUSE, "command.told", self._because(job, "told")), None
-        return verdict, capabilities
-
-    def _kept(self, job: QueuedCommand, execution: Execution) -> str:
-        """The result of a motion as the journal keeps it. If this fails, the measurements are in
-        `QueuedCommand.run`."""
-        with self._beside(job, "surroundings not brought up to date"):
-            self.surroundings.after(execution.results, execution.looked)
-        with self._beside(job, "times not noted"):
-            now, now_s = self.event_stream.now(), time.monotonic()
-            if execution.first_motion_s is not None:
-                job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
-            ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
-            job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
-        results = tuple(replace(r, image=None) for r in execution.results)
-        pictures = ("",) * len(results)
-        with self._beside(job, "pictures not kept"):
-            results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
-        return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
-
-    async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
-        """Execute the plan, or let a model work towards the goal."""
-        assessment, seeing = job.assessment, self.assessor.eyes
-        if assessment is None or assessment.goal is None:
-            return await execute(self.driver, job.command, plan, hooks)
-        if seeing is None:
-            return Execution(CommandState.FAILED, message="no model with eyes is configured any more")
-        capabilities = await self.driver.capabilities()
-        language = job.command.language
-        visual_task = visual_task_of(
-            assessment.goal, seeing, capabilities, self.settings.look, language, assessment.usage
-        )
-        return await run_visual_task(self.driver, job.command, visual_task, hooks)
-
     # ------------------------------------------------------------------ tell
     def show_place(self, job: QueuedCommand) -> None:
         """Show a command that waits its place in the queue."""
@@ -501,7 +389,7 @@ class Pipeline:
     def _show_step(self, job: QueuedCommand, plan: Plan, step: Primitive, number: int) -> None:
         language = job.command.language
         doing = reply_text.doing(step, language)
-        if goal := _goal(job):
+        if goal := job.goal_text:
             text = say("visual.running", language, step=number + 1, doing=doing, goal=goal)
             return self._show(job, text, CommandState.RUNNING, step=number + 1, doing=doing)
         text = reply_text.running(language, number, plan.steps)
@@ -522,81 +410,4 @@ class Pipeline:
             more = {"results": execution.results, "verdict": execution.verdict, **more}
         by = job.decided.by.name if job.decided is not None and job.decided.approved else ""
         timings = dict(job.timings_ms)
-        return Report(job.command, status, plan=plan, timings_ms=timings, goal=_goal(job), approved_by=by, **more)
-
-    async def _tell(self, job: QueuedCommand, report: Report) -> None:
-        """Post the final report exactly once, and close the claim."""
-        command, text, pictures, facts = job.command, *await self._composed(job, report)
-        short = ""
-        with self._beside(job, "end not shortened"):
-            short = reply_text.short(report)
-        at = len(report.plan.steps)
-        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
-        images = [picture.data for picture in pictures if picture.attached]
-        measured = any(result.moved for result in report.results)
-        # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
-        with self._beside(job, "plan not kept"):
-            if report.status is CommandState.DONE and not report.goal:
-                await self.journal.set_plan(command.post_id, report.plan)
-        close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
-        try:
-            ours = await self._allowed(close)
-        except ForumError as e:  # the claim stays open, so the next start tells it
-            _log.error("final reply not told", post=command.post_id, error=str(e))
-            return
-        with self._beside(job, "claim not closed in the journal"):
-            await self.journal.finish(command.post_id, report.status)
-        if not ours:
-            return  # another agent of this account told the end, and keeps its record and pictures
-        with self._beside(job, "record not published"):
-            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
-        with self._beside(job, "end not passed on"):
-            self.on_end(report)
-        with self._beside(job, "recording not added"):
-            if recording := await late_recording(command.post_id, self.recorder, self.store):
-                late = Shown(text((*pictures, recording)), card)
-                await job.status.add(late, [recording.data] if recording.attached else [])
-                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
-
-    async def _composed(
-        self, job: QueuedCommand, report: Report
-    ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
-        """The report as a function of its pictures, the pictures, and the record, which is also written to disk."""
-        command, looked, language = job.command, job.looked, job.command.language
-        summary, by_model, calls, page = None, "", b"", ""
-        pictures: tuple[Picture, ...] = ()
-        with self._beside(job, "no summary"):
-            summary = await self.assessor.summary(job, report)
-            by_model = worded(summary, language)
-        with self._beside(job, "calls of the model not listed"):
-            calls = visual_calls.lines(looked) if looked else b""
-        with self._beside(job, "no pictures"):
-            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
-        with self._beside(job, "page of the command not known"):
-            page = await page_of(self.forum, command.post_id, hurry=self.ending())
-        facts: dict[str, Any] | None = None
-        with self._beside(job, "record not written"):
-            kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
-            more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
-            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
-            facts = self.records.write(report, job.assessment, **more)
-        paragraphs: list[str] = []
-        with self._beside(job, "notes left out"):
-            used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
-            paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
-            paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
-            paragraphs += await self.owner.ways_out(report) if self.owner else []
-
-        def text(pictures: Sequence[Picture]) -> str:
-            with self._beside(job, "report told as data"):
-                table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
-                return reply_text.final(report, pictures, paragraphs, by_model, table, page)
-            return reply_text.plain(report)
-
-        return text, pictures, facts
-
-
-def _goal(job: QueuedCommand) -> str:
-    """The goal in our words; empty for a plan."""
-    goal = job.assessment.goal if job.assessment else None
-    return in_words(goal, job.command.language) if goal else ""
+        return Report(job.command, status, plan=plan, timings_ms=timings, goal=job.goal_text, approved_by=by, **more)

@@ -15,6 +15,9 @@ RobotName = Annotated[str, typer.Argument(help="The robot's name.")]
 OnlyRobot = Annotated[
     str | None, typer.Argument(help="The robot's name in the configuration; optional if there is only one.")
 ]
+SomeRobots = Annotated[
+    list[str] | None, typer.Argument(help="Names of robots in the configuration; optional if there is only one.")
+]
 RobotKind = Annotated[str, typer.Option("--model", help="The kind of robot: go2, g1.")]
 DemoData = Annotated[Path | None, typer.Option("--data", help="Data folder of the demo, if the robot belongs to one.")]
 World = Annotated[str, typer.Option(help="room, obstacles, corridor, or the path of a world file.")]

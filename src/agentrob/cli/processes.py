@@ -11,10 +11,16 @@ from agentrob.cli.options import ConfigFile, OnlyRobot, World
 from agentrob.wiring import app
 
 
-def driver(robot: OnlyRobot = None, config: ConfigFile = None) -> None:
+def driver(
+    robot: OnlyRobot = None,
+    config: ConfigFile = None,
+    listen: Annotated[
+        str | None, typer.Option(help="Also serve agents on other machines: HOST:PORT. [default: driver_listen]")
+    ] = None,
+) -> None:
     """Run the driver of one robot, the only process that moves it."""
     settings = app.load(config)
-    app.run_driver(settings, app.only_robot(settings, robot))
+    app.run_driver(settings, app.only_robot(settings, robot), listen)
 
 
 def sim(

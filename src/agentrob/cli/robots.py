@@ -1,7 +1,9 @@
-"""`agentrob drive`, `doctor`, `stop`, `release` and `home`: commands for one robot without a forum."""
+"""`agentrob drive`, `doctor`, `stop`, `release` and `home`: commands for one robot without a forum; and `fleet`."""
 
 from __future__ import annotations
 
+import json
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
@@ -77,3 +79,16 @@ def home(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> 
     from agentrob.wiring import unlock
 
     typer.echo(unlock.home(robot, app.load(config), data))
+
+
+def fleet(config: ConfigFile = None, as_json: AsJson = False) -> None:
+    """Show every robot of the forum: who serves it, its state and latency, its last stop and its failures."""
+    from rich.console import Console
+
+    from agentrob.wiring.fleet import read_fleet, table
+
+    robots = read_fleet(app.load(config))
+    if as_json:
+        typer.echo(json.dumps([robot.as_data() for robot in robots]))
+    else:
+        Console().print(table(robots, datetime.now(UTC)))

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from agentrob.config.section import DEFAULT_LISTEN, Name, Section
+from agentrob.config.section import DEFAULT_LISTEN, Name, Section, WithMetrics
 from agentrob.config.service import HookOutConfig
 from agentrob.process.listen import parse_listen
 
@@ -41,7 +41,7 @@ class BoardRetentionConfig(Section):
     events: Annotated[int, Field(ge=1)] = 10_000
 
 
-class BoardConfig(Section):
+class BoardConfig(WithMetrics):
     """The embedded forum. `base_url` is the address that browsers see; with https, cookies are Secure.
 
     `base_url` is required behind a reverse proxy, because proxied requests seem to come from this machine.

@@ -9,20 +9,24 @@ import os
 import tomllib
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Self, get_args
+from typing import Any, Self, TypeVar, get_args
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.images import ImagesConfig
+from agentrob.config.journal import JournalConfig
 from agentrob.config.mcp import McpConfig
 from agentrob.config.minds import CHAIN_S, MindConfig
 from agentrob.config.robots import RobotConfig
 from agentrob.config.section import Name, Section
 from agentrob.config.service import McpRobotConfig, ServiceConfig
+from agentrob.config.worker import WorkerConfig
 from agentrob.errors import ConfigError
 from agentrob.process.listen import base_url, parse_listen
+
+AnySection = TypeVar("AnySection", bound=Section)
 
 
 class Config(Section):
@@ -32,11 +36,13 @@ class Config(Section):
     board: BoardConfig = Field(default_factory=BoardConfig)
     forum: ForumConfig = Field(default_factory=ForumConfig)
     images: ImagesConfig = Field(default_factory=ImagesConfig)
+    journal: JournalConfig = Field(default_factory=JournalConfig)
     mcp: McpConfig = Field(default_factory=McpConfig)
     mcp_robot: McpRobotConfig = Field(default_factory=McpRobotConfig)
     service: ServiceConfig = Field(default_factory=ServiceConfig)
     robots: dict[Name, RobotConfig] = Field(default_factory=dict)
     minds: dict[Name, MindConfig] = Field(default_factory=dict)
+    worker: WorkerConfig = Field(default_factory=WorkerConfig)
 
     @model_validator(mode="before")
     @classmethod
@@ -132,8 +138,16 @@ def parse(raw: dict[str, Any], source: str = "configuration") -> Config:
         raise ConfigError(f"{source}: " + "; ".join(_explain(x) for x in e.errors())) from None
 
 
+def changed(settings: AnySection, source: str, **changes: Any) -> AnySection:
+    """A table with other values, given by `source` (an option). Raises `ConfigError`."""
+    try:
+        return type(settings).model_validate({**settings.model_dump(), **changes})
+    except ValidationError as e:
+        raise ConfigError(f"{source}: " + "; ".join(_explain(x) for x in e.errors())) from None
+
+
 #: Settings that may hold a secret by mistake: messages do not repeat their values.
-_REDACTED = ("key_env", "secret_env", "token_env", "base_url", "endpoint")
+_REDACTED = ("key_env", "secret_env", "token_env", "driver_token_env", "base_url", "endpoint")
 
 
 def _explain(error: Any) -> str:

@@ -4,16 +4,33 @@
 model = "go2"
 interface = "lo"
 domain = 1
+
+[robots.rex]                  # on the robot's own computer: its driver also serves agents on other machines
+model = "go2"
+interface = "eth0"
+driver_listen = "192.168.1.20:8093"
+driver_cert = "/etc/agentrob/driver.pem"
+driver_key = "/etc/agentrob/driver.key"
+driver_ca = "/etc/agentrob/ca.pem"
+
+[robots.rex]                  # on the agent's machine
+model = "go2"
+driver_url = "https://192.168.1.20:8093"
+driver_cert = "/etc/agentrob/agent.pem"
+driver_key = "/etc/agentrob/agent.key"
+driver_ca = "/etc/agentrob/ca.pem"
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
+from urllib.parse import urlsplit
 
 from pydantic import Field, model_validator
 
-from agentrob.config.section import Section
+from agentrob.config.section import Section, WithMetrics
 from agentrob.model import ActionClass
+from agentrob.process.listen import is_loopback, parse_listen
 
 
 class FenceConfig(Section):
@@ -109,7 +126,7 @@ class ApprovalConfig(Section):
     wait_s: Annotated[float, Field(gt=0)] = 600.0
 
 
-class RobotConfig(Section):
+class RobotConfig(WithMetrics):
     """One robot: the connection of its driver, who may command it and where, and what its agent does.
 
     `interface` and `domain` are DDS settings. `step_length_m` is the measured length of one of the robot's steps;
@@ -126,6 +143,11 @@ class RobotConfig(Section):
     the robot ask back; if it cannot be loaded or does not answer, the rules decide alone.
     `summary` lets the model describe in words what was done, from the measured figures.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
+
+    The driver serves its Unix socket, and with `driver_listen` (host:port) also other machines; there, agents reach it
+    at `driver_url`. `driver_cert` and `driver_key` are the certificate of this machine, `driver_ca` the authority that
+    signed those of the other side, `driver_token_env` the variable of a token of at least 16 characters that both
+    sides have. A driver with `driver_ca` demands a certificate of its clients, one with `driver_token_env` the token.
     """
 
     model: str = "go2"
@@ -151,6 +173,12 @@ class RobotConfig(Section):
     allow_flip: bool = False
     room_camera: str = ""
     room_reset: str = ""
+    driver_listen: str = ""
+    driver_url: str = ""
+    driver_cert: str = ""
+    driver_key: str = ""
+    driver_ca: str = ""
+    driver_token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
     fence: FenceConfig = Field(default_factory=FenceConfig)
     limits: LimitsConfig = Field(default_factory=LimitsConfig)
     rates: RatesConfig = Field(default_factory=RatesConfig)
@@ -165,3 +193,42 @@ class RobotConfig(Section):
         if self.screen == "required" and self.mind == "rules":
             raise ValueError('screen = "required" needs a mind that is a model; otherwise nothing would ever move')
         return self
+
+    @model_validator(mode="after")
+    def _protects_its_driver(self) -> Self:
+        if bool(self.driver_cert) != bool(self.driver_key):
+            raise ValueError("driver_cert and driver_key belong together: set both or neither")
+        if self.driver_listen:
+            _check_listen(self)
+        if self.driver_url:
+            _check_url(self)
+        return self
+
+
+def _check_listen(settings: RobotConfig) -> None:
+    host, _ = parse_listen(settings.driver_listen)
+    if settings.driver_cert:
+        if not settings.driver_ca and not settings.driver_token_env:
+            raise ValueError(
+                "driver_listen needs to know who may move the robot: set driver_ca, the authority that signs the "
+                "certificates of the clients, or driver_token_env, the variable of a token, or both"
+            )
+    elif not is_loopback(host):
+        raise ValueError(
+            f"driver_listen = {settings.driver_listen!r} is reachable from other machines and needs TLS: set "
+            "driver_cert and driver_key, and driver_ca or driver_token_env; without TLS only an address of this "
+            "machine is valid, such as 127.0.0.1:8093, for a tunnel, with driver_token_env"
+        )
+    elif not settings.driver_token_env:
+        raise ValueError("driver_listen without TLS needs driver_token_env, the variable of a token")
+
+
+def _check_url(settings: RobotConfig) -> None:
+    parts = urlsplit(settings.driver_url)
+    plain = parts.scheme == "http" and is_loopback(parts.hostname or "")
+    bare = not (parts.username or parts.query or parts.fragment or parts.path.strip("/"))
+    if not parts.hostname or not bare or not (parts.scheme == "https" or plain):
+        raise ValueError("driver_url must be https://host:port, or http://127.0.0.1:port for the end of a tunnel")
+    if not settings.driver_token_env and (plain or not settings.driver_cert):
+        either = "" if plain else ", or driver_cert and driver_key, a certificate for this machine"
+        raise ValueError(f"driver_url needs driver_token_env, the variable of the driver's token{either}")

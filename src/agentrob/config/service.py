@@ -31,8 +31,8 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 
-from agentrob.config.section import Name, Section
-from agentrob.process.listen import is_loopback, parse_listen
+from agentrob.config.section import Name, Section, check_listen
+from agentrob.process.listen import parse_listen
 
 Scope = Literal["look", "preview", "command", "stop"]
 _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
@@ -102,7 +102,7 @@ class ServiceConfig(Section):
 
     @model_validator(mode="after")
     def _is_on_this_machine(self) -> Self:
-        _check_listen(self.listen, self.allow_remote)
+        check_listen(self.listen, self.allow_remote)
         return self
 
 
@@ -144,11 +144,5 @@ class McpRobotConfig(Section):
 
     @model_validator(mode="after")
     def _is_on_this_machine(self) -> Self:
-        _check_listen(self.listen, self.allow_remote)
+        check_listen(self.listen, self.allow_remote)
         return self
-
-
-def _check_listen(listen: str, allow_remote: bool) -> None:
-    host, _ = parse_listen(listen)
-    if not allow_remote and not is_loopback(host):
-        raise ValueError("listen is reachable from other machines; set allow_remote = true if this is intended")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRights, Role, StatusCard
+from agentrob.model import Account, AccountKind, EventKind, FleetRobot, Page, Post, RobotRights, Role, StatusCard
 
 T = TypeVar("T")
 
@@ -226,6 +226,15 @@ class RobotDirectory(Protocol):
 
     async def robot_names(self) -> tuple[str, ...]:
         """Return the handles of all robot accounts."""
+        ...
+
+
+@runtime_checkable
+class Fleet(Protocol):
+    """A forum that lists its robots with what their agents published."""
+
+    async def fleet(self) -> tuple[FleetRobot, ...]:
+        """Return all robots, by name."""
         ...
 
 

@@ -8,6 +8,8 @@ from agentrob.model.accounts import Account, AccountKind, ActionClass, RobotRigh
 from agentrob.model.commands import Command, Intent, Language, Understanding
 from agentrob.model.decisions import Decision, Mandate, Verdict
 from agentrob.model.events import EventKind
+from agentrob.model.fencing import FencingToken
+from agentrob.model.fleet import FleetRobot, fleet_robot
 from agentrob.model.lifecycle import CommandState, EndReason
 from agentrob.model.plans import Direction, Op, Plan, Primitive
 from agentrob.model.posts import Page, Post, StatusCard
@@ -27,6 +29,8 @@ __all__ = [
     "Direction",
     "EndReason",
     "EventKind",
+    "FencingToken",
+    "FleetRobot",
     "Intent",
     "Language",
     "Limits",
@@ -47,4 +51,5 @@ __all__ = [
     "StopResult",
     "Understanding",
     "Verdict",
+    "fleet_robot",
 ]

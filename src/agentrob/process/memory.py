@@ -1,8 +1,24 @@
-"""Returns free memory to the system, which the C library otherwise keeps for its own later use."""
+"""When a process looks for garbage, and what it does with memory that it no longer needs."""
 
 from __future__ import annotations
 
 import ctypes
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def importing() -> Iterator[None]:
+    """Import within this: imports create next to no garbage, and looking for it takes a fifth of their time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.freeze()
+            gc.enable()
 
 
 def release_free_memory() -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
 import signal
+from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +18,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
-from agentrob.process.child import print_ready
+from agentrob.process.child import freeze_objects, print_line, print_ready
 from agentrob.process.logs import log_to_stderr
 
 if TYPE_CHECKING:
@@ -25,8 +28,11 @@ if TYPE_CHECKING:
     from agentrob.forums.protocol import Forum
     from agentrob.minds.llm.probe import ProbeResult
     from agentrob.minds.protocol import Mind
+    from agentrob.worker.metrics import WorkerMetrics
 
 load = configuration.load
+#: How long after the last agent of a worker got ready its objects are frozen.
+FREEZE_S = 1.0
 
 
 def make_forum(config: Config, token: str) -> Forum:
@@ -37,6 +43,8 @@ def make_forum(config: Config, token: str) -> Forum:
 
 def make_mind(name: str, config: Config | None = None) -> Mind:
     """A mind of the configuration, or one found by its entry point."""
+    from agentrob.minds.rules import RulesMind
+
     minds = config.minds if config else {}
     if config and name in minds:
         from agentrob.minds.extraction.mind import ModelMind
@@ -45,11 +53,15 @@ def make_mind(name: str, config: Config | None = None) -> Mind:
         chain = model_with_fallbacks(name, minds, minds_ledger(config))
         return ModelMind(chain, rules_first=minds[name].reads == "unclear")
     try:
-        mind: Mind = find("minds", name)()
+        kind = find("minds", name)
     except ConfigError as e:
         configured = f"; configured as [minds.NAME]: {', '.join(sorted(minds)) or 'none'}"
         raise ConfigError(f"{e}{configured}") from None
-    return mind
+    if kind is RulesMind:
+        return RulesMind()
+    from agentrob.minds.isolated import IsolatedMind
+
+    return IsolatedMind(kind)  # whoever wrote it: its code may hang
 
 
 def minds_ledger(config: Config) -> Path:
@@ -67,11 +79,14 @@ def check_minds(config: Config, name: str | None) -> list[ProbeResult]:
     return asyncio.run(probe_all(wanted, minds_ledger(config)))
 
 
-def secret(config: Config) -> str:
-    """The agent's token, from the environment."""
-    token = os.environ.get(config.forum.token_env, "")
+def secret(config: Config, robot: str = "") -> str:
+    """A forum token, from the environment: the robot's own variable (`AGENTROB_TOKEN_REX`), else the common one."""
+    common = config.forum.token_env
+    own = f"{common}_{robot.upper().replace('-', '_')}" if robot else common
+    token = os.environ.get(own) or os.environ.get(common, "")
     if not token:
-        raise ConfigError(f"the environment variable {config.forum.token_env} must hold the agent's forum token")
+        either = common if own == common else f"{own} or {common}"
+        raise ConfigError(f"the environment variable {either} must hold the agent's forum token")
     return token
 
 
@@ -84,6 +99,15 @@ def only_robot(config: Config, name: str | None) -> str:
         return next(iter(config.robots))
     known = ", ".join(sorted(config.robots)) or "none is configured"
     raise ConfigError(f"which robot? Name one of: {known}")
+
+
+def some_robots(config: Config, names: Sequence[str]) -> tuple[str, ...]:
+    """These robots of the configuration, each once; without names, all of them."""
+    if not config.robots:
+        raise ConfigError("no robot is configured; add a table [robots.NAME]")
+    for name in names:
+        config.robot(name)
+    return tuple(dict.fromkeys(names)) or tuple(config.robots)
 
 
 # ---------------------------------------------------------------------- board
@@ -185,22 +209,26 @@ def board_link(config: Config, name: str) -> str:
 
 
 # ---------------------------------------------------------------------- agents
-def make_agent(config: Config, name: str, **more: Any) -> RobotAgent:
+def make_agent(config: Config, name: str, forum: Forum | None = None, **more: Any) -> RobotAgent:
     """The agent of one robot, wired to the configured forum, mind and driver; `more` are arguments of its own."""
     from agentrob.agent.agent import RobotAgent
     from agentrob.agent.media.image_store import make_store
-    from agentrob.robots.driver.client import DriverClient
+    from agentrob.agent.store.journals import make_journals
+    from agentrob.robots.driver.remote import driver_client
 
     settings = config.robot(name)
+    if "open_journal" not in more:
+        more["open_journal"] = partial(make_journals(config.journal.database, config.data_dir).open, name)
     return RobotAgent(
         name=name,
         settings=settings,
-        forum=make_forum(config, secret(config)),
-        driver=DriverClient(name),
+        forum=forum if forum is not None else make_forum(config, secret(config, name)),
+        driver=driver_client(name, settings),
         mind=make_mind(settings.mind, config),
         data=config.data_dir,
         store=make_store(config.images),
         opinion=make_second_opinion() if settings.harm_classifier else None,
+        worker=config.worker.name,
         **more,
     )
 
@@ -221,40 +249,167 @@ def make_second_opinion() -> SecondOpinion | None:
 
 
 def run_agent(config: Config, name: str, once: bool) -> None:
-    """Run an agent as a service until SIGTERM or Ctrl-C, or one single scan."""
+    """Run an agent as a service until SIGTERM, Ctrl-C or `agentrob agent drain`, or one single scan."""
+    from agentrob.worker.control import draining_on_request
 
     log_to_stderr()
 
+    metrics = make_metrics(config) if not once else None
+
     async def serve() -> None:
-        agent = make_agent(config, name)
-        running = asyncio.ensure_future(agent.once() if once else agent.run())
-        for sign in (signal.SIGTERM, signal.SIGINT):
-            asyncio.get_running_loop().add_signal_handler(sign, running.cancel)
+        agent = make_agent(config, name, **(metrics.hooks(name) if metrics else {}))
+
+        def on_ready() -> None:
+            print_ready(robot=name)
+            if metrics is not None:
+                metrics.serve(agent)
+
+        running = asyncio.ensure_future(agent.once() if once else agent.run(on_ready))
+        _cancel_on_signals(running)
+
+        def drain() -> None:
+            if agent.ready.is_set() and not once:
+                agent.drain()
+            else:
+                running.cancel()
+
         try:
-            if not once:
-                readying = asyncio.ensure_future(agent.ready.wait())
-                await asyncio.wait((readying, running), return_when=asyncio.FIRST_COMPLETED)
-                readying.cancel()
-                if not running.done():
-                    print_ready(robot=name)
-            await running
+            async with draining_on_request(agent.activity.worker, [name], drain):
+                await running
         except asyncio.CancelledError:
             pass
         finally:
             await agent.close()
 
-    asyncio.run(serve())
+    with offered(metrics, config):
+        asyncio.run(serve())
 
 
-def run_driver(config: Config, name: str) -> None:
-    """Hold one robot until SIGTERM or Ctrl-C."""
+def with_worker(config: Config, **given: str | None) -> Config:
+    """The configuration with the given settings of `[worker]` (name, metrics). Raises `ConfigError`."""
+    worker = config.worker.model_dump() | {key: value for key, value in given.items() if value is not None}
+    return config.model_copy(update={"worker": configuration.parse({"worker": worker}, "command line").worker})
+
+
+def make_metrics(config: Config) -> WorkerMetrics | None:
+    """The metrics of a worker, if they are configured."""
+    if not config.worker.metrics:
+        return None
+    from agentrob.worker.metrics import WorkerMetrics
+
+    return WorkerMetrics()
+
+
+@contextlib.contextmanager
+def offered(metrics: WorkerMetrics | None, config: Config) -> Iterator[None]:
+    """Offer the metrics, if there are some, while the block runs."""
+    if metrics is None:
+        yield
+        return
+    from agentrob.process.metrics import serving_metrics
+
+    with serving_metrics(metrics.registry, config.worker.metrics):
+        yield
+
+
+def run_worker(config: Config, names: Sequence[str], most: int | None = None, standby: bool = False) -> None:
+    """Run the agents of several robots in one process until SIGTERM, Ctrl-C or `agentrob agent drain`.
+
+    Prints the ready line of each robot when its posts are answered; a standby prints one when it waits.
+    """
+    from agentrob.agent.reporting.activity import process_name
+    from agentrob.agent.store.journal import Journal
+    from agentrob.agent.store.journals import make_journals
+    from agentrob.worker.control import draining_on_request
+    from agentrob.worker.shared_events import SharedEvents
+    from agentrob.worker.worker import Worker
+
+    log_to_stderr()
+    metrics = make_metrics(config)
+    tokens = {name: secret(config, name) for name in names}
+    if shared := [name for name in names if list(tokens.values()).count(tokens[name]) > 1]:
+        raise ConfigError(f"{', '.join(shared)} have the same forum token; each robot needs an account of its own")
+
+    async def serve() -> None:
+        events = SharedEvents()
+        freezing: asyncio.TimerHandle | None = None
+        agents: dict[str, RobotAgent] = {}
+
+        def tell_ready(name: str) -> None:
+            nonlocal freezing
+            print_line(ready=True, robot=name)
+            if metrics is not None:
+                metrics.serve(agents[name])
+            if freezing is not None:
+                freezing.cancel()
+            freezing = asyncio.get_running_loop().call_later(FREEZE_S, freeze_objects)  # once for all that start now
+
+        def make(name: str, journal: Journal) -> RobotAgent:
+            async def opened() -> Journal:
+                return journal
+
+            forum = make_forum(config, tokens[name])
+            more = metrics.hooks(name) if metrics else {}
+            agent = make_agent(config, name, forum=forum, events=events.of(forum), open_journal=opened, **more)
+            agents[name] = agent
+            return agent
+
+        worker = Worker(
+            names, make_journals(config.journal.database, config.data_dir), make, most, standby, tell_ready, metrics,
+        )  # fmt: skip
+        running = asyncio.ensure_future(worker.run())
+        _cancel_on_signals(running)
+        if standby:
+            print_line(ready=True, standby=list(names))
+        with contextlib.suppress(asyncio.CancelledError):
+            async with draining_on_request(config.worker.name or process_name(), worker.serving, worker.drain):
+                await running
+
+    with offered(metrics, config):
+        asyncio.run(serve())
+
+
+def drain_workers(names: Sequence[str]) -> Iterator[str]:
+    """Drain the workers and agents of this machine that have these names or serve these robots, or all; lines for
+    people, the last ones when they have ended. Raises `ConfigError` if there are none."""
+    from agentrob.worker import control
+
+    draining = control.drain(names)
+    if not draining:
+        raise ConfigError(f"no worker on this machine serves {', '.join(names) or 'a robot'}")
+    for process in draining:
+        yield f"{process.worker}: draining; it serves {', '.join(process.robots) or 'no robot'}"
+    for process in draining:
+        process.wait()
+        yield f"{process.worker}: ended"
+
+
+def _cancel_on_signals(task: asyncio.Future[Any]) -> None:
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+
+
+def run_driver(config: Config, name: str, listen: str | None = None) -> None:
+    """Hold one robot until SIGTERM or Ctrl-C. `listen` (host:port) replaces its `driver_listen`."""
     from agentrob.robots.driver.process import run_driver as run
 
-    run(name, config.robot(name), data=config.data_dir)
+    settings = config.robot(name)
+    if listen is not None:
+        settings = configuration.changed(settings, "--listen", driver_listen=listen)
+    with contextlib.ExitStack() as stack:
+        if settings.metrics:
+            from agentrob.process.metrics import new_registry, serving_metrics
+            from agentrob.wiring.driver_metrics import DriverCollector
+
+            registry = new_registry()
+            registry.register(DriverCollector(name))
+            stack.enter_context(serving_metrics(registry, settings.metrics))
+        run(name, settings, data=config.data_dir)
 
 
 def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
-    """Stop one robot of the configuration, or all that drivers on this machine hold; lines for people, exit code.
+    """Stop one robot of the configuration, or all that drivers on this machine hold and all of the configuration whose
+    drivers are elsewhere; lines for people, exit code.
 
     In doubt all are stopped: when the name is not configured, or the configuration cannot be read.
     """
@@ -263,18 +418,19 @@ def stop(robot: str | None, config_file: Path | None) -> tuple[list[str], int]:
     from agentrob.errors import RobotUnreachable
     from agentrob.robots.driver import stop as stopping
 
-    who, lines, settings = f"{getpass.getuser()} at the shell", [], None
-    if robot is not None:
-        try:
-            settings = load(config_file).robots.get(robot)
-            doubt = f"{robot!r} is not in the configuration"
-        except ConfigError as e:
-            doubt = str(e)
-        if settings is None:
-            lines.append(f"{doubt}: stopping every robot on this machine")
+    who, lines = f"{getpass.getuser()} at the shell", []
+    try:
+        robots = load(config_file).robots
+        doubt = f"{robot!r} is not in the configuration"
+    except ConfigError as e:
+        robots, doubt = {}, str(e)
+    settings = None if robot is None else robots.get(robot)
+    if robot is not None and settings is None:
+        lines.append(f"{doubt}: stopping every robot on this machine")
     results: dict[str, StopResult | RobotUnreachable]
     if robot is None or settings is None:
-        results = stopping.stop_all(who)
+        remote = {name: at for name, at in robots.items() if at.driver_url}
+        results = stopping.stop_all(who, remote=remote)
         if not results:
             return [*lines, "no driver runs on this machine, so no robot is moved by us"], 0
     else:

@@ -24,6 +24,7 @@ from agentrob.robots.diagnostics import findings, network
 from agentrob.robots.diagnostics.findings import Finding, Status
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.process import lock_name
+from agentrob.robots.driver.remote import driver_client
 from agentrob.robots.safety.guard import BLIND_MPS, STATE_AGE_S
 from agentrob.robots.safety.lock import Halt
 from agentrob.semantic import harm_classifier
@@ -89,7 +90,7 @@ def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
 def _examined(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
     why = Halt(config.data_dir / "drivers" / f"{name}.halt").why
     halted = [] if why is None else [_halted(name, why)]
-    if lock_name(name, settings) in host_lock.held("driver/"):
+    if settings.driver_url or lock_name(name, settings) in host_lock.held("driver/"):
         return [*asyncio.run(_asked(name, settings)), *halted]
     if settings.model == "fake":
         text = "a fake robot needs no network; no driver holds it"
@@ -123,17 +124,19 @@ def _halted(name: str, why: str) -> Finding:
 # ------------------------------------------------------------------ a robot that is held
 async def _asked(name: str, settings: RobotConfig) -> list[Finding]:
     """The findings of the driver that holds the robot."""
-    lock = lock_name(name, settings)
-    async with DriverClient(name) as driver:
+    lock = settings.driver_url or lock_name(name, settings)
+    async with driver_client(name, settings) as driver:
         try:
             state, holder = await driver.state(), await driver.holder()
-        except RobotUnreachable:
-            found = f"a driver holds it ({lock}), but none answers at {driver.socket}"
+        except RobotUnreachable as e:
+            if settings.driver_url:
+                return [Finding("driver", Status.BAD, str(e), "See docs/deploy.md, a robot on its own computer.")]
+            found = f"a driver holds it ({lock}), but none answers at {driver.address}"
             advice = "It runs under another name or user, or hangs. `agentrob stop --all` reaches it all the same."
             return [Finding("driver", Status.BAD, found, advice)]
     used = f", and {holder} uses it now" if holder else ""
     results = [Finding("driver", Status.OK, f"its driver holds it ({lock}){used}; this is what it says")]
-    if settings.model != "fake":
+    if settings.model != "fake" and not settings.driver_url:
         results.insert(0, network.interface_finding(settings))
     if state.age_s >= STATE_AGE_S:
         age = "no state ever came" if math.isinf(state.age_s) else f"its last state is {state.age_s:.0f} s old"
@@ -153,8 +156,8 @@ def _walk(name: str, settings: RobotConfig, config: Config) -> Finding:
     step = Primitive(Op.MOVE, Direction.FORWARD, distance_m=STEP_M, speed_mps=BLIND_MPS)
     own = config.model_copy(update={"robots": {**config.robots, name: settings}})
     try:
-        with drive._driver(name, settings, own) as socket:
-            result = asyncio.run(_one_step(DriverClient(name, socket), step))
+        with drive._driver(name, settings, own) as client:
+            result = asyncio.run(_one_step(client, step))
     except AgentRobError as e:
         return Finding("move", Status.BAD, str(e), "Read it, mend it, and try again.")
     if result.ok:

@@ -1,8 +1,8 @@
 """Drive a robot by words without a forum: `agentrob drive`, and the calls that the paper names.
 
-A robot of the configuration is driven through its running driver when there is one, else through one started for this
-call. A robot that is only named by its kind gets a driver of its own: on the real robot when a network interface is
-given, else on a simulated robot in a simulated room.
+A robot of the configuration is driven through its running driver when there is one, on another machine if `driver_url`
+says so, else through one started for this call. A robot that is only named by its kind gets a driver of its own: on the
+real robot when a network interface is given, else on a simulated robot in a simulated room.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ from agentrob.wiring import app
 if TYPE_CHECKING:
     from agentrob.agent.execution.execute import Execution
     from agentrob.minds.protocol import Addressee
+    from agentrob.robots.driver.client import DriverClient
 
 #: The person at the keyboard of the robot's own machine.
 LOCAL = Account(id="local", name="local", role=Role.OPERATOR)
@@ -107,9 +108,9 @@ def _drive(
         status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
         return Driven(status, understood.plan, message=f"{verdict.reason} ({verdict.rule})")
     limit_s, holder = capabilities.limits.command_s, f"drive {os.getpid()}"
-    with _driver(name, settings, config) as socket:
+    with _driver(name, settings, config) as client:
         results = _outside_loop(
-            lambda: run_plan(name, understood.plan, holder, socket=socket, deadline_s=limit_s, on_result=on_step)
+            lambda: run_plan(name, understood.plan, holder, client=client, deadline_s=limit_s, on_result=on_step)
         )
     status = CommandState.DONE if all(r.ok for r in results) else CommandState.FAILED
     return Driven(status, understood.plan, results)
@@ -208,17 +209,17 @@ def _look(
     if verdict.decision is not Decision.ALLOW:
         return Driven(CommandState.REFUSED, Plan(goal.steps), message=f"{verdict.reason} ({verdict.rule})")
 
-    async def steer(socket: Path | None) -> Execution:
+    async def steer(client: DriverClient) -> Execution:
         chain = model_with_fallbacks(settings.mind, config.minds, app.minds_ledger(config))
         try:
             eyes = chain.with_images()
             assert eyes is not None
-            return await run_visual_task_locally(name, socket, goal, eyes, settings, visible, LOCAL, language, on_step)
+            return await run_visual_task_locally(client, goal, eyes, settings, visible, LOCAL, language, on_step)
         finally:
             await chain.close()
 
-    with _driver(name, settings, config) as socket:
-        done = _outside_loop(lambda: asyncio.run(steer(socket)))
+    with _driver(name, settings, config) as client:
+        done = _outside_loop(lambda: asyncio.run(steer(client)))
     sentences = [done.message, visual_text.why(done.looked, language)]
     sentences += visual_text.paragraphs(done.looked, done.results, language)
     return Driven(done.status, Plan(goal.steps), done.results, "\n".join(part for part in sentences if part))
@@ -264,10 +265,14 @@ def _configured(robot: str, config: Config, interface: str | None) -> tuple[str,
 
 
 @contextlib.contextmanager
-def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path | None]:
-    """The socket of a driver of this robot; None if its usual driver runs already."""
-    if name in config.robots and _outside_loop(lambda: asyncio.run(_reachable(name))):
-        yield None
+def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[DriverClient]:
+    """A client of this robot's driver, which is started here unless it runs already, or on another machine."""
+    from agentrob.robots.driver.client import DriverClient
+    from agentrob.robots.driver.remote import driver_client
+
+    elsewhere = bool(settings.driver_url)
+    if elsewhere or (name in config.robots and _outside_loop(lambda: asyncio.run(_reachable(name)))):
+        yield driver_client(name, settings)
         return
     children: list[Child] = []
     with tempfile.TemporaryDirectory(prefix="agentrob-drive-") as folder:
@@ -284,7 +289,7 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Path |
             arguments = ["driver", name, "--config", str(work / "agentrob.toml")]
             driver = Child("driver", arguments, work / "driver.log", {"AGENTROB_RUNTIME": folder})
             children.append(driver)
-            yield Path(driver.wait_ready()["socket"])
+            yield DriverClient(name, Path(driver.wait_ready()["socket"]))
         finally:
             terminate_all(children)
 

@@ -15,6 +15,7 @@ from agentrob.config.load import Config, runtime_dir
 from agentrob.errors import ConfigError, RobotUnreachable
 from agentrob.model import Lock, Pose, RobotState
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.remote import driver_client
 from agentrob.robots.safety.lock import held_for
 from agentrob.wiring.running_demo import demo_folder, running_demo
 
@@ -25,7 +26,7 @@ def release(robot: str, config: Config, data: Path | None = None) -> str:
     Raises `ConfigError` for a robot that is not known, `RobotUnreachable` without its driver, `RobotError` when it
     stays locked.
     """
-    lock, state = asyncio.run(_release(robot, _socket(robot, config, data)))
+    lock, state = asyncio.run(_release(_client(robot, config, data)))
     now = "Nothing moves by that; the next command may move it."
     if state.halted:  # somebody, or its own guard, locked it again at once
         now = f"But it is locked again: {_who(state.lock)}."
@@ -36,19 +37,19 @@ def release(robot: str, config: Config, data: Path | None = None) -> str:
 
 def home(robot: str, config: Config, data: Path | None = None) -> str:
     """Make the robot's home where it stands; a line for people. Raises as `release`; `RobotError` while it moves."""
-    pose, state = asyncio.run(_home(robot, _socket(robot, config, data)))
+    pose, state = asyncio.run(_home(_client(robot, config, data)))
     line = f"{robot}: its home is where it stands now (x {pose.x_m:.2f} m, y {pose.y_m:.2f} m of its odometry)."
     return f"{line} It is still locked: agentrob release {robot}" if state.halted else line
 
 
-async def _release(robot: str, path: Path) -> tuple[Lock | None, RobotState]:
-    async with DriverClient(robot, path) as driver:
+async def _release(driver: DriverClient) -> tuple[Lock | None, RobotState]:
+    async with driver:
         lock = await driver.release(_me())
         return lock, await driver.state()
 
 
-async def _home(robot: str, path: Path) -> tuple[Pose, RobotState]:
-    async with DriverClient(robot, path) as driver:
+async def _home(driver: DriverClient) -> tuple[Pose, RobotState]:
+    async with driver:
         pose = await driver.home(_me())
         return pose, await driver.state()
 
@@ -65,6 +66,14 @@ def _who(lock: Lock | None) -> str:
 
 
 # ---------------------------------------------------------------------- where its driver listens
+def _client(robot: str, config: Config, data: Path | None) -> DriverClient:
+    """A client of the robot's driver, on this machine unless its settings name another one."""
+    settings = config.robots.get(robot)
+    if settings is not None and settings.driver_url and data is None:
+        return driver_client(robot, settings)
+    return DriverClient(robot, _socket(robot, config, data))
+
+
 def _socket(robot: str, config: Config, data: Path | None) -> Path:
     """The socket of the robot's driver."""
     usual = _sockets(runtime_dir()) if data is None else {}

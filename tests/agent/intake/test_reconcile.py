@@ -19,6 +19,7 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from tests.agent.agent_process import Poster, RunningBoard, until
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
+from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.board.running_board import running_board
 
 
@@ -31,7 +32,8 @@ def board(tmp_path: Path) -> Iterator[RunningBoard]:
 @asynccontextmanager
 async def agent_of(board: RunningBoard, driver: Driver, folder: Path) -> AsyncIterator[RobotAgent]:
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    agent = RobotAgent(ROBOT, robot_settings(), forum, driver.client(), RulesMind(), folder)
+    opened = partial(open_journal, folder, ROBOT)
+    agent = RobotAgent(ROBOT, robot_settings(), forum, driver.client(), RulesMind(), folder, open_journal=opened)
     async with serving(agent):
         yield agent
 
@@ -66,4 +68,4 @@ async def test_law_6_events_that_are_not_kept_any_more_cost_no_command_its_answe
             assert await op.final(await op.post(f"@{ROBOT} wave")) == ["done"]
             assert await op.states(first) == ["done"]
             set_aside = "SELECT post FROM claim WHERE post LIKE 'before-%'"
-            assert await agent.journal._in_rows(agent.journal._all, set_aside) == []  # it is still the same forum
+            assert JournalStore(tmp_path, ROBOT).rows(set_aside) == []  # it is still the same forum

@@ -8,13 +8,13 @@ import re
 import resource
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from agentrob.agent.agent import RobotAgent
-from agentrob.agent.store.journal import Journal
 from agentrob.config.forum import ForumConfig
 from agentrob.errors import JournalError
 from agentrob.forums.agentrob.forum import BoardForum
@@ -25,7 +25,10 @@ from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, end_agent, start_agent
 from tests.agent.agent_process import until as until_robot
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
+from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import RunningBoard, running_board
+
+pytestmark = pytest.mark.usefixtures("database")
 
 #: How far a standing robot may still settle.
 STILL_M = 0.02
@@ -54,7 +57,15 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
 def agent_on(board: RunningBoard, driver: Driver, folder: Path) -> RobotAgent:
     """Return the next agent on the same data folder, in this process."""
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    return RobotAgent(ROBOT, driver.settings, forum, driver.client(), RulesMind(), folder)
+    return RobotAgent(
+        ROBOT,
+        driver.settings,
+        forum,
+        driver.client(),
+        RulesMind(),
+        folder,
+        open_journal=partial(open_journal, folder, ROBOT),
+    )
 
 
 async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
@@ -73,6 +84,7 @@ async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
             assert await position(slow_driver) == pytest.approx(stood, abs=0.01)
 
 
+@pytest.mark.parametrize("database", ["sqlite"], indirect=True)  # the journal is on this disk
 async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_no_second_motion(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
@@ -127,8 +139,7 @@ async def test_law_6_what_a_lost_journal_had_answered_is_left_alone(scene: Scene
     async with scene.agent():
         post = await scene.post("alice", "@quadruped turn left 90 degrees")
         told = await scene.final(post)
-    for file in (scene.folder / "agents" / ROBOT).glob("journal.sqlite*"):
-        file.unlink()
+    scene.journal.delete()
     async with scene.agent():
         later = await scene.post("alice", "@quadruped help")
         await scene.final(later)
@@ -136,17 +147,13 @@ async def test_law_6_what_a_lost_journal_had_answered_is_left_alone(scene: Scene
 
 
 async def test_law_6_a_journal_of_yesterday_moves_nothing_again(scene: Scene) -> None:
-    folder = scene.folder / "agents" / ROBOT
     async with scene.agent():
         pass
-    yesterday = {f.name: f.read_bytes() for f in folder.glob("journal.sqlite*")}
+    yesterday = scene.journal.copy()
     async with scene.agent():
         post = await scene.post("alice", "@quadruped walk forward 1 metre")
         await scene.final(post)
-    for file in folder.glob("journal.sqlite*"):
-        file.unlink()
-    for name, content in yesterday.items():
-        (folder / name).write_bytes(content)
+    scene.journal.put_back(yesterday)
     stood = await position(scene.driver)
     async with scene.agent():
         await scene.final(await scene.post("alice", "@quadruped help"))
@@ -352,7 +359,7 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
     async def answer(text: str) -> str:
         return text
 
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     assert await journal.assess("1", lambda: answer("one")) == "one"
     assert await journal.move("1", lambda: answer("moved")) == "moved"
     assert await journal.cancel("2")
@@ -367,7 +374,7 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
     await asyncio.wait_for(begun.wait(), 60)
     await journal.close()
     await asyncio.gather(stuck, return_exceptions=True)
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     assert await journal.assess("1", lambda: answer("two")) == "one"
     assert await journal.move("1", lambda: answer("again")) == "moved"
     assert await journal.move("2", lambda: answer("moved")) == "cancelled"
@@ -377,6 +384,8 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
 
 
 async def test_an_unusable_journal_is_said_so(tmp_path: Path) -> None:
-    (tmp_path / "journal.sqlite").write_bytes(b"not a database" * 1000)
+    path = tmp_path / "agents" / ROBOT / "journal.sqlite"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"not a database" * 1000)
     with pytest.raises(JournalError, match="cannot be opened"):
-        await Journal.open(tmp_path, ROBOT)
+        await open_journal(tmp_path, ROBOT)

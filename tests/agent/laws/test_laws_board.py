@@ -7,6 +7,7 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,10 @@ from agentrob.model import Account, ActionClass, ActionResult, Primitive, Role
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, RunningBoard, until
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
+from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import running_board
+
+pytestmark = pytest.mark.usefixtures("database")
 
 CHANGES = ("edit", "remove", "hide", "suspend", "demote", "narrow", "close", "move")
 #: Changes that lead to a refusal with a reason instead of a cancellation.
@@ -56,7 +60,8 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
 @asynccontextmanager
 async def serving_on(board: RunningBoard, client: DriverClient, folder: Path) -> AsyncIterator[None]:
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder)):
+    opened = partial(open_journal, folder, ROBOT)
+    async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), folder, open_journal=opened)):
         yield
 
 
@@ -125,7 +130,7 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
             await asyncio.to_thread(change, board, what, topic)
             client.let.set()
             assert await op.final(first) == ["done"]
-            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.told(topic)
     assert client.begun == ["turn"], "only the first command moved it"
 
 
@@ -140,7 +145,7 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
         await asyncio.to_thread(change, board, what, topic)
         client.let.set()
         with Poster(board, "op") as op:
-            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"]
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.told(topic)
     assert client.begun == ["move"]
     await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 

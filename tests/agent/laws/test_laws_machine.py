@@ -7,14 +7,13 @@ outside the agent records what moved.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import itertools
 import math
-import sqlite3
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +37,10 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import Account, AccountKind, EventKind, Post, Primitive, Role
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
+from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.sizes import size
+
+pytestmark = pytest.mark.usefixtures("database")
 
 #: How often and at most how many times to poll whether the agent has come to rest. Polls are counted, not seconds, so
 #: that a busy machine, which runs the process rarely, does not fail the test.
@@ -113,7 +115,7 @@ class Laws(RuleBasedStateMachine):
         self.small, self.large = iter(range(11, 90)), iter(range(100, 140))
         self.keys = (f"k{n}" for n in itertools.count())
         self.missed: list[tuple[str, datetime]] = []
-        self.copies: list[bytes] = []
+        self.copies: list[dict[str, Any]] = []
         self.agent: RobotAgent | None = None
         self.serving: asyncio.Task[None] | None = None
         forum = self.world.sign_in("bob")
@@ -290,12 +292,7 @@ class Laws(RuleBasedStateMachine):
 
     @rule()
     def copy_the_journal(self) -> None:
-        with (
-            contextlib.closing(sqlite3.connect(self._journal)) as now,
-            contextlib.closing(sqlite3.connect(":memory:")) as copy,
-        ):
-            now.backup(copy)
-            self.copies.append(copy.serialize())
+        self.copies.append(self._journal.copy())
 
     # ---------------------------------------------------------------- invariants
     @invariant()
@@ -480,8 +477,8 @@ class Laws(RuleBasedStateMachine):
 
     # ---------------------------------------------------------------- the agent
     @property
-    def _journal(self) -> Path:
-        return self.folder / "agents" / ROBOT / "journal.sqlite"
+    def _journal(self) -> JournalStore:
+        return JournalStore(self.folder, ROBOT)
 
     def _begin(self) -> None:
         forum, client = self.world.sign_in(ROBOT), GatedClient(self.stand.socket, self.gates, self._sent)
@@ -489,7 +486,8 @@ class Laws(RuleBasedStateMachine):
         options = robot_settings(approval={"classes": ["move"]} if self.approval else {})
 
         async def begin() -> None:
-            self.agent = RobotAgent(ROBOT, options, forum, client, mind, self.folder)
+            opened = partial(open_journal, self.folder, ROBOT)
+            self.agent = RobotAgent(ROBOT, options, forum, client, mind, self.folder, open_journal=opened)
             self.serving = asyncio.create_task(self.agent.run())
             await self._until(self.agent.ready.is_set)
 
@@ -501,10 +499,9 @@ class Laws(RuleBasedStateMachine):
         if journal == "restored" and not self.copies:
             journal = "kept"
         if journal != "kept":
-            for file in self._journal.parent.glob("journal.sqlite*"):
-                file.unlink()
+            self._journal.delete()
         if journal == "restored":
-            self._journal.write_bytes(self.copies[n % len(self.copies)])
+            self._journal.put_back(self.copies[n % len(self.copies)])
         for asked in self.asked:
             age_s = (self.world.now() - asked.posted_at).total_seconds()
             asked.never |= {"before the first start"} if journal == "deleted" else set()

@@ -7,6 +7,7 @@ import asyncio
 import time
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,9 +18,10 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from tests.agent.agent_process import until
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
+from tests.agent.store.journal_store import open_journal
 from tests.board.board_processes import Forum, forum_of, fresh_postgres
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("database")]
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +41,8 @@ def slow_driver(tmp_path: Path) -> Iterator[Driver]:
 async def walking(forum: Forum, driver: Driver, folder: Path) -> AsyncIterator[str]:
     """Return the topic of a command that was posted on process a while the agent reads process b."""
     own = BoardForum(ForumConfig(url=forum.b.url), forum.tokens[ROBOT])
-    agent = RobotAgent(ROBOT, driver.settings, own, driver.client(), RulesMind(), folder)
+    opened = partial(open_journal, folder, ROBOT)
+    agent = RobotAgent(ROBOT, driver.settings, own, driver.client(), RulesMind(), folder, open_journal=opened)
     running = asyncio.create_task(agent.run())
     try:
         await asyncio.wait_for(agent.ready.wait(), 60)
@@ -81,7 +84,7 @@ async def test_law_16_a_robot_stops_by_itself_when_its_process_cannot_hear_the_o
 ) -> None:
     async with walking(forum, slow_driver, tmp_path):
         gone_s = time.monotonic()
-        with forum.database_gone():
+        with forum.database_blocked():
             await stands(slow_driver)
             took = time.monotonic() - gone_s
         assert took < 6.0, "a second until there is no beat, two of silence, and the braking, on a busy machine"

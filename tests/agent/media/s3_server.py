@@ -15,11 +15,11 @@ from pathlib import Path
 
 from obstore.store import S3Store
 
-#: Who may write, and who may only read.
+#: The keys of the account that may write, and of the one that may only read.
 WRITER, READER = ("robot-key", "robot-secret"), ("reader-key", "reader-secret")
 _OWNER = ("owner-key", "owner-secret")
 BUCKET = "robot-pictures"
-#: Buckets are also subdomains of this, as Volcengine TOS wants it.
+#: Buckets are also subdomains of this domain, as Volcengine TOS requires.
 DOMAIN = "tos-s3-cn-test.example"
 START_S = 100.0
 
@@ -36,7 +36,7 @@ def free_ports(count: int) -> list[int]:
 
 
 class S3Server:
-    """One process; `url` is its address. `end()` it."""
+    """A server process at `url`; call `end()` when done."""
 
     def __init__(self, folder: Path) -> None:
         weed = shutil.which("weed", path=str(Path(sys.executable).parent)) or shutil.which("weed")
@@ -71,7 +71,7 @@ class S3Server:
         self._make_bucket()
 
     def _make_bucket(self) -> None:
-        """The first object of the server's owner makes it."""
+        """Create the bucket by writing a first object as the server's owner."""
         key, secret = _OWNER
         retry = {"max_retries": 20, "retry_timeout": timedelta(seconds=START_S)}
         store = S3Store(
@@ -85,13 +85,13 @@ class S3Server:
         while time.monotonic() < end_s and self.process.poll() is None:
             try:
                 urllib.request.urlopen(self.url, timeout=1)
-            except urllib.error.HTTPError:  # it answers: nobody may list without a key
+            except urllib.error.HTTPError:  # it responds: listing without a key is forbidden
                 return
             except OSError:
                 time.sleep(0.05)
         raise AssertionError(f"the S3 server did not start:\n{self.log.read_text(errors='replace')[-2000:]}")
 
     def end(self) -> None:
-        """At once: what it holds is not needed any more, and it would take its time."""
+        """Kill the server, because its data is not needed and a normal shutdown is slow."""
         self.process.kill()
         self.process.wait()

@@ -1,4 +1,4 @@
-"""Pictures of replies in an image store: a real S3 server on loopback, and every way in which it can be of no use."""
+"""Pictures of replies in an image store: a real S3 server on loopback, and every way in which it can fail."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ async def test_a_reply_links_its_pictures_and_the_data_and_says_until_when(
 
 
 class Faulty:
-    """A store that takes the first so many pictures."""
+    """A store that accepts only the first pictures."""
 
     def __init__(self, good: int) -> None:
         self.good = good

@@ -21,7 +21,7 @@ from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
 from tests.board.running_board import running_board
-from tests.board.web.page_world import Surfer
+from tests.board.web.forum_site import PageClient
 
 WAVE = f"@{ROBOT} wave"
 
@@ -62,10 +62,10 @@ async def states(poster: Poster, topic: str, wanted: str) -> None:
             await asyncio.sleep(0.02)
 
 
-def surfer(board: RunningBoard, name: str) -> Surfer:
+def surfer(board: RunningBoard, name: str) -> PageClient:
     client = board.browser(name)
     client.follow_redirects = True
-    return Surfer(client)
+    return PageClient(client)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import inspect
 import re
-import sqlite3
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.agent import pipeline
+from agentrob.agent import final_report, motion, pipeline
 from agentrob.agent.execution import execute
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.media.recorder import Recorder
@@ -102,7 +101,6 @@ class Fault:
 
 
 FULL = OSError(28, "No space left on device")
-DISK = sqlite3.OperationalError("database or disk is full")
 LOST = JournalError("the journal cannot be written: disk I/O error")
 #: After both steps: every call that follows a motion.
 AFTER_BOTH = [
@@ -116,18 +114,18 @@ AFTER_BOTH = [
     Fault(Recorder, "late", after=2),
     Fault(Surroundings, "after", after=2),
     Fault(EventStream, "now", after=2),
-    Fault(journal.Journal, "_end", DISK, 2),
+    Fault(journal.Journal, "_end", LOST, 2),
     Fault(journal.Journal, "set_plan", LOST, 2),
     Fault(journal.Journal, "finish", LOST, 2),
     Fault(Assessor, "summary", after=2),
-    Fault(pipeline, "illustrate", after=2),
-    Fault(pipeline, "page_of", after=2),
-    Fault(pipeline, "publish", after=2),
-    Fault(pipeline, "late_recording", after=2),
+    Fault(final_report, "illustrate", after=2),
+    Fault(final_report, "page_of", after=2),
+    Fault(final_report, "publish", after=2),
+    Fault(final_report, "late_recording", after=2),
     Fault(pipeline, "decisive", after=2),
-    Fault(pipeline, "notes", after=2),
-    Fault(pipeline, "worded", after=2),
-    Fault(pipeline, "approval", after=2),
+    Fault(final_report, "notes", after=2),
+    Fault(final_report, "worded", after=2),
+    Fault(final_report, "approval", after=2),
     Fault(visual_text, "paragraphs", after=2),
     Fault(visual_text, "why", after=2),
     Fault(report, "short", after=2),
@@ -135,7 +133,7 @@ AFTER_BOTH = [
 ]
 #: Between the steps: every call before the second step, which then has not begun.
 BETWEEN = [
-    Fault(pipeline, "permission", rest="not begun"),
+    Fault(motion, "permission", rest="not begun"),
     Fault(execute, "mandate_violation", rest="not begun"),
     Fault(EventStream, "prove", rest="not begun"),
     Fault(report, "running", rest="not begun"),
@@ -172,7 +170,7 @@ def outcome_of(reply: Post, step: int) -> str:
 FAST = {
     "Records.keep_pictures after 2",
     "Journal._end after 2",
-    "pipeline.permission after 1",
+    "motion.permission after 1",
     "EventStream.silent after 1",
 }
 FAULTS = [*AFTER_BOTH, *BETWEEN, *WITHIN]
@@ -296,7 +294,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
         raise asyncio.CancelledError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pipeline.Pipeline, "_tell", dies)
+        patch.setattr(final_report.FinalReport, "tell", dies)
         async with scene.agent() as agent:
             post = await scene.post("alice", TWO_STEPS)
             await scene.state(post, "running")

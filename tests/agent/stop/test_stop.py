@@ -17,6 +17,7 @@ from agentrob.errors import RobotUnreachable
 from agentrob.model import AccountKind, Role, StopResult
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.agent.store.journal_store import fail_disk
 
 #: The lease's duration plus the time in which a body at 0.5 m/s comes to rest; the rest is for busy machines.
 LAPSE_S, REST_S = 1.0, 1.5
@@ -184,7 +185,7 @@ async def test_law_17_a_halt_holds_until_it_is_released(scene: Scene) -> None:
 async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: Scene) -> None:
     async with scene.agent() as agent:
         post = scene.world.posts[await running(scene)]
-        await agent.journal._in_rows(agent.journal._db.close)  # as if the disk had failed
+        fail_disk(agent.journal)
         await scene.post("bob", "@quadruped stop", topic=post.topic_id)
         async with asyncio.timeout(60), scene.driver.client() as client:
             while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)

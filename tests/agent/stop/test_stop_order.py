@@ -22,7 +22,6 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.stop import stop_handler
 from agentrob.agent.store import rows
-from agentrob.agent.store.journal import Journal
 from agentrob.forums.memory.forum import MemoryWorld
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, CommandState, EndReason, Role, StopResult
@@ -112,7 +111,7 @@ class Play:
         self.waiting.discard(task)
         if job.ended is not None:
             self.refused[post_id] = job.ended
-        elif await journal._in_rows(journal._begin, post_id) is None:
+        elif await journal._begin(post_id) is None:
             self.ran.append(post_id)
             later = [place for place in self.stops if self.commands[post_id] < place <= self.heard]
             assert not later, f"ran after the stops {later}, that were posted after it"
@@ -125,7 +124,7 @@ class Play:
     async def moves(self, trace_id: str) -> bool:
         return False
 
-    # ---------------------------------------------------------------- what happens
+    # ---------------------------------------------------------------- events
     async def do(self, deed: str, value: float = 0.0) -> None:
         self.clock.true_s += 0.001
         match deed:
@@ -177,7 +176,7 @@ class Play:
             if place <= self.heard:
                 self.heard_after.setdefault(post_id, len(self.world.events))
 
-    # ---------------------------------------------------------------- what holds in the end
+    # ---------------------------------------------------------------- invariants at the end
     async def finish(self) -> None:
         for deed in ("hear", "take", "let"):
             await self.do(deed)
@@ -205,12 +204,6 @@ async def played(deeds: list[Deed], clock: Clock) -> Play:
         return play
 
 
-async def rows_only(folder: Path, robot: str) -> Journal:
-    journal = Journal(folder, robot)
-    await journal._in_rows(journal._open)
-    return journal
-
-
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """Return the monotonic clock of agents whose journal only stores rows."""
@@ -218,7 +211,6 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     monkeypatch.setattr(time, "clock_gettime", lambda which: made.elapsed_s())
     for module in (stop_handler, rows):
         monkeypatch.setattr(module, "boot", lambda: f"machine-{made.machine}")
-    monkeypatch.setattr(Journal, "open", rows_only)
     return made
 
 

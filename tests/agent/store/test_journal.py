@@ -4,7 +4,6 @@ versions."""
 from __future__ import annotations
 
 import asyncio
-import sqlite3
 from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -16,6 +15,9 @@ from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.errors import IllegalTransition
 from agentrob.model import Account, AccountKind, Command, CommandState, EndReason, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Scene
+from tests.agent.store.journal_store import JournalStore, open_journal
+
+pytestmark = pytest.mark.usefixtures("database")
 
 ALICE = Account("a1", "alice", AccountKind.HUMAN, Role.OPERATOR)
 
@@ -38,7 +40,7 @@ def says(text: str) -> Callable[[], Awaitable[str]]:
 
 
 async def test_a_command_goes_through_its_states(tmp_path: Path) -> None:
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     now = datetime.now(UTC)
     await journal.claim(command("1"))
     states = [await state(journal, "1")]
@@ -59,7 +61,7 @@ async def test_a_command_goes_through_its_states(tmp_path: Path) -> None:
 
 
 async def test_law_6_a_command_has_one_end(tmp_path: Path) -> None:
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     await journal.claim(command("1"))
     with pytest.raises(IllegalTransition, match="from 'seen' to 'done'"):
         await journal.finish("1", CommandState.DONE)
@@ -75,7 +77,7 @@ async def test_law_6_a_command_has_one_end(tmp_path: Path) -> None:
 
 
 async def test_law_7_what_waits_for_approval_does_not_move(tmp_path: Path) -> None:
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     now = datetime.now(UTC)
     await journal.claim(command("1"))
     await journal.ask("1", now, now + timedelta(minutes=1))
@@ -86,7 +88,7 @@ async def test_law_7_what_waits_for_approval_does_not_move(tmp_path: Path) -> No
 
 
 async def test_law_13_a_stop_is_written_down_in_every_state(tmp_path: Path) -> None:
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     now = datetime.now(UTC)
     posts = ("seen", "waiting", "queued", "running", "told")
     for post in posts:
@@ -120,16 +122,16 @@ async def test_law_13_a_stop_is_written_down_in_every_state(tmp_path: Path) -> N
 
 async def test_rows_of_earlier_versions_are_read(tmp_path: Path) -> None:
     words = (*sorted(FINAL), "nothing", "answered before", "replaced")
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     for word in words:
         await journal.claim(command(word))
     await journal.claim(command("open"))
     await journal.close()
-    with sqlite3.connect(tmp_path / "journal.sqlite") as db:
-        db.executemany("UPDATE claim SET final = ? WHERE post = ?", [(word, word) for word in words])
-        db.execute("UPDATE claim SET ended = 'a word of a newer version' WHERE post = 'open'")
-    db.close()
-    journal = await Journal.open(tmp_path, ROBOT)
+    store = JournalStore(tmp_path, ROBOT)
+    for word in words:
+        store.change("UPDATE claim SET final = :word WHERE post = :word", word=word)
+    store.change("UPDATE claim SET ended = 'a word of a newer version' WHERE post = 'open'")
+    journal = await open_journal(tmp_path, ROBOT)
     read = {word: await state(journal, word) for word in words}
     named = {"answered before": "handled_elsewhere", "replaced": "cancelled"}
     assert read == {word: named.get(word, word) for word in words}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import sqlite3
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -13,7 +12,6 @@ import pytest
 
 from agentrob.agent import agent as turn
 from agentrob.agent.store import rows
-from agentrob.agent.store.journal import Journal
 from agentrob.errors import ForumError, RobotUnreachable
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.protocol import Addressee
@@ -21,6 +19,10 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, AccountKind, Command, EndReason, Plan, Role, StatusCard, StopResult, Understanding
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, held_by, make_scene, robot_settings
+from tests.agent.store.journal_store import open_journal
+from tests.agent.store.old_journal import OLDEST_CLAIM, write_old_journal
+
+pytestmark = pytest.mark.usefixtures("database")
 
 STILL_M = 0.02
 
@@ -75,7 +77,9 @@ async def test_laws_4_5_and_14_what_was_ended_stays_ended_after_a_restart(scene:
                 await scene.until(lambda: scene.replies(said))
             case "removed":
                 scene.world.remove(post.id)
-                await scene.until(lambda: all(job.ended for job in agent.queue))
+        async with asyncio.timeout(60):  # until the journal has it, which the next start reads
+            while (claim := await agent.journal.claimed(post.id)) is None or not (claim.ended or claim.final):
+                await scene.world.wait(0.05)
     if what == "removed":
         scene.world.posts[post.id] = replace(scene.world.posts[post.id], removed=False)
     stood = await place(scene.driver)
@@ -166,18 +170,13 @@ async def test_a_post_that_breaks_the_ear_itself_is_passed_over(scene: Scene, mo
 async def test_a_journal_of_an_earlier_version_is_read_and_can_keep_an_end(tmp_path: Path) -> None:
     alice = Account("a1", "alice", AccountKind.HUMAN, Role.OPERATOR)
     command = Command("7", "1", "h", alice, ROBOT, "wave", "en", datetime.now(UTC), "trace")
-    journal = await Journal.open(tmp_path, ROBOT)
-    await journal.claim(command)
-    await journal.close()
-    with sqlite3.connect(tmp_path / "journal.sqlite") as db:
-        db.execute("ALTER TABLE claim DROP COLUMN ended")
-    db.close()
-    journal = await Journal.open(tmp_path, ROBOT)
+    write_old_journal(tmp_path, ROBOT, command, columns=OLDEST_CLAIM)
+    journal = await open_journal(tmp_path, ROBOT)
     assert [c.ended for c in await journal.open_claims()] == [None]
     await journal.end(["7"], EndReason.STOP)
     await journal.end(["7"], EndReason.EDITED)
     await journal.close()
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     assert [c.ended for c in await journal.open_claims()] == ["stop"]
     assert not await journal.cancel("7")  # the motion was cancelled with it
     assert not await journal.moved("7")
@@ -375,7 +374,7 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
         post = await scene.post("alice", "@quadruped walk forward 1 metre")
         await mind.asked.wait()
         await scene.state(post, "seen")
-    copy = {file.name: file.read_bytes() for file in (scene.folder / "agents" / ROBOT).glob("journal.sqlite*")}
+    copy = scene.journal.copy()
     async with scene.agent() as agent:
         running = await scene.state(post, "running")
         if told:
@@ -383,8 +382,7 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
             await scene.until(lambda: not agent.queue)
     if not told:  # as after a crash: nobody wrote the end
         scene.world.posts[running.id] = running
-    for name, content in copy.items():
-        (scene.folder / "agents" / ROBOT / name).write_bytes(content)
+    scene.journal.put_back(copy)
     before = await place(scene.driver)
     async with scene.agent():
         last = await scene.post("alice", "@quadruped turn left 10 degrees")
@@ -404,13 +402,10 @@ async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
     async with scene.agent() as agent:
         post = await scene.post("alice", "@quadruped walk forward 5 metres")
         running = await scene.state(post, "running")
-        with sqlite3.connect(scene.folder / "copy") as copy, sqlite3.connect(agent.folder / "journal.sqlite") as now:
-            now.backup(copy)
+        copy = scene.journal.copy()
         assert (await scene.final(post)).card.state == "done"
         await scene.until(lambda: not agent.queue)
-    for file in agent.folder.glob("journal.sqlite*"):
-        file.unlink()
-    (scene.folder / "copy").rename(agent.folder / "journal.sqlite")
+    scene.journal.put_back(copy)
     if not told:
         scene.world.posts[running.id] = running
     match why:

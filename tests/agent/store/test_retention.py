@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import sqlite3
 import time
 from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
@@ -20,6 +19,9 @@ from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
 from agentrob.model import Account, AccountKind, Command, CommandState, Role
 from tests.agent.agent_scene import ROBOT, Scene
+from tests.agent.store.journal_store import JournalStore, open_journal
+
+pytestmark = pytest.mark.usefixtures("database")
 
 DAY_S = 86400.0
 ALICE = Account("a1", "alice", AccountKind.HUMAN, Role.OPERATOR)
@@ -35,26 +37,22 @@ def says(text: str) -> Callable[[], Awaitable[str]]:
 async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str, float]) -> Journal:
     """Return a journal with claims, assessments and motions of these posts; some were `told`, some are this many days
     old."""
-    journal = await Journal.open(folder, ROBOT)
+    journal = await open_journal(folder, ROBOT)
     for post in posts:
         await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace"))
         await journal.assess(post, says("thought"))
         await journal.move(post, says("moved"))
         if post in told:
             await journal.finish(post, CommandState.DONE)
-    with sqlite3.connect(folder / "journal.sqlite") as db:
-        for post, days in aged.items():
-            for table in ("claim", "motion"):
-                db.execute(f"UPDATE {table} SET at = ? WHERE post = ?", (time.time() - days * DAY_S, post))
-    db.close()
+    for post, days in aged.items():
+        for table in ("claim", "motion"):
+            at_s = time.time() - days * DAY_S
+            JournalStore(folder, ROBOT).change(f"UPDATE {table} SET at = :at WHERE post = :post", at=at_s, post=post)
     return journal
 
 
 def rows(folder: Path, query: str) -> list[str]:
-    db = sqlite3.connect(folder / "journal.sqlite")
-    found = [row[0] for row in db.execute(query)]
-    db.close()
-    return found
+    return [row[0] for row in JournalStore(folder, ROBOT).rows(query)]
 
 
 async def test_law_6_claims_are_let_go_of_when_they_are_told_and_old_and_open_ones_never(tmp_path: Path) -> None:
@@ -93,7 +91,7 @@ async def test_another_version_assesses_again_and_moves_nothing_twice(
 ) -> None:
     await (await kept(tmp_path, "open", told=(), aged={})).close()
     monkeypatch.setattr(journal_module, "VERSION", "another")
-    journal = await Journal.open(tmp_path, ROBOT)
+    journal = await open_journal(tmp_path, ROBOT)
     assert await journal.assess("open", says("another")) == "another"
     assert await journal.move("open", says("again")) == "moved"
     await journal.close()
@@ -130,8 +128,8 @@ async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monk
     async with scene.agent() as agent:
 
         def left() -> tuple[int, int, int]:
-            assessments = rows(agent.folder, "SELECT post FROM assessment")
-            claims = rows(agent.folder, "SELECT post FROM claim")
+            assessments = rows(scene.folder, "SELECT post FROM assessment")
+            claims = rows(scene.folder, "SELECT post FROM claim")
             return len(list((agent.folder / "records").iterdir())), len(assessments), len(claims)
 
         for _ in range(3):

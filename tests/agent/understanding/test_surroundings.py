@@ -74,7 +74,7 @@ async def test_law_7_what_a_camera_model_named_narrows_the_next_command_until_th
         later = await scene.final(await scene.post("alice", WALK))
     assert [reply.card and reply.card.state for reply in (looked, ahead, aside, later)] == [
         "done", "refused", "done", "done",
-    ]  # fmt: skip
+    ], "\n\n".join(reply.raw for reply in (looked, ahead, aside, later))  # fmt: skip
     assert "`scene.way.drop`" in ahead.raw
 
 

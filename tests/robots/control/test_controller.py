@@ -1,4 +1,4 @@
-"""The closed loop alone: an ideal body, a sluggish one, and one that does not move."""
+"""The closed loop in isolation: with an ideal body, a sluggish one, and one that does not move."""
 
 from __future__ import annotations
 

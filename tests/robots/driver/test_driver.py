@@ -34,7 +34,7 @@ from agentrob.robots.safety.lock import Halt
 from tests.robots.driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, until
 
 
-# ------------------------------------------------------------------ the ordinary way
+# ------------------------------------------------------------------ normal operation
 async def test_a_plan_is_driven_and_told_step_by_step(drivers: Drivers) -> None:
     name, _ = drivers.start(options={"time_scale": 20})
     plan = Plan((NEAR, Primitive(Op.TURN, Direction.LEFT, degrees=90), Primitive(Op.GET_FRONT_IMAGE)))
@@ -376,7 +376,7 @@ async def test_law_17_a_release_that_was_asked_for_before_the_halt_does_not_end_
 
 
 async def homed(robot: DriverClient) -> Pose:
-    """Its home is set as soon as the driver has seen it stand still for a moment."""
+    """Wait until home is set, which happens once the driver has seen the robot stand still for a moment."""
     async with asyncio.timeout(60):
         while True:
             with contextlib.suppress(RobotError):

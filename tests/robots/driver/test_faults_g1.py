@@ -83,7 +83,7 @@ async def robot(stand: Stand) -> AsyncIterator[DriverClient]:
 
 
 async def walking(stand: Stand, robot: DriverClient, **faults: Any) -> ActionResult:
-    """What comes of a metre on the way of which this happens."""
+    """Walk one metre, let this happen on the way, and return the result."""
     async with robot.lease("tester") as lease:
         step = asyncio.create_task(robot.step(lease, METRE, 30))
         await until(robot, lambda s: s.pose is not None and s.pose.x_m > 0.3)

@@ -117,7 +117,7 @@ async def test_law_8_a_robot_that_is_tipped_over_stays_down_until_it_is_asked_to
         said = await refused(place, robot, primitive, "fallen")
         assert "until it is asked to stand up" in said.message
     lying = place.truth.now
-    asked = await do(robot, STAND)  # the robot itself is asked; the simulated one cannot turn over, and says so
+    asked = await do(robot, STAND)  # passed on to the robot; the simulated one cannot
     assert (asked.outcome, asked.reason) == (Outcome.FAILED, "robot_error"), asked.message
     assert "posture" in asked.message
     assert apart_m(place.truth.now, lying) < 0.1
@@ -224,7 +224,7 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
 
 @pytest.mark.slow
 async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: Place) -> None:
-    """As on a busy machine: by the host's clock the wave takes longer than a driver waits for a robot's answer."""
+    """On a busy machine, by the host's clock, the wave takes longer than a driver waits for the robot's response."""
     domain = place.domain - 90
     driver, world = place.new_driver("slow", domain=domain, home_on_start=True, fence={}), None
     try:

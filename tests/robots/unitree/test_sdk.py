@@ -40,8 +40,8 @@ AT_REST = RobotState(
 )  # fmt: skip
 
 
-class Told(UnitreeRobot):
-    """Returns the given states, and then the last one for ever."""
+class ScriptedRobot(UnitreeRobot):
+    """Returns the given states in order, and the last one from then on."""
 
     def __init__(self, *states: RobotState, recent: Sequence[tuple[float, Pose]] = ()) -> None:
         super().__init__()
@@ -67,13 +67,13 @@ class Told(UnitreeRobot):
     ],
 )
 def test_a_stop_says_whether_the_robot_was_moving(before: dict[str, object], after: Pose, was_moving: bool) -> None:
-    stopped = Told(replace(AT_REST, **before), replace(AT_REST, pose=after)).stop()  # type: ignore[arg-type]
+    stopped = ScriptedRobot(replace(AT_REST, **before), replace(AT_REST, pose=after)).stop()  # type: ignore[arg-type]
     assert stopped.confirmed, stopped.message
     assert stopped.was_moving is was_moving
 
 
-def lately(path: Callable[[float], Pose]) -> list[tuple[float, Pose]]:
-    """Set its positions in the last half second; `path` maps the seconds to positions."""
+def recent_poses(path: Callable[[float], Pose]) -> list[tuple[float, Pose]]:
+    """Return the poses of the last half second; `path` maps seconds to poses."""
     return [(100.0 + k / 50, path(k / 50)) for k in range(26)]
 
 
@@ -94,18 +94,20 @@ def test_a_sway_is_no_motion_and_a_moment_of_standing_within_a_stride_is_no_rest
     before: dict[str, object], path: Callable[[float], Pose], was_moving: bool
 ) -> None:
     at = replace(AT_REST, **before)  # type: ignore[arg-type]
-    stopped = Told(at, AT_REST, recent=lately(path)).stop()
+    stopped = ScriptedRobot(at, AT_REST, recent=recent_poses(path)).stop()
     assert stopped.confirmed, stopped.message
     assert stopped.was_moving is was_moving
 
 
 def test_law_18_a_stop_tells_no_way_across_a_jump_of_the_odometry() -> None:
-    stopped = Told(AT_REST, AT_REST, replace(AT_REST, pose=Pose(1.0, 0, math.pi))).stop()
+    stopped = ScriptedRobot(AT_REST, AT_REST, replace(AT_REST, pose=Pose(1.0, 0, math.pi))).stop()
     assert stopped.confirmed, stopped.message
     assert (stopped.was_moving, stopped.coasted_m) == (False, None)
 
 
 def test_law_18_a_stop_that_is_not_confirmed_tells_no_way() -> None:
     gone = replace(AT_REST, pose=Pose(math.nan, 0, 0))
-    stopped = Told(AT_REST, *[replace(AT_REST, pose=Pose(0.01 * k, 0, math.pi)) for k in range(5)], gone).stop()
+    stopped = ScriptedRobot(
+        AT_REST, *[replace(AT_REST, pose=Pose(0.01 * k, 0, math.pi)) for k in range(5)], gone
+    ).stop()
     assert (stopped.confirmed, stopped.coasted_m) == (False, None)

@@ -49,7 +49,8 @@ TELL_S = 5.0
 #: Why a step ended: a person stopped it.
 BY_PEOPLE = frozenset({EndReason.STOP, "halt"})
 LAPSED = "lease_lapsed"
-_BY_US = frozenset({EndReason.SHUTDOWN, SILENT, LAPSED})
+FENCED = "fenced"
+_BY_US = frozenset({EndReason.SHUTDOWN, SILENT, LAPSED, FENCED})
 _log = structlog.get_logger()
 
 

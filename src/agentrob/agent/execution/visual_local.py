@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
-from pathlib import Path
 
 from agentrob.agent.execution.execute import Execution, ExecutionHooks
 from agentrob.agent.execution.visual import run_visual_task
@@ -19,8 +18,7 @@ from agentrob.screening.screen import screen
 
 
 async def run_visual_task_locally(
-    robot: str,
-    socket: Path | None,
+    driver: DriverClient,
     goal: Goal,
     eyes: ChatModel,
     settings: RobotConfig,
@@ -29,14 +27,15 @@ async def run_visual_task_locally(
     language: Language,
     on_result: Callable[[ActionResult], None],
 ) -> Execution:
-    """Let a model reach a goal through the driver at `socket`, with the same budgets, mandate and screen as on a forum.
+    """Let a model reach a goal through a driver, whose client is then closed, with the same budgets, mandate and screen
+    as on a forum.
 
     It ends on `agentrob stop`, on a stop of the hardware, or with this process.
     """
-    async with DriverClient(robot, socket) as driver:
+    async with driver:
         capabilities = await driver.capabilities()
         now = datetime.now(UTC)
-        command = Command("drive", "drive", "", author, robot, text, language, now, f"drive-{now:%H%M%S}")
+        command = Command("drive", "drive", "", author, driver.robot, text, language, now, f"drive-{now:%H%M%S}")
         hooks = _hooks(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
         visual_task = visual_task_of(goal, eyes, capabilities, settings.look, language)
         return await run_visual_task(driver, command, visual_task, hooks, on_result)

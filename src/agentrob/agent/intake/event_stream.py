@@ -13,7 +13,7 @@ from datetime import UTC, datetime, timedelta
 import structlog
 
 from agentrob.errors import ForumError, ForumLimited, ForumNotFound
-from agentrob.forums.protocol import Event, Forum
+from agentrob.forums.protocol import Event, Events
 from agentrob.model import EventKind
 
 #: While a robot moves its stop channel is proven this often, and given up after `SILENCE_S` (law 16).
@@ -50,7 +50,7 @@ class EventStream:
 
     def __init__(
         self,
-        forum: Forum,
+        forum: Events,
         cursor: str,
         poll_s: float,
         listens: bool = True,

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
+import traceback
 from collections.abc import Callable, Coroutine, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any, TypeVar
 
+import structlog
+
 from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
+from agentrob.agent.understanding.visual_goal import in_words
 from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.model import Command, EndReason, StopResult
 
 T = TypeVar("T")
+_log = structlog.get_logger()
 
 
 @dataclass(eq=False)
@@ -65,6 +71,20 @@ class QueuedCommand:
     def decided(self) -> ApprovalDecision | None:
         """Return the decision on its approval, if there is one."""
         return self.asked.decided if self.asked is not None else None
+
+    @property
+    def goal_text(self) -> str:
+        """Return the visual goal in our words; empty for a plan."""
+        goal = self.assessment.goal if self.assessment is not None else None
+        return in_words(goal, self.command.language) if goal is not None else ""
+
+    @contextlib.contextmanager
+    def log_errors(self, problem: str) -> Iterator[None]:
+        """Log an error in work that accompanies its motion or report, and go on without the result."""
+        try:
+            yield
+        except Exception:
+            _log.error(problem, post=self.command.post_id, trace=traceback.format_exc())
 
     def decide(self, decided: ApprovalDecision) -> None:
         """Record the decision on its approval."""
@@ -121,6 +141,11 @@ class CommandQueue:
     def moving(self) -> QueuedCommand | None:
         """Return the command that moves the robot now."""
         return next((job for job in self._jobs if job.moving), None)
+
+    @property
+    def current(self) -> QueuedCommand | None:
+        """Return the command whose turn it is: it moves the robot, or is about to."""
+        return self._turn
 
     def find(self, post_id: str) -> QueuedCommand | None:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -11,6 +12,7 @@ from typing import Any
 import httpx2
 import structlog
 
+from agentrob.agent.reporting.activity import AgentActivity
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
@@ -41,6 +43,7 @@ class Presence:
         settings: RobotConfig,
         waiting: Callable[[], Sequence[str]],
         owner: OwnerActions | None = None,
+        activity: AgentActivity | None = None,
     ) -> None:
         self._pages = pages
         self._driver = driver
@@ -48,7 +51,10 @@ class Presence:
         self._settings = settings
         self._waiting = waiting
         self._owner = owner
+        self._activity = activity
         self._changed = asyncio.Event()
+        self._capabilities: Capabilities | None = None
+        self._asked_s = -math.inf
 
     def changed(self) -> None:
         """Publish soon, without waiting for the next second."""
@@ -77,10 +83,13 @@ class Presence:
     async def card(self) -> dict[str, Any]:
         """Return the current card; a robot whose driver does not answer is `offline`."""
         try:
-            capabilities, state = await asyncio.gather(self._driver.capabilities(), self._driver.state())
+            state = await self._driver.state()
+            if self._capabilities is None or time.monotonic() - self._asked_s >= REFRESH_S:
+                self._capabilities, self._asked_s = await self._driver.capabilities(), time.monotonic()
         except RobotError:
+            self._capabilities = None  # another driver may answer next, with other limits
             return self._card(None, None)
-        return self._card(capabilities, state)
+        return self._card(self._capabilities, state)
 
     def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
         battery = state.battery_percent if state else None
@@ -101,6 +110,7 @@ class Presence:
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,
+            **(self._activity.card() if self._activity else {}),
         }
 
 

@@ -14,7 +14,7 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import structlog
 
@@ -30,6 +30,8 @@ _BACKOFF_S = (0.2, 30.0)
 #: must arrive, for a minute if it is soon outdated.
 _DENIED_S = (0.5, 30.0)
 TOLD_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
+#: The most writes that wait until our account may write again; further ones are left to the next start.
+MOST_DENIED = 1000
 #: A status post is abandoned if it has not changed for this long and its command does not move.
 LEFT_S, _LOOK_S = 5.0, 0.5
 #: After this many failures (about 50 s) the text is posted without pictures, in case they cause the failures.
@@ -290,3 +292,28 @@ async def until_allowed(
             _log.warning("the forum denies us a write, trying again", after_s=wait_s, error=str(e))
         await wait(wait_s)
         wait_s = min(longest_s, wait_s * 2)
+
+
+class DeniedWrites:
+    """Writes that the forum denies our account for now: they wait until it may write again."""
+
+    def __init__(self) -> None:
+        #: The tasks that wait.
+        self.tasks: set[asyncio.Task[Any]] = set()
+
+    async def when_allowed(
+        self, write: Callable[[], Awaitable[T]], wait: Callable[[float], Awaitable[object]] = asyncio.sleep
+    ) -> T:
+        """Write as soon as our account may: a suspension can end. Raises `ForumDenied` if too many wait for that; the
+        next start continues them."""
+        task = asyncio.current_task()
+        assert task is not None
+
+        async def waits(seconds: float) -> None:
+            self.tasks.add(task)
+            await wait(seconds)
+
+        try:
+            return await until_allowed(write, TOLD_WITHIN_S if len(self.tasks) < MOST_DENIED else 0.0, waits)
+        finally:
+            self.tasks.discard(task)

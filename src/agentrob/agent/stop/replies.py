@@ -60,6 +60,7 @@ class StopReplies:
     """Stops one robot and answers stop posts, with one reply per topic until a new command comes.
 
     `now` is the forum's clock, `settled` waits until it is known, `render` returns the Markdown of a reply.
+    `on_stop` is called with what each stop did.
     """
 
     def __init__(
@@ -70,6 +71,7 @@ class StopReplies:
         now: Callable[[], datetime],
         render: Callable[[StopReply], str],
         settled: Callable[[], Awaitable[object]],
+        on_stop: Callable[[StopResult | None], None] = lambda _: None,
     ) -> None:
         self._forum = forum
         self._driver = driver
@@ -77,6 +79,7 @@ class StopReplies:
         self._now = now
         self._render = render
         self._settled = settled
+        self._on_stop = on_stop
         self._under_way: set[asyncio.Future[None]] = set()
         self._ended_s = -math.inf
         self._replies = BoundedDict[str, asyncio.Task[StopReply | None]](THREADS)
@@ -90,6 +93,7 @@ class StopReplies:
             result = await self._stop(by, at, halt)
             if result is not None:
                 self._ended_s = max(self._ended_s, math.nextafter(result.ended_s, math.inf))
+            self._on_stop(result)
             return result
 
     async def quietly(self, why: str) -> None:

@@ -10,7 +10,7 @@ import structlog
 
 from agentrob.errors import MindError
 from agentrob.language.goal import Goal
-from agentrob.language.parser.grammar import parse
+from agentrob.language.parser.grammar import parse, small_talk_of
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.protocol import Addressee, ManagedMind, Mind, Reading, read
@@ -19,6 +19,8 @@ from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
 from agentrob.model import Intent, Plan, Understanding, Verdict
 
+#: Posts that need large numerals, or that are read again as idioms, lists and remarks.
+WARM_UP = ("一千零五米", "1. do a full turn and finish with a wave, my dog loves it", "最后伸个懒腰，我家狗可喜欢了")
 #: How long a mind may take; configured models have their own limits.
 LIMIT_S = 60.0
 #: Why a mind did not answer, besides the words of `minds.llm.errors.ErrorKind`: it failed and did not say how; the post
@@ -69,10 +71,17 @@ async def by_rules(
 
 
 async def prepare(mind: Mind) -> None:
-    """Load the mind's library and the imports of large numerals, so that the first post does not wait for them."""
-    await asyncio.to_thread(parse, "一千零五米", (), (), frozenset())
+    """Load the mind's library, and what the rules import and compile at the first use, so that the first post does not
+    wait for it, and no stop meanwhile."""
+    await asyncio.to_thread(_warm_up_rules)
     if isinstance(mind, ManagedMind):
         await mind.prepare()
+
+
+def _warm_up_rules() -> None:
+    for text in WARM_UP:
+        parse(text, (), (), frozenset())
+        small_talk_of(text, (), ())
 
 
 def _assessment(reading: Reading) -> Assessment:

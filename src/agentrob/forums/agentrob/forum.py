@@ -25,7 +25,18 @@ from agentrob.forums.http import (
     translate_errors,
 )
 from agentrob.forums.protocol import TRACE_ID, Board, Event, Notification, Registered, Topic, Written
-from agentrob.model import Account, AccountKind, EventKind, Page, Post, RobotRights, Role, StatusCard
+from agentrob.model import (
+    Account,
+    AccountKind,
+    EventKind,
+    FleetRobot,
+    Page,
+    Post,
+    RobotRights,
+    Role,
+    StatusCard,
+    fleet_robot,
+)
 from agentrob.process.tls import tls
 
 _KINDS = frozenset(EventKind)
@@ -136,6 +147,10 @@ class BoardForum:
 
     async def robot_names(self) -> tuple[str, ...]:
         return await self._call("GET", "/robots", lambda found: tuple(str(r["name"]) for r in found["items"]))
+
+    async def fleet(self) -> tuple[FleetRobot, ...]:
+        _, now = await self.now()
+        return await self._call("GET", "/robots", lambda found: tuple(_fleet_robot(r, now) for r in found["items"]))
 
     # ---------------------------------------------------------------- RobotRightsSource
     async def robot_rights(self, robot: str, board_id: str) -> RobotRights:
@@ -317,6 +332,11 @@ def _card(card: StatusCard | None) -> _JSON:
 
 def _time(text: str) -> datetime:
     return datetime.fromisoformat(text).astimezone(UTC)
+
+
+def _fleet_robot(robot: _JSON, now: datetime) -> FleetRobot:
+    seen_at = _time(robot["seen_at"]) if robot["seen_at"] else None
+    return fleet_robot(str(robot["name"]), robot["card"], seen_at, now)
 
 
 def _account(a: _JSON) -> Account:

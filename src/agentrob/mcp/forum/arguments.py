@@ -30,7 +30,7 @@ class Arguments(BaseModel):
 
 
 class GetManual(Arguments):
-    """How these tools work together, with examples; of one tool when named."""
+    """How these tools work together, with examples; or about one tool, if named."""
 
     tool: Annotated[str | None, Field(max_length=64)] = None
 
@@ -71,7 +71,7 @@ class CreateTopic(Arguments):
 
 
 class ReplyToTopic(Arguments):
-    """Reply in a topic; reply_to is the post that is answered."""
+    """Reply in a topic; reply_to is the post that you answer."""
 
     topic_id: Id
     body: Body
@@ -83,7 +83,7 @@ class ReplyToTopic(Arguments):
 
 
 class EditPost(Arguments):
-    """Replace the text of one's own post; images are added."""
+    """Replace the text of your own post; images are added."""
 
     post_id: Id
     body: Body
@@ -94,14 +94,14 @@ class EditPost(Arguments):
 
 
 class LoginAccount(Arguments):
-    """Act as another account from now on: one that is configured or was registered here, or any with its token."""
+    """Act as another account from now on: a configured one, one registered here, or any other with its token."""
 
     account: Name
     token: Annotated[str | None, Field(max_length=500, description="forum token; never put it into a post")] = None
 
 
 class RegisterAccount(Arguments):
-    """Make an account; login_account can choose it then."""
+    """Create an account; login_account can then switch to it."""
 
     account: Name
     kind: Annotated[AccountKind, Field(strict=False)] = AccountKind.HUMAN
@@ -109,7 +109,7 @@ class RegisterAccount(Arguments):
 
 
 class SearchPosts(Arguments):
-    """Posts that have the words, newest first."""
+    """Posts that contain all words, newest first."""
 
     query: Annotated[str, StringConstraints(pattern=_SAFE, max_length=200)]
     board_id: Id | None = None
@@ -119,20 +119,20 @@ class SearchPosts(Arguments):
 
 
 class SearchPostsByMeaning(SearchPosts):
-    """Posts that have the words, newest first; by meaning: that say something like it, in any language, most alike
-    first."""
+    """Posts that contain all words, newest first; with mode `meaning`: posts that say something similar, in any
+    language, best match first."""
 
     mode: Literal["words", "meaning"] = "words"
 
 
 class UploadMedia(Arguments):
-    """Hand in a picture (JPEG, PNG, WebP, GIF; at most 8 MiB) for `images` of a later write."""
+    """Upload a picture (JPEG, PNG, WebP, GIF; at most 8 MiB) for `images` of a later write."""
 
     data: Annotated[str, Field(max_length=11_500_000, description="base64")]
 
 
 class SubscribeTopic(Arguments):
-    """Be told of new posts of a topic: pushed as updates of its resource, and here after waiting up to wait_s."""
+    """Get new posts of a topic: pushed as updates of its resource, and returned here after waiting up to wait_s."""
 
     topic_id: Id
     after: Annotated[str | None, Field(max_length=100, description="`after` of the answer before")] = None
@@ -140,7 +140,7 @@ class SubscribeTopic(Arguments):
 
 
 class ListNotifications(Arguments):
-    """Who mentioned or answered this account, newest first."""
+    """Posts that mention this account or reply to it, newest first."""
 
     cursor: Cursor = None
     limit: Annotated[int, Field(ge=1, le=50)] = 10
@@ -173,7 +173,7 @@ def _lean(schema: dict[str, Any], definitions: dict[str, Any], top: bool = False
         if name == "description" and top:
             continue
         if name in ("minLength", "maxLength") or (name == "pattern" and ("x00" in value or "!-~" in value)):
-            continue  # well-meant calls keep these bounds; the error message states them to others
+            continue  # ordinary calls respect these bounds; others get them in the error message
         if (name, value) in (("minimum", 1), ("additionalProperties", True)):
             continue
         if name == "properties":

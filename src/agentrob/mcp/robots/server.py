@@ -71,7 +71,7 @@ class RobotServer:
     async def list_tools(self, ctx: Context, params: Any) -> types.ListToolsResult:
         return types.ListToolsResult(tools=[_described(tool) for tool in self._tools])
 
-    # Clients ask for these too; this server has none.
+    # Clients request these lists too; here they are empty.
     async def list_prompts(self, ctx: Context, params: Any) -> types.ListPromptsResult:
         return types.ListPromptsResult(prompts=[])
 

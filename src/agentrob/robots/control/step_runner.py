@@ -90,14 +90,14 @@ class _Track:
     unmeasured: str = ""
     _odometry: OdometryMonitor = field(default_factory=OdometryMonitor)
 
-    def update(self, t_s: float, state: RobotState) -> None:
-        """Add a state, unless the odometry was lost or has jumped."""
+    def update(self, t_s: float, state: RobotState, asked_s: float) -> None:
+        """Add a state that was asked for at `asked_s`, unless the odometry was lost or has jumped."""
         pose = known(state.pose)
         if self.unmeasured:
             return
         if pose is None or not state.age_s < SILENT_S:
             self.unmeasured = LOST
-        elif self._odometry.update(t_s, replace(state, pose=pose)):
+        elif self._odometry.update(t_s, replace(state, pose=pose), asked_s):
             self.unmeasured = JUMPED
         else:
             self._add(t_s, pose)
@@ -200,10 +200,10 @@ def _drive(body: Body, motion: MotionController, track: _Track, watch: Watch) ->
     """Run the control loop until the motion ends (returns "") or the watch gives a reason."""
     start_s, n = body.now_s(), 0
     while True:
-        state = body.state()
+        asked_s, state = body.now_s(), body.state()
         reason, now_s = watch(state), body.now_s()
         if track.points or not reason:
-            track.update(now_s, state)
+            track.update(now_s, state, asked_s)
         if reason:
             return reason
         if (pose := known(state.pose)) is None or track.unmeasured:
@@ -222,8 +222,8 @@ def _come_to_rest(body: Body, track: _Track) -> None:
     rest, end_s = RestDetector(STOPPED_WINDOW_S), body.now_s() + REST_LIMIT_S
     while body.now_s() < end_s and not rest.reached:
         body.wait_until(body.now_s() + 1 / RATE_HZ)
-        state, now_s = body.state(), body.now_s()
-        track.update(now_s, state)
+        asked_s, state, now_s = body.now_s(), body.state(), body.now_s()
+        track.update(now_s, state, asked_s)
         if (pose := known(state.pose)) is None:
             return
         if state.age_s < FRESH_S:  # one that is told again and again keeps its place by itself

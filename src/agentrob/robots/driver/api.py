@@ -8,23 +8,30 @@ import math
 import socket
 import threading
 import time
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from agentrob.errors import LeaseLost, RobotBusy, RobotError
+from agentrob.errors import Fenced, LeaseLost, RobotBusy, RobotError
+from agentrob.model import FencingToken, StopResult
 from agentrob.process.http_server import HttpServer
 from agentrob.robots.codec import decode_primitive, display_name, encode
 from agentrob.robots.driver.driver import Driver
+from agentrob.robots.safety.crash_marker import boot_id
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
 Answer = Callable[[Request], Awaitable[Response]]
+STORE_CHARACTERS = 200
+STOP_ID_CHARACTERS = 64
+#: Ids of stops that are remembered, so that none is done twice.
+STOPS_REMEMBERED = 256
 
 
 async def run_in_thread(work: Callable[[], T]) -> T:
@@ -80,27 +87,54 @@ def _since(data: dict[str, Any]) -> float | None:
     return float(since_s)
 
 
-async def _who(request: Request) -> str:
-    """The name of the caller who stops. A stop without a valid name is accepted too."""
-    return (await _stop_request(request))[0]
+def _fence(data: Any) -> FencingToken:
+    store, number = (data.get("store"), data.get("number")) if isinstance(data, dict) else (None, None)
+    if not isinstance(store, str) or not 0 < len(store) <= STORE_CHARACTERS or not store.isprintable():
+        raise RobotError(f"'store' must name the journal's database in 1 to {STORE_CHARACTERS} printable characters")
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < 2**63:
+        raise RobotError("'number' must be a whole number from 0")
+    return FencingToken(store, number)
 
 
-async def _stop_request(request: Request) -> tuple[str, bool]:
-    """The caller's name, and whether to end only the running command; by default, everything."""
+def _check_boot(data: dict[str, Any]) -> None:
+    """Raise `_OtherBoot` if the client converted `since_s` to the clock of an earlier boot of this host."""
+    if data.get("boot") not in (None, boot_id()):
+        raise _OtherBoot("this host was restarted since its clock was read; read it again: GET /clock")
+
+
+class _OtherBoot(RobotError):
+    pass
+
+
+class _StopRequest(NamedTuple):
+    """Who stops, and whether only the running command; by default, everything. The same `id` stops once."""
+
+    by: str = "an unnamed caller"
+    running_only: bool = False
+    id: str = ""
+
+
+async def _stop_request(request: Request) -> _StopRequest:
+    """What a stop says. A stop that says nothing valid is accepted too."""
     try:
         data = await _body(request)
-        return _text(data, "by"), data.get("running_only") is True
+        id = data.get("id")
+        given = id if isinstance(id, str) and len(id) <= STOP_ID_CHARACTERS else ""
+        return _StopRequest(_text(data, "by"), data.get("running_only") is True, given)
     except RobotError:
-        return "an unnamed caller", False
+        return _StopRequest()
 
 
-def app(driver: Driver) -> Starlette:
-    """The routes of one driver."""
-    handlers = _Handlers(driver)
+def app(driver: Driver, *, remote: bool = False) -> Starlette:
+    """The routes of one driver. For clients over the network (`remote`), a robot that workers share by fencing numbers
+    is leased only with one: such a client may be a worker that lost the robot and does not know it."""
+    handlers = _Handlers(driver, remote)
     routes = (
         ("/capabilities", "GET", handlers.capabilities),
+        ("/clock", "GET", handlers.clock),
         ("/state", "GET", handlers.state),
         ("/look", "GET", handlers.look),
+        ("/fence", "POST", handlers.fence),
         ("/lease", "POST", handlers.take),
         ("/lease/{lease}", "PUT", handlers.renew),
         ("/lease/{lease}", "DELETE", handlers.give_back),
@@ -116,11 +150,15 @@ def app(driver: Driver) -> Starlette:
 class _Handlers:
     """One method per route."""
 
-    def __init__(self, driver: Driver) -> None:
-        self.driver = driver
+    def __init__(self, driver: Driver, remote: bool) -> None:
+        self.driver, self.remote = driver, remote
+        self._stops = OrderedDict[str, asyncio.Future[StopResult]]()
 
     async def capabilities(self, _: Request) -> JSONResponse:
         return JSONResponse(encode(self.driver.guard.capabilities))
+
+    async def clock(self, _: Request) -> JSONResponse:
+        return JSONResponse({"now_s": time.monotonic(), "boot": boot_id()})
 
     async def state(self, _: Request) -> JSONResponse:
         holder = self.driver.leases.holder
@@ -131,10 +169,22 @@ class _Handlers:
         return Response(await run_in_thread(self.driver.look), media_type="image/jpeg")
 
     # ------------------------------------------------------------------ who may move it
+    async def fence(self, request: Request) -> JSONResponse:
+        fence = _fence(await _body(request))
+        await run_in_thread(lambda: self.driver.fence(fence))
+        return JSONResponse({})
+
     async def take(self, request: Request) -> JSONResponse:
         data = await _body(request)
+        _check_boot(data)
         holder, since_s = _text(data, "holder"), _since(data)
-        lease = await run_in_thread(lambda: self.driver.take(holder, since_s))
+        fence = None if data.get("fence") is None else _fence(data["fence"])
+        if fence is None and self.remote and self.driver.leases.numbers.known:
+            raise Fenced(
+                "workers share this robot by fencing numbers, so over the network a lease needs one; use the driver's "
+                "Unix socket on its own machine"
+            )
+        lease = await run_in_thread(lambda: self.driver.take(holder, since_s, fence))
         return JSONResponse({"lease": lease, "ttl_s": self.driver.leases.ttl_s})
 
     async def renew(self, request: Request) -> JSONResponse:
@@ -164,17 +214,28 @@ class _Handlers:
 
     async def stop(self, request: Request) -> JSONResponse:
         asked_s = time.monotonic()
-        by, running_only = await _stop_request(request)
-        stop = partial(self.driver.stop, by, asked_s, running_only=running_only)
-        return JSONResponse(encode(await run_in_thread(stop)))
+        asked = await _stop_request(request)
+        stop = partial(self.driver.stop, asked.by, asked_s, running_only=asked.running_only)
+        return JSONResponse(encode(await self._once(asked.id, stop)))
 
     async def halt(self, request: Request) -> JSONResponse:
-        by = await _who(request)
-        return JSONResponse(encode(await run_in_thread(lambda: self.driver.halt(by))))
+        asked = await _stop_request(request)
+        return JSONResponse(encode(await self._once(asked.id, lambda: self.driver.halt(asked.by))))
+
+    async def _once(self, id: str, stop: Callable[[], StopResult]) -> StopResult:
+        """Stop, unless it was asked for under this id before: a client may send each stop on two connections."""
+        if not id:
+            return await run_in_thread(stop)
+        if id not in self._stops:
+            self._stops[id] = asyncio.ensure_future(run_in_thread(stop))
+            if len(self._stops) > STOPS_REMEMBERED:
+                self._stops.popitem(last=False)
+        return await asyncio.shield(self._stops[id])
 
     # ------------------------------------------------------------------ the owner's
     async def release(self, request: Request) -> JSONResponse:
         data = await _body(request)
+        _check_boot(data)
         by, since_s = _text(data, "by"), _since(data)
         lock = await run_in_thread(lambda: self.driver.release(by, math.inf if since_s is None else since_s))
         return JSONResponse({"released": None if lock is None else encode(lock)})
@@ -185,13 +246,17 @@ class _Handlers:
 
 
 def _translated(answer: Answer) -> Answer:
-    """Translate our errors to HTTP: 409 without the robot (`lease_lost`, `busy`), 422 for an invalid request."""
+    """Translate our errors to HTTP: 409 without the robot (`lease_lost`, `fenced`, `busy`), 422 if invalid."""
 
     async def translated(request: Request) -> Response:
         try:
             return await answer(request)
         except LeaseLost as e:
             return _problem(409, "lease_lost", str(e), why=e.why, by=e.by)
+        except Fenced as e:
+            return _problem(409, "fenced", str(e))
+        except _OtherBoot as e:
+            return _problem(409, "other_boot", str(e))
         except RobotBusy as e:
             return _problem(409, "busy", str(e))
         except RobotError as e:

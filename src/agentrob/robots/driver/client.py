@@ -1,42 +1,63 @@
-"""Client of a robot's driver over its Unix socket, used by the agent, `agentrob drive` and scripts."""
+"""Client of a robot's driver, used by the agent, `agentrob drive` and scripts."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import AsyncIterator, Callable
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import httpx2
 
 from agentrob.config.load import runtime_dir
-from agentrob.errors import LeaseLost, RobotBusy, RobotError, RobotUnreachable
-from agentrob.model import ActionResult, Capabilities, Lock, Outcome, Plan, Pose, Primitive, RobotState, StopResult
+from agentrob.errors import LeaseLost, RobotError
+from agentrob.model import (
+    ActionResult,
+    Capabilities,
+    FencingToken,
+    Lock,
+    Outcome,
+    Plan,
+    Pose,
+    Primitive,
+    RobotState,
+    StopResult,
+)
 from agentrob.robots import codec
-from agentrob.robots.codec import display_name
+from agentrob.robots.driver.connection import CALL_S, DriverAddress, DriverConnection, OtherBoot
 
 RENEW_S = 0.2
+RENEWAL_S = 3.0
 #: Beyond a step's own deadline: coming to rest, measuring, answering.
 GRACE_S = 10.0
-CALL_S = 5.0
+#: Renewals that are not answered yet; more would not help.
+RENEWALS = 8
+#: A command that counts from a stop of this client says so by a time this soon after the stop's `ended_s`.
+AFTER_STOP_S = 1e-6
 
 
 class DriverClient:
-    """A client of one robot's driver. Every call raises `RobotUnreachable` if no driver answers.
+    """A client of one robot's driver, at a Unix socket of this machine or (`agentrob.robots.driver.remote`) elsewhere.
+
+    All times are of this host's monotonic clock. Every call raises `RobotUnreachable` if no driver answers.
 
     >>> robot = DriverClient("quadruped")
     >>> async with robot.lease("me") as lease:
     ...     result = await robot.step(lease, Primitive(Op.TURN, Direction.LEFT, degrees=90), deadline_s=30)
     """
 
-    def __init__(self, robot: str, socket: Path | None = None) -> None:
+    def __init__(self, robot: str, socket: Path | None = None, address: DriverAddress | None = None) -> None:
         self.robot = robot
-        self.socket = socket or runtime_dir() / f"{robot}.sock"
-        transport = httpx2.AsyncHTTPTransport(uds=str(self.socket), verify=False)  # no TLS on a local socket
-        self._http = httpx2.AsyncClient(transport=transport, base_url="http://driver", timeout=CALL_S)
+        self.address = address or DriverAddress(socket or runtime_dir() / f"{robot}.sock")
+        self._connection = DriverConnection(robot, self.address)
         self._renewing: dict[str, asyncio.Task[None]] = {}
+        #: Of our last stop: when it was done, by our clock and by the driver's, and when we heard of it.
+        self._own_stop, self._stop_heard_s = (-math.inf, -math.inf), math.inf
+        self._fence: FencingToken | None = None
 
     async def capabilities(self) -> Capabilities:
         return codec.decode_capabilities(await self._call("GET", "/capabilities"))
@@ -55,6 +76,14 @@ class DriverClient:
         rate limit."""
         return (await self._ask("GET", "/look")).content
 
+    async def fence(self, fence: FencingToken) -> None:
+        """Lock out workers with smaller fencing numbers; every later `lease` of this client carries this one.
+
+        Raises `Fenced` if another worker has taken the robot since, and `RobotError` if the driver cannot keep it.
+        """
+        self._fence = fence
+        await self._call("POST", "/fence", asdict(fence))
+
     @contextlib.asynccontextmanager
     async def lease(self, holder: str, since_s: float | None = None) -> AsyncIterator[str]:
         """Hold the lease, the right to move the robot, and renew it five times a second until the context ends.
@@ -62,10 +91,13 @@ class DriverClient:
         When this client requests a stop it no longer renews the lease: should the request be lost, the lease lapses,
         and the driver stops the robot within a second. A stop ends the lease; `step` then raises `LeaseLost`.
 
-        `since_s` is when the command was accepted (`time.monotonic()` on this host; default now). Raises `LeaseLost` if
-        a stop or halt came since then, and `RobotBusy`, which names the current holder.
+        `since_s` is when the command was accepted (`time.monotonic()` on this host; default now), or the `ended_s` of a
+        stop of this client, for a command that counts from that stop on. Raises `LeaseLost` if a stop or halt came
+        since then, `Fenced` if another worker has taken the robot, and `RobotBusy`, which names the
+        current holder.
         """
-        lease = str((await self._call("POST", "/lease", {"holder": holder, "since_s": since_s}))["lease"])
+        body = {"holder": holder, "fence": self._fence and asdict(self._fence)}
+        lease = str((await self._call_since("/lease", body, since_s))["lease"])
         self._renewing[lease] = asyncio.create_task(self._renew(lease), name=f"lease of {self.robot}")
         try:
             yield lease
@@ -76,15 +108,25 @@ class DriverClient:
                 await asyncio.shield(self._call("DELETE", f"/lease/{lease}"))
 
     async def _renew(self, lease: str) -> None:
-        """Renew until the lease is lost; the holder sees that when it calls `step`."""
-        while True:
-            await asyncio.sleep(RENEW_S)
+        """Renew until the lease is lost; the holder sees that when it calls `step`.
+
+        A renewal does not wait for the answer to the last one, which may have been lost on the way.
+        """
+        lost, asked = asyncio.Event(), set[asyncio.Task[None]]()
+
+        async def renew() -> None:
             try:
-                await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
+                await self._call("PUT", f"/lease/{lease}", timeout_s=RENEWAL_S)
             except LeaseLost:
-                return
+                lost.set()
             except RobotError:
-                continue  # the driver may be slow for a moment: the lease itself decides
+                pass  # the driver may be slow for a moment: the lease itself decides
+
+        while not lost.is_set():
+            await asyncio.sleep(RENEW_S)
+            if len(asked) < RENEWALS:
+                asked.add(renewal := asyncio.create_task(renew()))
+                renewal.add_done_callback(asked.discard)
 
     def _let_lapse(self) -> None:
         """Stop renewing this client's leases, so that motion ends even if a stop request is lost."""
@@ -98,7 +140,7 @@ class DriverClient:
         Call this after a step that ended with `stop`, since its result does not say who stopped it.
         """
         try:
-            await self._call("PUT", f"/lease/{lease}", timeout_s=1.0)
+            await self._call("PUT", f"/lease/{lease}", timeout_s=RENEWAL_S if self.address.remote else 1.0)
         except LeaseLost as e:
             return e
         if lease in self._renewing:
@@ -109,7 +151,9 @@ class DriverClient:
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Run a step until its end. A refusal or failure is a result. Raises `LeaseLost` without a valid lease."""
         body = {"lease": lease, "primitive": codec.encode(primitive), "deadline_s": deadline_s}
-        return codec.decode_result(await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S))
+        answer = await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S)
+        result = codec.decode_result(answer)
+        return self._result_here(result) if self.address.remote else result
 
     async def stop(self, by: str, *, running_only: bool = False) -> StopResult:
         """Stop the robot now; needs no lease. Returns when the robot is at rest, after at most 3 s.
@@ -118,13 +162,25 @@ class DriverClient:
         client's leases are no longer renewed.
         """
         self._let_lapse()
-        body = {"by": by, "running_only": running_only}
-        return codec.decode_stop(await self._call("POST", "/stop", body, timeout_s=CALL_S))
+        return await self._stop("/stop", {"by": by, "running_only": running_only}, ends_waiting=not running_only)
 
     async def halt(self, by: str) -> StopResult:
         """Stop, and refuse all motion until `release`, also after restarts. It ends leases as `stop` does."""
         self._let_lapse()
-        return codec.decode_stop(await self._call("POST", "/halt", {"by": by}, timeout_s=CALL_S))
+        return await self._stop("/halt", {"by": by})
+
+    async def _stop(self, path: str, body: dict[str, Any], ends_waiting: bool = True) -> StopResult:
+        asked_s = self._connection.now_s()
+        result = codec.decode_stop(await self._call("POST", path, body))
+        if not self.address.remote:
+            return result
+        heard_s = self._connection.now_s()
+        here = await self._here(result, asked_s)
+        if ends_waiting:
+            self._stop_heard_s = heard_s
+            ours_s, theirs_s = self._own_stop
+            self._own_stop = (max(ours_s, here.ended_s), max(theirs_s, result.ended_s))
+        return here
 
     async def release(self, by: str, since_s: float | None = None) -> Lock | None:
         """Unlock the robot on behalf of its owner. Return the removed lock, or None if it was not locked.
@@ -132,7 +188,7 @@ class DriverClient:
         `since_s` is when the release was requested (`time.monotonic()` on this host; default now). Raises `RobotError`
         if the robot was locked after that.
         """
-        released = (await self._call("POST", "/release", {"by": by, "since_s": since_s}))["released"]
+        released = (await self._call_since("/release", {"by": by}, since_s))["released"]
         return None if released is None else codec.decode_lock(released)
 
     async def home(self, by: str) -> Pose:
@@ -140,7 +196,7 @@ class DriverClient:
         return codec.decode_pose((await self._call("POST", "/home", {"by": by}))["home"])
 
     async def close(self) -> None:
-        await self._http.aclose()
+        await self._connection.close()
 
     async def __aenter__(self) -> DriverClient:
         return self
@@ -152,25 +208,55 @@ class DriverClient:
         return (await self._ask(method, path, body, timeout_s)).json()
 
     async def _ask(self, method: str, path: str, body: Any = None, timeout_s: float = CALL_S) -> httpx2.Response:
-        if self._http.is_closed:
-            raise RobotUnreachable(f"this client of {self.robot!r} has been closed")
+        return await self._connection.ask(method, path, body, timeout_s)
+
+    # ------------------------------------------------------------------ the clock of another host
+    async def _call_since(self, path: str, body: dict[str, Any], since_s: float | None) -> Any:
+        """Call with `since_s`, converted to the clock of the driver's host."""
+        if not self.address.remote:
+            return await self._call("POST", path, {**body, "since_s": since_s})
+        since_s = self._connection.now_s() if since_s is None else since_s
+        if not self._connection.clock.known:
+            await self._connection.measure_clock()
         try:
-            answer = await self._http.request(method, path, json=body, timeout=timeout_s)
-        except (httpx2.TransportError, OSError) as e:
-            raise RobotUnreachable(
-                f"no driver of {self.robot!r} answers at {self.socket} ({type(e).__name__}); "
-                f"start one with: agentrob driver {self.robot}"
-            ) from None
-        if answer.is_success:
-            return answer
-        try:
-            problem = answer.json()
-            code, detail = str(problem["code"]), str(problem["detail"])
-        except (ValueError, KeyError, TypeError):
-            problem, code, detail = {}, "", f"the driver answered {answer.status_code}"
-        if code == "lease_lost":
-            raise LeaseLost(detail, str(problem.get("why", "lease_lapsed")), display_name(str(problem.get("by", ""))))
-        raise (RobotBusy if code == "busy" else RobotError)(detail)
+            return await self._call_since_there(path, body, since_s)
+        except OtherBoot:
+            await self._connection.measure_clock()
+            return await self._call_since_there(path, body, since_s)
+
+    async def _call_since_there(self, path: str, body: dict[str, Any], since_s: float) -> Any:
+        body = {**body, "since_s": self._since_there(since_s), "boot": self._connection.clock.boot}
+        return await self._call("POST", path, body)
+
+    def _since_there(self, since_s: float) -> float:
+        """When a command was accepted, by the driver's clock and at the earliest: a stop that may have come after it
+        ends it. A command that counts from our own stop, or came when we had heard of it, is surely later than that."""
+        there_s = self._connection.clock.earliest_there(since_s, self._connection.now_s())
+        ours_s, theirs_s = self._own_stop
+        after = 0 < since_s - ours_s <= AFTER_STOP_S or since_s >= self._stop_heard_s
+        return max(there_s, math.nextafter(theirs_s, math.inf)) if after else there_s
+
+    async def _here(self, result: StopResult, asked_s: float) -> StopResult:
+        """A stop by our clock: its way to the driver counts as latency, and it ended what was accepted before it."""
+        connection, clock = self._connection, self._connection.clock
+        now_s = connection.now_s()
+        if not clock.known:
+            with contextlib.suppress(RobotError):
+                await connection.measure_clock()
+        ended_s, latest_s = asked_s, now_s
+        if clock.known:
+            ended_s = min(max(clock.earliest_here(result.ended_s, connection.now_s()), asked_s), now_s)
+            latest_s = min(max(clock.latest_here(result.ended_s, connection.now_s()), asked_s), now_s)
+        latency_ms = result.latency_ms + 1000 * (latest_s - asked_s)
+        return replace(result, ended_s=ended_s, latency_ms=round(latency_ms, 3))
+
+    def _result_here(self, result: ActionResult) -> ActionResult:
+        """The result of a step by our clock, at the earliest."""
+        clock, now_s = self._connection.clock, self._connection.now_s()
+        if not clock.known or not result.started_s:
+            return result
+        started_s, ended_s = (clock.earliest_here(t, now_s) for t in (result.started_s, result.ended_s))
+        return replace(result, started_s=started_s, ended_s=ended_s)
 
 
 def run_plan(
@@ -179,28 +265,30 @@ def run_plan(
     holder: str,
     *,
     socket: Path | None = None,
+    client: DriverClient | None = None,
     deadline_s: float = 60.0,
     on_result: Callable[[ActionResult], None] = lambda _: None,
 ) -> tuple[ActionResult, ...]:
     """Run a plan from a script; blocks. After a step that is not done, the remaining steps are `skipped`.
 
-    `deadline_s` applies to the whole plan. `on_result` is called with the result of each step. Raises `RobotError`.
+    `client` is used, and closed, instead of one for `socket`. `deadline_s` applies to the whole plan. `on_result` is
+    called with the result of each step. Raises `RobotError`.
     """
-    return asyncio.run(_run_plan(robot, plan, holder, socket, deadline_s, on_result, time.monotonic()))
+    client = client or DriverClient(robot, socket)
+    return asyncio.run(_run_plan(client, plan, holder, deadline_s, on_result, time.monotonic()))
 
 
 async def _run_plan(
-    robot: str,
+    client: DriverClient,
     plan: Plan,
     holder: str,
-    socket: Path | None,
     deadline_s: float,
     on_result: Callable[[ActionResult], None],
     since_s: float,
 ) -> tuple[ActionResult, ...]:
     results: list[ActionResult] = []
     end_s = asyncio.get_running_loop().time() + deadline_s
-    async with DriverClient(robot, socket) as client, client.lease(holder, since_s) as lease:
+    async with client, client.lease(holder, since_s) as lease:
         for primitive in plan.steps:
             if results and not results[-1].ok:
                 result = ActionResult(primitive, Outcome.SKIPPED, message="An earlier step was not done.")

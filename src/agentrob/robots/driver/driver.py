@@ -9,8 +9,9 @@ import time
 from dataclasses import replace
 
 from agentrob.errors import RobotBusy, RobotError
-from agentrob.model import ActionResult, Lock, Pose, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, FencingToken, Lock, Pose, Primitive, RobotState, StopResult
 from agentrob.robots.codec import display_name
+from agentrob.robots.driver.fencing import FencingNumbers
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.safety.guard import Guard
 
@@ -27,9 +28,9 @@ LOOK_S = 0.4
 class Driver:
     """The driver's operations, without sockets. All methods are thread-safe."""
 
-    def __init__(self, name: str, guard: Guard) -> None:
+    def __init__(self, name: str, guard: Guard, numbers: FencingNumbers | None = None) -> None:
         self.name, self.guard = name, guard
-        self.leases = Leases()
+        self.leases = Leases(numbers=numbers)
         self._step = threading.Lock()
         self._looking, self._looked_s = threading.Lock(), -LOOK_S
 
@@ -40,20 +41,32 @@ class Driver:
     def state(self) -> RobotState:
         return self.guard.state()
 
-    def take(self, holder: str, since_s: float | None = None) -> str:
+    def fence(self, fence: FencingToken) -> None:
+        """Lock out workers with a smaller fencing number of the same database, also after a restart of the driver; a
+        lease of such a worker ends, and its robot stops.
+
+        Raises `Fenced` if a larger number was seen, and `RobotError` if this one cannot be written to disk.
+        """
+        self.leases.fence(fence)
+        self.leases.numbers.save()
+
+    def take(self, holder: str, since_s: float | None = None, fence: FencingToken | None = None) -> str:
         """Return a new lease, after waiting until the previous holder's step has come to rest.
 
-        `since_s` is when the command was accepted, in monotonic seconds; default now. Raises `RobotBusy`, and
-        `LeaseLost` if a stop or halt came since then, including during this wait.
+        `since_s` is when the command was accepted, in monotonic seconds; default now. `fence` is the fencing number of
+        a worker that shares the robot with others. Raises `RobotBusy`, `LeaseLost` if a stop or halt came since then,
+        including during this wait, and as `fence`.
         """
         asked_s = time.monotonic()
         since_s, end_s = asked_s if since_s is None else since_s, asked_s + TAKE_S
         self.leases.refuse_ended(since_s)
+        if fence is not None:
+            self.fence(fence)
         while self.leases.holder is None and self.busy and time.monotonic() < end_s:
             time.sleep(0.02)
         if self.leases.holder is None and self.busy:
             raise RobotBusy("the robot is still ending its previous holder's step; try again in a moment")
-        lease = self.leases.take(holder, since_s)
+        lease = self.leases.take(holder, since_s, fence)
         log.info("lease to %s", holder)
         return lease
 

@@ -9,7 +9,9 @@ import time
 from typing import NamedTuple
 
 from agentrob.errors import LeaseLost, RobotBusy
+from agentrob.model import FencingToken
 from agentrob.robots.codec import display_name
+from agentrob.robots.driver.fencing import FencingNumbers
 
 TTL_S = 1.0
 
@@ -23,19 +25,24 @@ class End(NamedTuple):
     @property
     def said(self) -> str:
         """As part of a sentence: `by a stop of NAME`, `by a shutdown`."""
+        if self == FENCED:
+            return "because another worker took the robot"
         return f"by a {self.why} of {self.by}" if self.by else f"by a {self.why}"
 
 
 LAPSED = End("lease_lapsed")
+FENCED = End("fenced")
 
 
 class Leases:
     """Thread-safe. The lock is held only for a few assignments, so a stop never waits for it."""
 
-    def __init__(self, ttl_s: float = TTL_S) -> None:
+    def __init__(self, ttl_s: float = TTL_S, numbers: FencingNumbers | None = None) -> None:
         self.ttl_s = ttl_s
+        self.numbers = numbers or FencingNumbers()
         self._lock = threading.Lock()
         self._lease, self._holder, self._until_s = "", "", 0.0
+        self._fence: FencingToken | None = None  # of the current lease
         self._ended: tuple[str, End] = ("", LAPSED)  # (lease, end) of the last one that ended before its time
         self._last_end: tuple[float, End] = (-math.inf, LAPSED)  # (monotonic seconds, end), also without a lease
 
@@ -44,18 +51,21 @@ class Leases:
         """The current holder of the robot."""
         return self._holder if self._lease and time.monotonic() < self._until_s else None
 
-    def take(self, holder: str, since_s: float = math.inf) -> str:
+    def take(self, holder: str, since_s: float = math.inf, fence: FencingToken | None = None) -> str:
         """Return a new lease for a command that was accepted at `since_s` (monotonic seconds).
 
-        Raises `LeaseLost` if a stop or halt came since then, and `RobotBusy`, which names the holder of the robot.
+        Raises `LeaseLost` if a stop or halt came since then, `Fenced` if another worker has taken the robot, and
+        `RobotBusy`, which names the holder of the robot.
         """
         with self._lock:
             self.refuse_ended(since_s)
+            if fence is not None:
+                self.numbers.check(fence)
             if (other := self.holder) is not None:
                 raise RobotBusy(
                     f"{other} holds the robot until it releases the lease or does not renew it for a second"
                 )
-            self._lease, self._holder = secrets.token_urlsafe(12), holder
+            self._lease, self._holder, self._fence = secrets.token_urlsafe(12), holder, fence
             self._until_s = time.monotonic() + self.ttl_s
             return self._lease
 
@@ -82,6 +92,14 @@ class Leases:
             if self._lease:
                 self._ended, self._lease = (self._lease, end), ""
             return ended_s
+
+    def fence(self, fence: FencingToken) -> None:
+        """Remember the fencing number of the robot's newest holder, and end a lease with a smaller one of the same
+        database. Raises `Fenced` if a larger one was seen. The caller then calls `numbers.save`."""
+        with self._lock:
+            held = self._fence if self._lease else None
+            if self.numbers.see(fence) and held is not None and held.store == fence.store:
+                self._ended, self._lease = (self._lease, FENCED), ""
 
     def refuse_ended(self, since_s: float) -> None:
         """Raise `LeaseLost` if a stop or halt came at or after `since_s`."""

@@ -25,6 +25,7 @@ from agentrob.plugins import find
 from agentrob.process.host_lock import HostLock, namespaced
 from agentrob.robots.codec import display_name, encode
 from agentrob.robots.driver.driver import Driver
+from agentrob.robots.driver.fencing import FencingNumbers
 from agentrob.robots.protocol import Robot
 from agentrob.robots.safety.crash_marker import CrashMarker
 from agentrob.robots.safety.guard import Guard
@@ -59,24 +60,34 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
     """Hold the robot until SIGTERM or SIGINT; the robot is stopped before this returns (within a second).
 
     Prints one line of JSON on standard output when it is ready. Raises `RobotBusy` if another driver holds this robot
-    or this socket, `ConfigError` for a robot model that is not installed. Call it from the main thread only.
+    or this socket, `ConfigError` for a robot model that is not installed, or for certificates or a token of
+    `driver_listen` that cannot be used. Call it from the main thread only.
     """
-    from agentrob.robots.driver.api import DriverServer
+    from agentrob.robots.driver.api import DriverServer, app
+    from agentrob.robots.driver.network import NetworkListener
 
     path = socket_path or runtime_dir() / f"{name}.sock"
     ended = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: ended.set())
     lock = lock_name(name, settings)
-    with HostLock(lock, f"the robot {name!r}") as held, listening(path) as listener, _only_own_lines() as out:
+    with contextlib.ExitStack() as stack:
+        held = stack.enter_context(HostLock(lock, f"the robot {name!r}"))
+        listener = stack.enter_context(listening(path))
+        network = stack.enter_context(NetworkListener(settings)) if settings.driver_listen else None
+        out = stack.enter_context(_only_own_lines())
         folder = (data or default_data_dir()) / "drivers"
         halt, mark = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
-        driver = Driver(name, Guard(make_robot(settings), settings, halt, mark))
+        guard = Guard(make_robot(settings), settings, halt, mark)
+        driver = Driver(name, guard, FencingNumbers(folder / f"{name}.fence"))
         try:
             threading.Thread(target=serve_stops, args=(held.socket, driver), name="stop-channel", daemon=True).start()
             driver.guard.settle()
-            with DriverServer(driver, listener):
+            with DriverServer(driver, listener), contextlib.ExitStack() as served:
                 ready = {"ready": "driver", "robot": name, "socket": str(path), "lock": lock, "pid": os.getpid()}
+                if network is not None:
+                    served.enter_context(network.serve(app(driver, remote=True)))
+                    ready["listen"] = network.address
                 print(json.dumps(ready), file=out, flush=True)
                 ended.wait()
                 driver.close()

@@ -86,7 +86,7 @@ class CrashMarker:
         try:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             age_s = time.monotonic() - float(record["alive_s"])
-            counts = record["boot"] == _boot() and 0 <= age_s <= COUNTS_S
+            counts = record["boot"] == boot_id() and 0 <= age_s <= COUNTS_S
             return InterruptedStep(Op(record["op"]), str(record["mode"])) if counts else None
         except FileNotFoundError:
             return None
@@ -97,11 +97,11 @@ class CrashMarker:
     def _write(self, mode: str) -> None:
         assert self._file is not None
         self._beat_s = time.monotonic()
-        record = {"op": self._op, "mode": mode[:30], "alive_s": self._beat_s, "boot": _boot()}
+        record = {"op": self._op, "mode": mode[:30], "alive_s": self._beat_s, "boot": boot_id()}
         with contextlib.suppress(OSError):
             os.pwrite(self._file, json.dumps(record).ljust(_LENGTH).encode(), 0)
 
 
-def _boot() -> str:
+def boot_id() -> str:
     """Id of this boot of the host, from which its monotonic clock counts."""
     return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()

@@ -96,12 +96,12 @@ class UnitreeRobot:
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
         rest, gesturing, odometry, jumped = RestDetector(STOPPED_WINDOW_S), self._gesturing, OdometryMonitor(), False
-        odometry.update(asked_s, before)
+        odometry.update(time.monotonic(), before, asked_s)
         if gesturing:
             self._end_gesture()
         while (now_s := time.monotonic()) < asked_s + REST_LIMIT_S:
             state = self.state()
-            jumped |= odometry.update(now_s, state) is not None
+            jumped |= odometry.update(time.monotonic(), state, asked_s=now_s) is not None
             fresh = state.pose is not None and state.age_s < CONFIRMING_S
             if fresh and state.pose and rest.update(now_s, state.pose) and not self._gesturing:
                 break

@@ -1,0 +1,428 @@
+"""Kill workers at random while people command a fleet: nothing is lost, nothing moves twice, every command is answered.
+
+    python benchmarks/fleet.py --postgres --robots 200 --workers 4 --commands 10000 --kills 60 --database-kills 5
+
+A real board, real workers and, with `--postgres`, a real PostgreSQL for board and journals; without it these are SQLite
+files. Fake robots behind real drivers write each step to a ledger, outside of what is killed
+(`benchmarks/instruments/robot_host.py`). A killed worker starts again when others have taken over all its robots.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from instruments.postgres import PostgresServer, postgres
+from instruments.robot_host import robot_name, robot_settings
+
+from agentrob.agent.execution.execute import holder_of
+from agentrob.config.board import BoardConfig, BoardLimitsConfig
+from agentrob.config.forum import ForumConfig
+from agentrob.config.journal import JournalConfig
+from agentrob.config.load import Config
+from agentrob.demo.run import free_port
+from agentrob.errors import ForumError
+from agentrob.forums.protocol import Forum
+from agentrob.model import AccountKind, CommandState, EventKind, Post, Role
+from agentrob.model.lifecycle import FINAL_STATES
+from agentrob.process.child import Child, terminate_all
+from agentrob.wiring import app
+
+ROBOT_HOST = Path(__file__).parent / "instruments" / "robot_host.py"
+ROBOTS_A_HOST = 50
+POSTERS = 24
+#: Posts of a poster in one topic.
+POSTS_A_TOPIC = 50
+#: How long a command may take to its final reply when workers die meanwhile.
+END_S = 120.0
+TAKEOVER_S, STOP_MS = 15.0, 200.0
+#: Final states that say that nothing moved.
+WRONG = ("lost", "moved twice", "answered twice", "untrue")
+UNMOVED = frozenset({CommandState.CANCELLED, CommandState.EXPIRED, CommandState.REFUSED, CommandState.ASKS_BACK})
+
+
+class WorkerProcess:
+    """One worker, whose ready lines are read as they come."""
+
+    def __init__(self, fleet: Fleet, number: int) -> None:
+        self._fleet = fleet
+        self.number = number
+        self.serving: set[str] = set()
+        self._start()
+
+    def _start(self) -> None:
+        log = (self._fleet.folder / f"worker-{self.number}.log").open("a")
+        command = ["agent", "run", "--all", "--most", str(self._fleet.room), "--config", str(self._fleet.config_path)]
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "agentrob", *command], stdout=subprocess.PIPE, stderr=log, text=True,
+            env={**os.environ, **self._fleet.env},
+        )  # fmt: skip
+        threading.Thread(target=self._read, args=(self.process,), daemon=True).start()
+
+    def _read(self, process: subprocess.Popen[str]) -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
+            with contextlib.suppress(ValueError):
+                if (robot := json.loads(line).get("robot")) and process.poll() is None:
+                    self._fleet.taken(robot, self)
+
+    def kill(self) -> None:
+        self.process.kill()
+        self.process.wait()
+
+    def start_again(self) -> None:
+        self._start()
+
+    def end(self) -> None:
+        self.process.terminate()
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+
+
+@dataclass
+class Command:
+    """One posted command and what came of it."""
+
+    robot: str
+    posted_s: float
+    trace_id: str = ""
+    state: str = ""
+    ended_s: float = 0.0
+    replies: set[str] = field(default_factory=set)
+
+
+class Fleet:
+    """The processes, and who serves which robot since when."""
+
+    def __init__(self, folder: Path, robots: int, workers: int, room: int, database: str = "") -> None:
+        self.folder = folder
+        self.robots = [robot_name(number) for number in range(robots)]
+        self.room = room
+        self.workers: list[WorkerProcess] = []
+        self.takeovers_s: list[float] = []
+        self._count, self._changed = workers, threading.Condition()
+        self._server: dict[str, WorkerProcess] = {}
+        self._orphaned_s: dict[str, float] = {}
+        self._children: list[Child] = []
+        self._hosts: list[subprocess.Popen[str]] = []
+        port = free_port()
+        url = f"http://127.0.0.1:{port}"
+        unlimited = BoardLimitsConfig.model_validate(dict.fromkeys(BoardLimitsConfig.model_fields, 0))
+        self.config = Config(
+            data=str(folder),
+            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=url, database=database, limits=unlimited),
+            forum=ForumConfig(url=url),
+            journal=JournalConfig(database=database),
+            robots={robot: robot_settings(20.0) for robot in self.robots},
+        )
+        self.config_path = folder / "agentrob.toml"
+        self.config.write(self.config_path)
+        self.env = {"AGENTROB_DATA": str(folder), "AGENTROB_RUNTIME": str(folder)}
+        os.environ.update(self.env)
+
+    @property
+    def ledger(self) -> Path:
+        return self.folder / "ledger.jsonl"
+
+    def start(self) -> float:
+        """Start everything; return the seconds until the workers served all robots."""
+        app.board_account(self.config, "alice", AccountKind.HUMAN, Role.OPERATOR)
+        for robot in self.robots:
+            app.board_account(self.config, robot, AccountKind.ROBOT_AGENT, Role.MEMBER)
+            variable = f"AGENTROB_TOKEN_{robot.upper().replace('-', '_')}"
+            self.env[variable] = app.board_token(self.config, robot)
+        board = ["board", "serve", "--config", str(self.config_path)]
+        self._children.append(Child("board", board, self.folder / "board.log", self.env))
+        self._children[0].wait_ready()
+        runtime = self.folder / "agentrob"
+        runtime.mkdir(exist_ok=True)
+        for first in range(0, len(self.robots), ROBOTS_A_HOST):
+            some = min(ROBOTS_A_HOST, len(self.robots) - first)
+            where = ["--runtime", str(runtime), "--data", str(self.folder), "--ledger", str(self.ledger)]
+            which = ["--robots", str(some), "--first", str(first)]
+            host = subprocess.Popen(
+                [sys.executable, str(ROBOT_HOST), *which, *where],
+                stdout=subprocess.PIPE, text=True, stderr=(self.folder / "robots.log").open("a"),
+            )  # fmt: skip
+            self._hosts.append(host)
+            assert host.stdout is not None
+            assert json.loads(host.stdout.readline())["ready"]
+        begun_s = time.monotonic()
+        self.workers += [WorkerProcess(self, number) for number in range(self._count)]
+        self.wait_served(120.0)
+        return time.monotonic() - begun_s
+
+    def taken(self, robot: str, worker: WorkerProcess) -> None:
+        """A worker said that it serves a robot."""
+        with self._changed:
+            self._server[robot] = worker
+            if (since_s := self._orphaned_s.pop(robot, None)) is not None:
+                self.takeovers_s.append(time.monotonic() - since_s)
+            self._changed.notify_all()
+
+    def kill(self, among: Sequence[WorkerProcess]) -> None:
+        """Kill a worker, wait until others serve its robots, and start it again."""
+        with self._changed:
+            worker = random.choice(among)
+            worker.kill()
+            now_s = time.monotonic()
+            for robot in [robot for robot, server in self._server.items() if server is worker]:
+                self._orphaned_s[robot] = now_s
+                del self._server[robot]
+        self.wait_served(60.0)
+        worker.start_again()
+
+    def working(self) -> list[WorkerProcess]:
+        """The workers that serve robots."""
+        with self._changed:
+            return [worker for worker in self.workers if worker in self._server.values()]
+
+    def wait_served(self, limit_s: float) -> None:
+        """Wait until each robot is served. Raises `TimeoutError` with the number of those that are not."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: len(self._server) == len(self.robots), limit_s):
+                raise TimeoutError(f"{len(self.robots) - len(self._server)} robots are not served after {limit_s:g} s")
+
+    def end(self) -> None:
+        for worker in self.workers:
+            worker.end()
+        for host in self._hosts:
+            host.terminate()
+            host.wait(20)
+        terminate_all(self._children)
+
+    def steps(self) -> Iterator[dict[str, Any]]:
+        """What reached the robots."""
+        with self.ledger.open() as lines:
+            yield from map(json.loads, lines)
+
+
+class Traffic:
+    """People who command the robots, and what the forum shows of it."""
+
+    def __init__(self, fleet: Fleet, commands: int, rate: float) -> None:
+        self._fleet, self._rate, self._begun_s = fleet, rate, time.monotonic()
+        self._left = iter(range(commands))
+        self.commands: dict[str, Command] = {}
+        #: (robot, when its stop was sent)
+        self.stops: list[tuple[str, float]] = []
+        self._early: defaultdict[str, list[Post]] = defaultdict(list)
+        self._ended: dict[str, asyncio.Event] = {}
+
+    async def run(self, forum: Forum) -> None:
+        after, _ = await forum.now()
+        watching = asyncio.create_task(self._watch(forum, after))
+        stopping = asyncio.create_task(self._stop(forum))
+        await asyncio.gather(*(self._post(forum) for _ in range(POSTERS)))
+        stopping.cancel()
+        await asyncio.gather(stopping, return_exceptions=True)
+        watching.cancel()
+        await asyncio.gather(watching, return_exceptions=True)
+
+    async def _post(self, forum: Forum) -> None:
+        topic = ""
+        for count, number in enumerate(self._left):
+            await asyncio.sleep(max(0.0, self._begun_s + number / self._rate - time.monotonic()))
+            robot = self._fleet.robots[number % len(self._fleet.robots)]
+            text = f"@{robot} turn {'left' if number % 2 else 'right'} 90 degrees"
+            begun_s = time.monotonic()
+            post, _ = await self._write(forum, "" if count % POSTS_A_TOPIC == 0 else topic, text, str(number))
+            topic = post.topic_id
+            self.commands[post.id] = Command(robot, begun_s)
+            ended = self._ended[post.id] = asyncio.Event()
+            for status in self._early.pop(post.id, ()):
+                self._note(status)
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(END_S):
+                    await ended.wait()
+
+    async def _write(self, forum: Forum, topic: str, text: str, key: str) -> tuple[Post, float]:
+        """Post in a topic, or in a new one; again if the forum was away. The key makes it one post. Returns it, and
+        when the attempt that was accepted began."""
+        while True:
+            sent_s = time.monotonic()
+            with contextlib.suppress(ForumError):
+                if topic:
+                    return (await forum.reply(topic, text, key=key)).post, sent_s
+                return (await forum.create_topic("robots", f"Fleet {key}", text, key=key)).post, sent_s
+            await asyncio.sleep(0.2)
+
+    async def _watch(self, forum: Forum, after: str) -> None:
+        while True:
+            with contextlib.suppress(ForumError):
+                async for event in forum.stream(after):
+                    after = event.id or after
+                    if event.post is not None and event.kind is not EventKind.POST_REMOVED:
+                        self._note(event.post)
+            await asyncio.sleep(0.2)
+
+    def _note(self, status: Post) -> None:
+        if status.card is None or status.reply_to is None:
+            return
+        command = self.commands.get(status.reply_to)
+        if command is None:
+            self._early[status.reply_to].append(status)
+            return
+        command.replies.add(status.id)
+        command.trace_id = status.card.trace_id or command.trace_id
+        if status.card.state in FINAL_STATES:
+            command.state, command.ended_s = status.card.state, time.monotonic()
+            self._ended[status.reply_to].set()
+
+    async def _stop(self, forum: Forum) -> None:
+        """Stop one robot after the other, each in a topic of its own."""
+        for number in range(10**6):
+            await asyncio.sleep(1.0)
+            robot = random.choice(self._fleet.robots)
+            _, sent_s = await self._write(forum, "", f"@{robot} stop", f"stop-{number}")
+            self.stops.append((robot, sent_s))
+
+
+@dataclass
+class Findings:
+    """What the forum told, beside what reached the robots."""
+
+    states: Counter[str] = field(default_factory=Counter)
+    #: Posts by what is wrong with them.
+    wrong: dict[str, list[str]] = field(default_factory=lambda: {what: [] for what in WRONG})
+    stops_ms: list[float] = field(default_factory=list)
+    stops_lost: int = 0
+
+
+def judge(traffic: Traffic, steps: Iterator[dict[str, Any]]) -> Findings:
+    """Compare each command's replies with the ledger."""
+    found, begun, done = Findings(), Counter[str](), Counter[str]()
+    stops: defaultdict[str, list[float]] = defaultdict(list)
+    for step in steps:
+        if step["what"] == "stop":
+            stops[step["robot"]].append(step["at_s"])
+        elif step["what"] == "begun":
+            begun[step["holder"]] += 1
+        elif step["what"] == "done":
+            done[step["holder"]] += 1
+    for post_id, command in traffic.commands.items():
+        holder = holder_of(command.trace_id)
+        found.states[command.state or "lost"] += 1
+        moved_unsaid = command.state in UNMOVED and begun[holder] > 0
+        wrong = {
+            "lost": not command.state,
+            "answered twice": len(command.replies) > 1,
+            "moved twice": begun[holder] > 1,
+            "untrue": moved_unsaid or (command.state == CommandState.DONE and not done[holder]),
+        }
+        for what in (what for what, is_so in wrong.items() if is_so):
+            found.wrong[what].append(post_id)
+    for robot, sent_s in traffic.stops:
+        after = [at_s for at_s in stops[robot] if at_s >= sent_s]
+        if after:
+            found.stops_ms.append((min(after) - sent_s) * 1000)
+        else:
+            found.stops_lost += 1
+    return found
+
+
+async def _again_and_again(times: int, seconds: float, done: asyncio.Event, kill: Callable[[], None]) -> None:
+    """Kill something so many times in so many seconds, at random moments."""
+    for _ in range(times):
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(random.uniform(0.3, 1.3) * seconds / times):
+                await done.wait()
+        if done.is_set():
+            return
+        await asyncio.to_thread(kill)
+
+
+async def run(
+    fleet: Fleet, commands: int, rate: float, kills: int, database: PostgresServer | None, database_kills: int
+) -> Traffic:
+    """Let people command the fleet while workers and the database are killed; return what they saw."""
+    forum = app.make_forum(fleet.config, app.board_token(fleet.config, "alice"))
+    traffic, done = Traffic(fleet, commands, rate), asyncio.Event()
+    seconds = commands / rate
+    killing = [asyncio.create_task(_again_and_again(kills, seconds, done, lambda: fleet.kill(fleet.working())))]
+    if database is not None:
+        killing.append(asyncio.create_task(_again_and_again(database_kills, seconds, done, database.kill)))
+    try:
+        await traffic.run(forum)
+        done.set()
+        await asyncio.gather(*killing)
+    finally:
+        for task in killing:
+            task.cancel()
+        await forum.close()
+    return traffic
+
+
+def report(fleet: Fleet, found: Findings, seconds: float, start_s: float) -> list[str]:
+    """The findings as lines, and what was missed."""
+    stops = sorted(found.stops_ms) or [0.0]
+    p50, p99 = stops[len(stops) // 2], stops[min(len(stops) - 1, int(0.99 * len(stops)))]
+    takeovers = sorted(fleet.takeovers_s) or [0.0]
+    states = ", ".join(f"{count} {state}" for state, count in found.states.most_common())
+    print(f"{found.states.total()} commands in {seconds:.0f} s, {len(fleet.robots)} robots: {states}")
+    print(f"all robots served {start_s:.1f} s after the workers' start")
+    print(", ".join(f"{what} {len(posts)}" for what, posts in found.wrong.items()))
+    print(
+        f"takeovers {len(fleet.takeovers_s)}: p50 {takeovers[len(takeovers) // 2]:.1f} s, worst {takeovers[-1]:.1f} s"
+    )
+    print(f"stops {len(found.stops_ms)}: p50 {p50:.0f} ms, p99 {p99:.0f} ms, worst {stops[-1]:.0f} ms; "
+          f"without effect {found.stops_lost}")  # fmt: skip
+    missed = [f"{what}: posts {', '.join(posts[:10])}" for what, posts in found.wrong.items() if posts]
+    missed += [f"a takeover took {takeovers[-1]:.1f} s"] if takeovers[-1] > TAKEOVER_S else []
+    return missed + ([f"stop p99 {p99:.0f} ms"] if p99 > STOP_MS else [])
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", type=int, default=20)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--commands", type=int, default=400)
+    parser.add_argument("--rate", type=float, default=5.0, help="Commands per second, at most.")
+    parser.add_argument("--kills", type=int, default=6, help="How often a worker is killed.")
+    parser.add_argument("--postgres", action="store_true", help="Board and journals on PostgreSQL.")
+    parser.add_argument("--database-kills", type=int, default=0, help="How often PostgreSQL is killed.")
+    parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--no-times", action="store_true", help="Judge only what must never happen, no times.")
+    parser.add_argument("--keep", type=Path, help="Keep logs and ledger in this folder.")
+    options = parser.parse_args(argv)
+    random.seed(options.seed)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    with contextlib.ExitStack() as stack:
+        folder = options.keep or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-fleet-")))
+        folder.mkdir(exist_ok=True)
+        # When one of several workers is dead, the others have room for all robots.
+        room = math.ceil(options.robots / max(1, options.workers - 1))
+        database = stack.enter_context(postgres(folder)) if options.postgres else None
+        fleet = Fleet(folder, options.robots, options.workers, room, database.url if database else "")
+        stack.callback(fleet.end)
+        start_s = fleet.start()
+        begun_s = time.monotonic()
+        traffic = asyncio.run(
+            run(fleet, options.commands, options.rate, options.kills, database, options.database_kills)
+        )
+        missed = report(fleet, judge(traffic, fleet.steps()), time.monotonic() - begun_s, start_s)
+    if options.no_times:
+        missed = [line for line in missed if "posts" in line]
+    raise SystemExit("missed: " + "; ".join(missed) if missed else 0)
+
+
+if __name__ == "__main__":
+    main()

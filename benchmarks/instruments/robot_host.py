@@ -1,0 +1,96 @@
+"""Hold the drivers of many fake robots in one process, and write each step that reaches a robot to a ledger.
+
+    python benchmarks/instruments/robot_host.py --robots 50 --first 0 --runtime DIR --data DIR --ledger FILE
+
+A driver is a process of its own elsewhere; two hundred of them would take 12 GB. The drivers, their sockets and their
+API are the real ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+from agentrob.config.robots import RobotConfig
+from agentrob.model import ActionResult, Primitive, StopResult
+from agentrob.robots.driver.api import DriverServer
+from agentrob.robots.driver.driver import Driver
+from agentrob.robots.driver.process import listening, make_robot
+from agentrob.robots.safety.crash_marker import CrashMarker
+from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.lock import Halt
+
+
+def robot_name(number: int) -> str:
+    return f"robot-{number:03}"
+
+
+def robot_settings(time_scale: float) -> RobotConfig:
+    """A fake robot in a large room, without rate limits."""
+    wide = {"x_min_m": -1000.0, "x_max_m": 1000.0, "y_min_m": -1000.0, "y_max_m": 1000.0}
+    return RobotConfig.model_validate({
+        "model": "fake", "simulated": True, "home_on_start": True, "fence": wide,
+        "rates": {"commands_per_hour": 0, "cooldown_s": 0, "waiting": 0}, "recording": {"view": "none"},
+        "options": {"time_scale": time_scale, "room": [-1000, 1000, -1000, 1000]},
+    })  # fmt: skip
+
+
+class LedgerDriver(Driver):
+    """A driver that writes who made which step, when it reached the robot and how it ended."""
+
+    def __init__(self, name: str, guard: Guard, ledger: int) -> None:
+        super().__init__(name, guard)
+        self._ledger = ledger
+
+    def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
+        holder = self.leases.holder
+        self._write(holder, "begun", str(primitive.op))
+        result = super().step(lease, primitive, deadline_s)
+        self._write(holder, str(result.outcome), str(primitive.op))
+        return result
+
+    def stop(self, by: str, asked_s: float | None = None, *, running_only: bool = False) -> StopResult:
+        if not running_only:
+            self._write(by, "stop", "")
+        return super().stop(by, asked_s, running_only=running_only)
+
+    def _write(self, holder: str | None, what: str, op: str) -> None:
+        line = {"robot": self.name, "holder": holder, "what": what, "op": op, "at_s": time.monotonic()}
+        os.write(self._ledger, (json.dumps(line) + "\n").encode())  # one write of a line to a file opened to append
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", type=int, default=50)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--time-scale", type=float, default=20.0)
+    for folder in ("runtime", "data", "ledger"):
+        parser.add_argument(f"--{folder}", type=Path, required=True)
+    options = parser.parse_args()
+    ended = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: ended.set())
+    settings = robot_settings(options.time_scale)
+    ledger = os.open(options.ledger, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    folder = options.data / "drivers"
+    with contextlib.ExitStack() as stack:
+        for number in range(options.first, options.first + options.robots):
+            name = robot_name(number)
+            marks = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
+            driver = LedgerDriver(name, Guard(make_robot(settings), settings, *marks), ledger)
+            driver.guard.settle()
+            stack.callback(driver.close)
+            listener = stack.enter_context(listening(options.runtime / f"{name}.sock"))
+            stack.enter_context(DriverServer(driver, listener))
+        print(json.dumps({"ready": "robots", "robots": options.robots}), flush=True)
+        ended.wait()
+
+
+if __name__ == "__main__":
+    main()

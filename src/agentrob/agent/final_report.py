@@ -1,0 +1,118 @@
+"""The final report of a command: composed of text, pictures and record, and posted exactly once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+import structlog
+
+from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.pictures import Picture, illustrate, late_recording
+from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.queue.queue import QueuedCommand
+from agentrob.agent.reporting import report as reply_text
+from agentrob.agent.reporting import visual_calls, visual_text
+from agentrob.agent.reporting.command_page import page_of, publish
+from agentrob.agent.reporting.mind_notes import notes, worded
+from agentrob.agent.reporting.status_post import DeniedWrites, Shown
+from agentrob.agent.stop.owner import OwnerActions
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.records import Records, approval
+from agentrob.agent.understanding.understand import Assessor
+from agentrob.errors import ForumError
+from agentrob.forums.protocol import Forum
+from agentrob.model import CommandState, Report, StatusCard
+
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True)
+class FinalReport:
+    """Tells the ends of one robot's commands. `ending` returns true while the agent is being ended: then nothing waits
+    for pictures. `on_end` is called with each final report that was posted."""
+
+    name: str
+    forum: Forum
+    assessor: Assessor
+    journal: Journal
+    records: Records
+    recorder: Recorder
+    store: ImageStore | None
+    writes: DeniedWrites
+    ending: Callable[[], bool]
+    owner: OwnerActions
+    on_end: Callable[[Report], None]
+
+    async def tell(self, job: QueuedCommand, report: Report) -> None:
+        """Post the final report exactly once, and close the claim."""
+        command, text, pictures, facts = job.command, *await self._composed(job, report)
+        short = ""
+        with job.log_errors("end not shortened"):
+            short = reply_text.short(report)
+        at = len(report.plan.steps)
+        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
+        images = [picture.data for picture in pictures if picture.attached]
+        measured = any(result.moved for result in report.results)
+        # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
+        with job.log_errors("plan not kept"):
+            if report.status is CommandState.DONE and not report.goal:
+                await self.journal.set_plan(command.post_id, report.plan)
+        close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
+        try:
+            ours = await self.writes.when_allowed(close)
+        except ForumError as e:  # the claim stays open, so the next start tells it
+            _log.error("final reply not told", post=command.post_id, error=str(e))
+            return
+        with job.log_errors("claim not closed in the journal"):
+            await self.journal.finish(command.post_id, report.status)
+        if not ours:
+            return  # another agent of this account told the end, and keeps its record and pictures
+        with job.log_errors("record not published"):
+            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        with job.log_errors("end not passed on"):
+            self.on_end(report)
+        with job.log_errors("recording not added"):
+            if recording := await late_recording(command.post_id, self.recorder, self.store):
+                late = Shown(text((*pictures, recording)), card)
+                await job.status.add(late, [recording.data] if recording.attached else [])
+                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+
+    async def _composed(
+        self, job: QueuedCommand, report: Report
+    ) -> tuple[Callable[[Sequence[Picture]], str], tuple[Picture, ...], dict[str, Any] | None]:
+        """The report as a function of its pictures, the pictures, and the record, which is also written to disk."""
+        command, looked, language = job.command, job.looked, job.command.language
+        summary, by_model, calls, page = None, "", b"", ""
+        pictures: tuple[Picture, ...] = ()
+        with job.log_errors("no summary"):
+            summary = await self.assessor.summary(job, report)
+            by_model = worded(summary, language)
+        with job.log_errors("calls of the model not listed"):
+            calls = visual_calls.lines(looked) if looked else b""
+        with job.log_errors("no pictures"):
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+        with job.log_errors("page of the command not known"):
+            page = await page_of(self.forum, command.post_id, hurry=self.ending())
+        facts: dict[str, Any] | None = None
+        with job.log_errors("record not written"):
+            kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
+            more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
+            more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
+            facts = self.records.write(report, job.assessment, **more)
+        paragraphs: list[str] = []
+        with job.log_errors("notes left out"):
+            used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
+            paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
+            paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
+            paragraphs += await self.owner.ways_out(report)
+
+        def text(pictures: Sequence[Picture]) -> str:
+            with job.log_errors("report told as data"):
+                table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
+                return reply_text.final(report, pictures, paragraphs, by_model, table, page)
+            return reply_text.plain(report)
+
+        return text, pictures, facts

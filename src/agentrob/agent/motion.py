@@ -1,0 +1,126 @@
+"""The motion of one command: execute its plan or pursue its goal, at most once, and keep what was measured."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from functools import partial
+
+from pydantic import TypeAdapter
+
+from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
+from agentrob.agent.execution.visual import run_visual_task
+from agentrob.agent.intake.authorization import CommandTerms, permission
+from agentrob.agent.intake.event_stream import EventStream
+from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.queue.queue import QueuedCommand
+from agentrob.agent.stop.replies import StopReplies
+from agentrob.agent.store.journal import NotBegun
+from agentrob.agent.store.records import Records
+from agentrob.agent.understanding.surroundings import Surroundings
+from agentrob.agent.understanding.visual_goal import visual_task_of
+from agentrob.config.robots import RobotConfig
+from agentrob.forums.protocol import Forum
+from agentrob.language.messages.catalog import say
+from agentrob.minds.llm.chat import ChatModel
+from agentrob.model import Capabilities, CommandState, Decision, EndReason, Plan, Primitive, Verdict
+from agentrob.robots.driver.client import DriverClient
+
+_EXECUTION = TypeAdapter(Execution)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Moves one robot for its commands. `eyes` returns the model that may steer by the camera, `on_motion` is called
+    when a motion begins. While `ending` returns true no step begins."""
+
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    event_stream: EventStream
+    stops: StopReplies
+    records: Records
+    recorder: Recorder
+    surroundings: Surroundings
+    eyes: Callable[[], ChatModel | None]
+    ending: Callable[[], bool]
+    on_motion: Callable[[], None]
+
+    def read(self, text: str) -> Execution:
+        """The result of a motion from the journal, with its pictures as far as the files exist."""
+        execution = _EXECUTION.validate_json(text)
+        results = self.records.with_pictures(execution.results, execution.pictures)
+        return replace(execution, results=results)
+
+    async def run(
+        self, job: QueuedCommand, plan: Plan, terms: CommandTerms, on_step: Callable[[Primitive, int], None]
+    ) -> str:
+        """Do the motion; called at most once ever for a post. Returns the result as the journal keeps it. `on_step` is
+        called with each step and its number before it begins. Raises `NotBegun` if the agent is being ended."""
+        if self.ending():
+            raise NotBegun
+        job.moving = True
+        self.on_motion()
+        known = job.assessment is not None and job.assessment.goal is not None
+        terms = replace(terms, known=known, approval=job.decided)
+        hooks = ExecutionHooks(
+            since=lambda: self.stops.since(job.accepted_s - job.waited_s),
+            permit=partial(self._permitted, job, terms),
+            ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
+            alive=self.event_stream.prove,
+            silent=lambda: self.event_stream.silent,
+            stop=self.stops.quietly,
+            on_step=on_step,
+            step_s=self.event_stream.step_s,
+            on_run=partial(setattr, job, "run"),
+        )
+        try:
+            with self.event_stream, self.recorder.filming(job.command.post_id):
+                execution = await self._carried_out(job, plan, hooks)
+        finally:
+            job.moving = False
+        return self._kept(job, execution)
+
+    async def _permitted(
+        self, job: QueuedCommand, terms: CommandTerms, plan: Plan
+    ) -> tuple[Verdict, Capabilities | None]:
+        """Whether it may move now. Refused too if another agent of this account has posted its end meanwhile."""
+        asked = permission(self.forum, self.driver, job.command, terms, plan)
+        (verdict, capabilities), has_ended = await asyncio.gather(asked, job.status.has_ended())
+        if has_ended:
+            return Verdict(Decision.REFUSE, "command.told", say("agent.because.told", job.command.language)), None
+        return verdict, capabilities
+
+    def _kept(self, job: QueuedCommand, execution: Execution) -> str:
+        """The result of a motion as the journal keeps it. If this fails, the measurements are in
+        `QueuedCommand.run`."""
+        with job.log_errors("surroundings not brought up to date"):
+            self.surroundings.after(execution.results, execution.looked)
+        with job.log_errors("times not noted"):
+            now, now_s = self.event_stream.now(), time.monotonic()
+            if execution.first_motion_s is not None:
+                job.note("first_motion", now - timedelta(seconds=now_s - execution.first_motion_s))
+            ended_s = max((r.ended_s for r in execution.results if r.ended_s <= now_s), default=now_s)
+            job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
+        results = tuple(replace(r, image=None) for r in execution.results)
+        pictures = ("",) * len(results)
+        with job.log_errors("pictures not kept"):
+            results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
+        return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
+
+    async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
+        """Execute the plan, or let a model work towards the goal."""
+        assessment, seeing = job.assessment, self.eyes()
+        if assessment is None or assessment.goal is None:
+            return await execute(self.driver, job.command, plan, hooks)
+        if seeing is None:
+            return Execution(CommandState.FAILED, message="no model with eyes is configured any more")
+        capabilities = await self.driver.capabilities()
+        language = job.command.language
+        visual_task = visual_task_of(
+            assessment.goal, seeing, capabilities, self.settings.look, language, assessment.usage
+        )
+        return await run_visual_task(self.driver, job.command, visual_task, hooks)

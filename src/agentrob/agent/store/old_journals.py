@@ -1,0 +1,57 @@
+"""Journals of earlier versions: one SQLite file for each robot, without a robot in its rows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Table, inspect, text
+
+from agentrob.agent.store.queries import NEWEST_NUMBER, insert_all
+from agentrob.agent.store.schema import CLAIM, METADATA
+
+#: Tables of the workflow engine that version 0.1 used. They never decided what may move, so they are dropped.
+OLD_ENGINE = (
+    "operation_outputs", "workflow_events", "workflow_events_history", "workflow_input", "workflow_output", "streams",
+    "notifications", "workflow_status", "workflow_schedules", "queues", "application_versions", "dbos_migrations",
+)  # fmt: skip
+Rows = dict[Table, list[dict[str, Any]]]
+
+
+def create_tables(db: Connection, robot: str) -> None:
+    """Create the tables of a SQLite file. If they are of an earlier version, replace them and keep their rows."""
+    old = inspect(db)
+    without_robot = old.has_table("claim") and "robot" not in {column["name"] for column in old.get_columns("claim")}
+    kept = read_rows(db) if without_robot else {}
+    if without_robot:
+        METADATA.drop_all(db)
+        for table in OLD_ENGINE:
+            db.execute(text(f"DROP TABLE IF EXISTS {table}"))
+    METADATA.create_all(db)
+    add_rows(db, robot, kept)
+
+
+def read_rows(db: Connection) -> Rows:
+    """All rows of a SQLite journal of any version, as far as this version has their columns."""
+    there = inspect(db).get_table_names()
+    found: Rows = {}
+    for table in METADATA.sorted_tables:
+        rows = db.execute(text(f"SELECT * FROM {table.name}")).mappings() if table.name in there else ()
+        found[table] = [{name: value for name, value in row.items() if name in table.c} for row in rows]
+    return found
+
+
+def add_rows(db: Connection, robot: str, rows: Rows) -> None:
+    """Add rows of a file to a robot's. What the robot has already stays as it is."""
+    if claims := rows.get(CLAIM):
+        newest = db.execute(NEWEST_NUMBER, {"this_robot": robot}).scalar_one()
+        rows[CLAIM] = [claim | {"number": newest + claim["number"]} for claim in claims]
+    for table, found in rows.items():
+        insert_all(db, table, [row | {"robot": robot} for row in found])
+
+
+def set_aside(path: Path) -> None:
+    """Rename a file that was imported, its log first, which must not become another file's."""
+    for end in ("-wal", "-shm", ""):
+        if (file := path.with_name(path.name + end)).exists():
+            file.rename(path.with_name(f"{path.name}.imported{end}"))

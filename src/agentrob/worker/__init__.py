@@ -1,0 +1,1 @@
+"""The agents of several robots in one process."""

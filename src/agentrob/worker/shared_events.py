@@ -1,0 +1,200 @@
+"""Receive the events of a forum once for all agents of a worker, instead of once for each.
+
+The accounts of the agents differ, so each stream is shared only by accounts that may read the same: on the board, those
+of the same role. Everything else, including what an agent missed, is read with the agent's own account.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+import traceback
+from collections import deque
+from collections.abc import AsyncIterator
+from datetime import datetime
+
+import structlog
+
+from agentrob.errors import ForumDenied, ForumError, ForumUnreachable
+from agentrob.forums.protocol import Event, Forum
+from agentrob.model import EventKind, Role
+
+#: Events of this long are given to a new listener again, since its own reading of what it missed may be older.
+OVERLAP_S = 5.0
+#: An agent that does not handle this many events is cut off from the stream and reads them from the forum later.
+MOST_WAITING = 10_000
+_log = structlog.get_logger()
+_EventKey = tuple[str, EventKind, datetime]
+
+
+class SharedEvents:
+    """The event streams of one forum, one for each role of the accounts that listen."""
+
+    def __init__(self) -> None:
+        self._streams: dict[Role, _Stream] = {}
+
+    def of(self, forum: Forum) -> AccountEvents:
+        """The events of a forum as one account reads them."""
+        return AccountEvents(forum, self._streams)
+
+
+class AccountEvents:
+    """Fulfils `forums.protocol.Events` for one account: `stream` is shared with others, the rest is its own."""
+
+    def __init__(self, forum: Forum, streams: dict[Role, _Stream]) -> None:
+        self._forum = forum
+        self._streams = streams
+
+    @property
+    def live(self) -> bool:
+        return self._forum.live
+
+    @property
+    def fastest_poll_s(self) -> float:
+        return self._forum.fastest_poll_s
+
+    async def now(self) -> tuple[str, datetime]:
+        return await self._forum.now()
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return await self._forum.changes(after, limit)
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        role = (await self._forum.me()).role
+        stream = self._streams.setdefault(role, _Stream())
+        listener = stream.join(self._forum, heartbeat_s)
+        try:
+            await listener.opened()
+            read: set[_EventKey] = set()
+            while events := await self._forum.changes(after):
+                for event in events:
+                    read.add(_key(event))
+                    after = event.id
+                    yield event
+            caught_up_s = time.monotonic()
+            async for event in listener.events():
+                if event.kind is EventKind.HEARTBEAT:
+                    if time.monotonic() - caught_up_s > OVERLAP_S:
+                        read.clear()
+                elif _key(event) in read:
+                    continue
+                yield event
+        finally:
+            stream.leave(listener)
+
+
+class _Listener:
+    """What one agent has yet to handle."""
+
+    def __init__(self, forum: Forum, recent: list[Event]) -> None:
+        self.forum = forum
+        self._queue: deque[Event] = deque(recent)
+        self._error: ForumError | None = None
+        self._open = False
+        self._changed = asyncio.Event()
+
+    def open(self) -> None:
+        self._open = True
+        self._changed.set()
+
+    def put(self, event: Event) -> None:
+        if len(self._queue) >= MOST_WAITING:
+            return self.cut(ForumUnreachable(f"more than {MOST_WAITING} events wait to be handled"))
+        self._queue.append(event)
+        self._changed.set()
+
+    def cut(self, error: ForumError) -> None:
+        """End the listener's stream after the events that it has."""
+        self._error = self._error or error
+        self._changed.set()
+
+    async def opened(self) -> None:
+        """Wait until the stream is open. Raises the `ForumError` that prevents it."""
+        while not self._open and self._error is None:
+            self._changed.clear()
+            await self._changed.wait()
+        if not self._open and self._error is not None:
+            raise self._error
+
+    async def events(self) -> AsyncIterator[Event]:
+        while True:
+            while self._queue:
+                yield self._queue.popleft()
+            if self._error is not None:
+                raise self._error
+            self._changed.clear()
+            await self._changed.wait()
+
+
+class _Stream:
+    """One open stream while anybody listens, read with the account of one of the listeners."""
+
+    def __init__(self) -> None:
+        self._listeners: dict[_Listener, None] = {}  # in the order in which they joined
+        self._recent: deque[tuple[float, Event]] = deque()
+        self._open = False
+        self._reading: asyncio.Task[None] | None = None
+
+    def join(self, forum: Forum, heartbeat_s: float) -> _Listener:
+        listener = _Listener(forum, [event for _, event in self._recent])
+        self._listeners[listener] = None
+        if self._open:
+            listener.open()
+        if self._reading is None:
+            self._reading = asyncio.create_task(self._read(heartbeat_s))
+        return listener
+
+    def leave(self, listener: _Listener) -> None:
+        self._listeners.pop(listener, None)
+        if not self._listeners and self._reading is not None:
+            self._reading.cancel()
+            self._close()
+
+    async def _read(self, heartbeat_s: float) -> None:
+        """Read until the stream is cut; then cut everybody off, who join again. An account that may not read any more
+        is cut off alone."""
+        after = ""
+        while self._listeners:
+            reader = next(iter(self._listeners))
+            try:
+                after = after or (await reader.forum.now())[0]
+                async for event in reader.forum.stream(after, heartbeat_s):
+                    after = event.id or after
+                    self._deliver(event)
+                error: ForumError = ForumUnreachable("the shared event stream ended")
+            except ForumDenied as e:
+                self._listeners.pop(reader, None)
+                reader.cut(e)
+                continue
+            except ForumError as e:
+                error = ForumUnreachable(f"the shared event stream was cut: {e}")
+            except Exception as e:  # a fault of the adapter: without events no stop would be received
+                _log.error("shared event stream failed", trace=traceback.format_exc())
+                error = ForumUnreachable(f"the shared event stream failed: {e!r}"[:500])
+            for listener in self._listeners:
+                listener.cut(error)
+            self._listeners.clear()
+        self._close()
+
+    def _deliver(self, event: Event) -> None:
+        now_s = time.monotonic()
+        while self._recent and self._recent[0][0] < now_s - OVERLAP_S:
+            self._recent.popleft()
+        if event.kind is not EventKind.HEARTBEAT:
+            self._recent.append((now_s, event))
+        if not self._open:
+            self._open = True
+            for listener in self._listeners:
+                listener.open()
+        for listener in tuple(self._listeners):
+            listener.put(event)
+
+    def _close(self) -> None:
+        self._listeners.clear()
+        self._recent.clear()
+        self._open = False
+        self._reading = None
+
+
+def _key(event: Event) -> _EventKey:
+    return event.id, event.kind, event.at

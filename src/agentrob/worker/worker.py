@@ -1,0 +1,202 @@
+"""Run the agents of several robots in one process, and take over robots whose worker has died.
+
+The worker takes each robot whose journal nobody holds, as long as it has room, and serves it in a task of its own. When
+an agent ends, its robot is free again, for this worker or another. One robot's failure ends nothing of another's.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import traceback
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Protocol
+
+import structlog
+
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.journals import Journals
+from agentrob.errors import JournalError, JournalHeld
+
+#: How often a worker looks for robots that nobody holds.
+TAKE_S = 3.0
+#: A standby lets other workers take the robots during this time.
+STANDBY_S = 5.0
+#: How long until an agent that failed is started again, at first and at most.
+AGAIN_S = (1.0, 30.0)
+#: An agent that ran for this long is started again after the first delay.
+STEADY_S = 60.0
+_log = structlog.get_logger()
+
+
+class Agent(Protocol):
+    """What a worker needs of an agent (`agentrob.agent.agent.RobotAgent`)."""
+
+    async def run(self, on_ready: Callable[[], None] = ...) -> None: ...
+
+    async def close(self) -> None: ...
+
+    def drain(self) -> None: ...
+
+
+class WorkerObserver:
+    """Is told what happens to the robots of a worker; counts it, for instance."""
+
+    def restarted(self, robot: str) -> None:
+        """The robot's agent ended by an error and is started again."""
+
+    def taken_over(self, robot: str) -> None:
+        """The robot was served by another worker before."""
+
+    def journal_failed(self, robot: str) -> None:
+        """The robot's journal could not be opened or was lost."""
+
+    def left(self, robot: str) -> None:
+        """The robot's agent ended."""
+
+
+class Worker:
+    """The agents of `robots`, of which it serves at most `most` at a time. `make_agent` makes the agent of a robot
+    whose journal was opened. `on_ready` is called with the name of each robot whose posts are answered from now on."""
+
+    def __init__(
+        self,
+        robots: Sequence[str],
+        journals: Journals,
+        make_agent: Callable[[str, Journal], Agent],
+        most: int | None = None,
+        standby: bool = False,
+        on_ready: Callable[[str], None] = lambda _: None,
+        observer: WorkerObserver | None = None,
+    ) -> None:
+        self._robots = tuple(robots)
+        self._journals = journals
+        self._make_agent = make_agent
+        self._room = len(self._robots) if most is None else most
+        self._standby = standby
+        self._on_ready = on_ready
+        self._observer = observer or WorkerObserver()
+        self._freed = asyncio.Event()
+        #: The robots that it serves now, or is about to.
+        self.serving: set[str] = set()
+        #: When each robot whose agent ended may be taken again, and after which delay.
+        self._again: dict[str, tuple[float, float]] = {}
+        self._told_held: set[str] = set()
+        self._draining = False
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        #: The agents that answer posts.
+        self._ready: dict[str, Agent] = {}
+
+    async def run(self) -> None:
+        """Serve until cancelled; then the agents stop their robots and report what ran as interrupted. Returns after
+        `drain`."""
+        if self._standby:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(STANDBY_S):
+                    await self._freed.wait()  # `drain` ends it
+        try:
+            async with asyncio.TaskGroup() as group:
+                while not self._draining:
+                    self._freed.clear()
+                    await self._take_free(group)
+                    with contextlib.suppress(TimeoutError):
+                        async with asyncio.timeout(TAKE_S):
+                            await self._freed.wait()
+        finally:
+            await self._journals.close()
+
+    def drain(self) -> None:
+        """Take no more robots, let each agent finish the command that moves, give its robot back, and end `run`."""
+        self._draining = True
+        self._freed.set()
+        for robot, task in self._tasks.items():
+            if robot in self._ready:
+                self._ready[robot].drain()
+            else:
+                task.cancel()  # nothing moves yet
+
+    async def _take_free(self, group: asyncio.TaskGroup) -> None:
+        """Take the robots that nobody holds, as long as there is room."""
+        now_s = asyncio.get_running_loop().time()
+        wanted = [r for r in self._robots if r not in self.serving and self._again.get(r, (0.0, 0.0))[0] <= now_s]
+        if not wanted or len(self.serving) >= self._room:
+            return
+        try:
+            free = await self._journals.free(wanted)
+        except JournalError as e:
+            _log.error("robots not taken; trying again", error=str(e))
+            return
+        for robot in wanted:
+            if len(self.serving) >= self._room or self._draining:
+                return
+            if robot not in free:
+                self._tell_held(robot)
+            elif (journal := await self._open(robot)) is not None:
+                if robot in self._told_held:
+                    self._told_held.discard(robot)
+                    self._observer.taken_over(robot)
+                self.serving.add(robot)
+                self._tasks[robot] = group.create_task(self._serve(robot, journal), name=f"robot {robot}")
+
+    async def _open(self, robot: str) -> Journal | None:
+        try:
+            return await self._journals.open(robot)
+        except JournalHeld:
+            self._tell_held(robot)
+        except JournalError as e:
+            _log.error("journal not opened; trying again", robot=robot, error=str(e))
+            self._observer.journal_failed(robot)
+        return None
+
+    def _tell_held(self, robot: str) -> None:
+        if robot not in self._told_held:
+            _log.info("robot held by another worker; waiting for it", robot=robot)
+            self._told_held.add(robot)
+
+    async def _serve(self, robot: str, journal: Journal) -> None:
+        """Serve a robot until its agent fails; then it is free again."""
+        begun_s = asyncio.get_running_loop().time()
+        agent: Agent | None = None
+        try:
+            agent = self._make_agent(robot, journal)
+            await agent.run(on_ready=partial(self._got_ready, robot, agent))
+        except Exception as e:
+            expected = isinstance(e, JournalError)  # as one line; with a trace where it is a defect
+            trace = None if expected else traceback.format_exc()
+            _log.error("agent ended; starting it again", robot=robot, error=_told(e), trace=trace)
+            if expected:
+                self._observer.journal_failed(robot)
+            self._observer.restarted(robot)
+        finally:
+            self._ready.pop(robot, None)
+            del self._tasks[robot]
+            with contextlib.suppress(Exception):  # why it is closed is told already
+                if agent is not None:
+                    await agent.close()
+            with contextlib.suppress(JournalError):
+                await journal.close()
+            self._free(robot, asyncio.get_running_loop().time() - begun_s)
+
+    def _free(self, robot: str, served_s: float) -> None:
+        first_s, longest_s = AGAIN_S
+        delay_s = first_s if served_s > STEADY_S else min(longest_s, self._again.get(robot, (0.0, first_s / 2))[1] * 2)
+        loop = asyncio.get_running_loop()
+        self._again[robot] = loop.time() + delay_s, delay_s
+        self.serving.discard(robot)
+        self._observer.left(robot)
+        self._freed.set()
+        loop.call_later(delay_s, self._freed.set)
+
+    def _got_ready(self, robot: str, agent: Agent) -> None:
+        self._ready[robot] = agent
+        if self._draining:
+            agent.drain()
+        self._on_ready(robot)
+
+
+def _told(error: BaseException) -> str:
+    """An error as one line; of a group, its parts."""
+    if isinstance(error, BaseExceptionGroup):
+        return "; ".join(_told(part) for part in error.exceptions)
+    return f"{type(error).__name__}: {error}"

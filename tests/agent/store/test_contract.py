@@ -1,0 +1,258 @@
+"""What a journal promises, on SQLite and on PostgreSQL."""
+
+from __future__ import annotations
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from agentrob.agent.store.journal import Journal, NotBegun
+from agentrob.agent.store.rows import ApprovalDecision
+from agentrob.errors import IllegalTransition, JournalError, JournalHeld
+from agentrob.model import CommandState, Direction, EndReason, Op, Plan, Primitive
+from tests.agent.store.journal_store import JournalStore, open_journal
+from tests.agent.store.old_journal import write_old_journal
+from tests.agent.store.test_journal import ALICE, command, says, state
+
+pytestmark = pytest.mark.usefixtures("database")
+REX, MAX = "rex", "max"
+
+
+async def test_a_claim_is_new_once(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    first = await journal.claim(command("1"))
+    again = await journal.claim(command("1"))
+    assert (first.new, again.new) == (True, False)
+    assert again.command == first.command
+    assert 0.0 <= again.waited_s < 60.0
+    assert (await journal.claim(command("2"), EndReason.STALE)).ended is EndReason.STALE
+    assert not await journal.cancel("2"), "its motion was cancelled with the claim"
+    assert await journal.knows("2")
+    assert not await journal.knows("3")
+    await journal.close()
+
+
+async def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    plan = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
+    journal = await open_journal(tmp_path, REX)
+    for post in "123":
+        await journal.claim(command(post))
+    await journal.set_status_post("1", "11")
+    await journal.set_plan("1", plan)
+    await journal.ask("2", now, now + timedelta(minutes=1))
+    assert await journal.decide("2", ApprovalDecision(True, ALICE, "12", "h", now))
+    assert await journal.move("1", says("moved")) == "moved"
+    assert await journal.assess("3", says("thought")) == "thought"
+    await journal.finish("1", CommandState.DONE)
+    await journal.put_all(cursor="7", watermark=now.isoformat())
+    await journal.close()
+    journal = await open_journal(tmp_path, REX)
+    assert [claim.command.post_id for claim in await journal.open_claims()] == ["2", "3"]
+    newest = await journal.newest_claim()
+    assert newest is not None
+    assert (newest.command.post_id, newest.status_post, newest.final) == ("1", "11", "done")
+    assert await journal.history("1") == [plan]
+    assert await state(journal, "2") is CommandState.QUEUED
+    assert await journal.has_decision("12")
+    assert await journal.kept("1") == "moved"
+    assert await journal.move("2", says("walked")) == "walked"
+    assert await journal.assess("3", says("another")) == "thought"
+    assert (await journal.get("cursor"), await journal.get_time("watermark"), await journal.get("no")) == (
+        "7",
+        now,
+        None,
+    )
+    await journal.close()
+
+
+async def test_law_6_of_begin_and_cancel_the_first_wins(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    outcomes = set()
+    for n in range(20):
+        post = str(n)
+        calls = [journal.move(post, says("moved")), journal.cancel(post)]
+        result, cancelled = await asyncio.gather(*(calls if n % 2 else reversed(calls)))
+        if isinstance(result, bool):
+            result, cancelled = cancelled, result
+        assert (result == "cancelled") == cancelled
+        outcomes.add(str(result))
+        assert await journal.moved(post) == (not cancelled)
+        assert await journal.moved(post, ended=True) == (not cancelled)
+    assert "cancelled" in outcomes
+    await journal.close()
+
+
+async def test_law_6_what_was_begun_and_not_ended_is_interrupted(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    begun = asyncio.Event()
+
+    async def hang() -> str:
+        begun.set()
+        await asyncio.Event().wait()
+        return "never"
+
+    async def not_yet() -> str:
+        raise NotBegun
+
+    motion = asyncio.create_task(journal.move("1", hang))
+    await begun.wait()
+    with pytest.raises(asyncio.CancelledError):
+        await journal.move("2", not_yet)
+    await journal.close()
+    await asyncio.gather(motion, return_exceptions=True)
+    journal = await open_journal(tmp_path, REX)
+    assert await journal.move("1", says("again")) == CommandState.INTERRUPTED
+    assert await journal.move("2", says("now")) == "now"
+    await journal.close()
+
+
+async def test_a_motion_goes_on_when_its_caller_is_cancelled(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    begun, end = asyncio.Event(), asyncio.Event()
+
+    async def moving() -> str:
+        begun.set()
+        await end.wait()
+        return "moved"
+
+    caller = asyncio.create_task(journal.move("1", moving))
+    await begun.wait()
+    caller.cancel()
+    await asyncio.gather(caller, return_exceptions=True)
+    assert await journal.kept("1") is None
+    end.set()
+    while await journal.kept("1") is None:  # noqa: ASYNC110 (a database)
+        await asyncio.sleep(0.01)
+    assert await journal.move("1", says("again")) == "moved"
+    await journal.close()
+
+
+async def test_writes_are_in_the_order_of_the_calls_also_when_callers_are_cancelled(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    calls = [asyncio.create_task(journal.put("key", str(n))) for n in range(40)]
+    await asyncio.sleep(0)
+    for call in calls[1::2]:
+        call.cancel()
+    last = asyncio.create_task(journal.get("key"))
+    await asyncio.gather(*calls, return_exceptions=True)
+    assert await last == "38"
+    await journal.close()
+
+
+async def test_law_7_the_first_decision_counts_but_a_denial_before_the_motion(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+        asked = await journal.ask(post, now, now + timedelta(minutes=1))
+        assert (await journal.ask(post, now, now + timedelta(minutes=9))).until_at == asked.until_at
+    approval, denial = (ApprovalDecision(yes, ALICE, "9", "h", now) for yes in (True, False))
+    assert await journal.decide("1", approval)
+    assert not await journal.decide("1", approval)
+    assert await journal.decide("1", denial)
+    assert await journal.move("1", says("moved")) == CommandState.CANCELLED
+    assert await journal.decide("2", approval)
+    assert await journal.move("2", says("moved")) == "moved"
+    assert not await journal.decide("2", denial), "it moved already"
+    with pytest.raises(JournalError, match="never claimed"):
+        await journal.ask("3", now, now)
+    await journal.close()
+
+
+async def test_a_replaced_forum_s_ids_mean_other_posts(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+    assert await journal.move("1", says("moved")) == "moved"
+    await journal.finish("1", CommandState.DONE)
+    await journal.set_aside()
+    assert await journal.open_claims() == []
+    assert (await journal.claim(command("1"))).new
+    assert await journal.move("1", says("moved again")) == "moved again"
+    await journal.set_aside()
+    finals = [row[0] for row in JournalStore(tmp_path, REX).rows("SELECT final FROM claim ORDER BY number")]
+    assert finals == ["done", "cancelled", "cancelled"]
+    await journal.close()
+
+
+async def test_robots_do_not_see_each_other_s_rows(tmp_path: Path) -> None:
+    rex, other = await open_journal(tmp_path, REX), await open_journal(tmp_path, MAX)
+    assert (await rex.claim(command("1"))).new
+    assert (await other.claim(command("1"))).new
+    assert await rex.cancel("1")
+    assert await other.move("1", says("moved")) == "moved"
+    await other.finish("1", CommandState.DONE)
+    await other.set_aside()
+    await other.put("cursor", "1")
+    assert [claim.command.post_id for claim in await rex.open_claims()] == ["1"]
+    assert (await rex.get("cursor"), await rex.history("1")) == (None, [])
+    for journal in (rex, other):
+        await journal.close()
+
+
+async def test_a_robot_has_one_agent(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    with pytest.raises(JournalHeld, match="already runs"):
+        await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    await journal.close()
+    await journal.close()
+    with pytest.raises(JournalError, match="closed"):
+        await journal.claim(command("2"))
+    journal = await open_journal(tmp_path, REX)
+    assert not await journal.knows("2")
+    await journal.close()
+
+
+async def test_illegal_transitions_change_nothing(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    with pytest.raises(IllegalTransition):
+        await journal.finish("1", CommandState.DONE)
+    assert await state(journal, "1") is CommandState.SEEN
+    await journal.close()
+
+
+async def test_law_6_a_journal_of_version_0_1_is_read_once_and_a_motion_that_had_begun_is_interrupted(
+    tmp_path: Path, database: str
+) -> None:
+    path = write_old_journal(tmp_path, REX, *map(command, "123"), begun=("2",))
+    for _ in range(2):
+        journal = await open_journal(tmp_path, REX)
+        assert [claim.command.post_id for claim in await journal.open_claims()] == ["1", "2", "3"]
+        assert await journal.move("2", says("again")) == CommandState.INTERRUPTED
+        assert await journal.get("cursor") == "27-660e8ab3806e2"
+        await journal.close()
+    imported = [file.name for file in path.parent.glob("journal.sqlite*")]
+    assert imported == (["journal.sqlite"] if database == "sqlite" else ["journal.sqlite.imported"])
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("4"))
+    assert [claim.command.post_id for claim in await journal.open_claims()] == ["1", "2", "3", "4"]
+    await journal.close()
+
+
+async def test_law_6_an_unreadable_journal_is_not_passed_over(tmp_path: Path) -> None:
+    path = tmp_path / "agents" / REX / "journal.sqlite"
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"not a database" * 1000)
+    with pytest.raises(JournalError, match="cannot be opened"):
+        await open_journal(tmp_path, REX)
+    path.unlink()
+    await (await open_journal(tmp_path, REX)).close()
+
+
+async def test_law_6_motion_rows_name_the_holder_that_wrote_them(tmp_path: Path, database: str) -> None:
+    numbers = []
+    for n in range(3):
+        journal: Journal = await open_journal(tmp_path, REX)
+        await journal.move(str(n), says("moved"))
+        numbers.append(journal.fence.number if journal.fence else None)
+        await journal.close()
+    assert [row[0] for row in JournalStore(tmp_path, REX).rows("SELECT fence FROM motion ORDER BY post")] == numbers
+    if database == "postgresql":
+        assert numbers == sorted(set(numbers)), "the fence grows"  # type: ignore[type-var]
+    else:
+        assert set(numbers) == {None}

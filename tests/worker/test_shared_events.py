@@ -1,0 +1,179 @@
+"""Agents that share an event stream receive what each would receive alone."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+
+import pytest
+
+from agentrob.errors import ForumDenied, ForumUnreachable
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.forums.protocol import Event, Events
+from agentrob.model import Role
+from agentrob.worker.shared_events import MOST_WAITING, SharedEvents
+
+LIMIT_S = 30.0
+
+
+class CountedForum(MemoryForum):
+    """Counts its open streams; a denied one may not open any."""
+
+    open = 0
+    denied = False
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        if self.denied:
+            raise ForumDenied("this account may not read")
+        type(self).open += 1
+        try:
+            async for event in super().stream(after, heartbeat_s):
+                yield event
+        finally:
+            type(self).open -= 1
+
+
+class Listening:
+    """Collects the posts of a stream in a task."""
+
+    def __init__(self, events: Events, after: str) -> None:
+        self.texts: list[str] = []
+        self._arrived = asyncio.Event()
+        self.task = asyncio.create_task(self._listen(events, after))
+
+    async def _listen(self, events: Events, after: str) -> None:
+        async for event in events.stream(after, 0.05):
+            if event.post is not None:
+                self.texts.append(event.post.raw)
+            self._arrived.set()
+
+    async def until(self, count: int) -> None:
+        async with asyncio.timeout(LIMIT_S):
+            while len(self.texts) < count:
+                self._arrived.clear()
+                await self._arrived.wait()
+
+    async def end(self) -> None:
+        self.task.cancel()
+        await asyncio.gather(self.task, return_exceptions=True)
+
+
+@pytest.fixture
+def world() -> MemoryWorld:
+    CountedForum.open = 0
+    world = MemoryForum.world()
+    world.sign_in("alice", role=Role.OPERATOR)
+    for name in ("rex", "ada", "kim"):
+        world.sign_in(name)
+    return world
+
+
+async def post(world: MemoryWorld, *texts: str) -> None:
+    for text in texts:
+        await MemoryForum(world, "alice").create_topic("robots", "A topic", text, key=text)
+
+
+async def test_two_agents_of_the_same_role_share_one_stream_and_miss_nothing(world: MemoryWorld) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    await post(world, "one", "two")
+    shared = SharedEvents()
+    rex = Listening(shared.of(CountedForum(world, "rex")), start)
+    await rex.until(2)
+    await post(world, "three")
+    await rex.until(3)
+    ada = Listening(shared.of(CountedForum(world, "ada")), start)
+    await ada.until(3)
+    await post(world, "four")
+    await asyncio.gather(rex.until(4), ada.until(4))
+    assert rex.texts == ada.texts == ["one", "two", "three", "four"]
+    assert CountedForum.open == 1
+    await rex.end()
+    await post(world, "five")
+    await ada.until(5)
+    assert ada.texts[-1] == "five"
+    await ada.end()
+    assert CountedForum.open == 0
+
+
+async def test_an_account_of_another_role_has_a_stream_of_its_own(world: MemoryWorld) -> None:
+    world.sign_in("chief", role=Role.ADMIN)
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    both = [Listening(shared.of(CountedForum(world, name)), start) for name in ("rex", "chief")]
+    await post(world, "one")
+    for listening in both:
+        await listening.until(1)
+    assert CountedForum.open == 2
+    for listening in both:
+        await listening.end()
+
+
+async def test_posts_written_while_an_agent_joins_arrive_once_and_in_order(world: MemoryWorld) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    first = Listening(shared.of(CountedForum(world, "rex")), start)
+    await post(world, "0")
+    await first.until(1)
+    joined = []
+    for number in range(1, 40):
+        joined.append(Listening(shared.of(CountedForum(world, "ada")), start))
+        await post(world, str(number))
+        await asyncio.sleep(0)
+    for listening in (first, *joined):
+        await listening.until(40)
+        assert listening.texts == [str(number) for number in range(40)]
+        await listening.end()
+
+
+async def test_a_stream_that_is_cut_ends_for_everybody_who_then_joins_again(world: MemoryWorld) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    both = [Listening(shared.of(CountedForum(world, name)), start) for name in ("rex", "ada")]
+    await post(world, "one")
+    for listening in both:
+        await listening.until(1)
+    world.reachable = False
+    for listening in both:
+        with pytest.raises(ForumUnreachable):
+            async with asyncio.timeout(LIMIT_S):
+                await listening.task
+    world.reachable = True
+    again = Listening(shared.of(CountedForum(world, "rex")), start)
+    await again.until(1)
+    await again.end()
+
+
+async def test_an_account_that_may_not_read_is_cut_off_alone(world: MemoryWorld) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    denied = CountedForum(world, "rex")
+    denied.denied = True
+    rex = Listening(shared.of(denied), start)
+    ada = Listening(shared.of(CountedForum(world, "ada")), start)
+    await post(world, "one")
+    await ada.until(1)
+    with pytest.raises(ForumDenied):
+        async with asyncio.timeout(LIMIT_S):
+            await rex.task
+    await ada.end()
+
+
+async def test_an_agent_that_handles_nothing_does_not_grow_without_limit(world: MemoryWorld) -> None:
+    shared = SharedEvents()
+    start, _ = await MemoryForum(world, "rex").now()
+    ada = Listening(shared.of(CountedForum(world, "ada")), start)
+    stuck = shared.of(CountedForum(world, "rex")).stream(start, 0.05)
+    await post(world, "one")
+    assert (await anext(stuck)).post is not None  # it never asks for more until all are written
+    await ada.until(1)
+    alice = MemoryForum(world, "alice")
+    topic = (await alice.create_topic("robots", "Many", "two", key="two")).post.topic_id
+    for number in range(MOST_WAITING + 10):
+        await alice.reply(topic, "more", key=f"more {number}")
+        if number % 1000 == 0:
+            await ada.until(number + 3)
+    await ada.until(MOST_WAITING + 12)
+    with pytest.raises(ForumUnreachable, match="wait to be handled"):
+        async for _ in stuck:
+            pass
+    await ada.end()

@@ -1,0 +1,154 @@
+"""A worker serves several robots, and one robot's failure ends nothing of another's."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.journals import SqliteJournals
+from agentrob.errors import JournalHeld
+from agentrob.worker import worker as module
+from agentrob.worker.worker import Worker
+
+LIMIT_S = 30.0
+
+
+class StubAgent:
+    """Serves until its test makes it fail."""
+
+    def __init__(self, robot: str) -> None:
+        self.robot = robot
+        self.failing: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.closed = False
+
+    async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
+        on_ready()
+        await self.failing
+
+    async def close(self) -> None:
+        self.closed = True
+
+    def drain(self) -> None:
+        """Nothing moves, so it ends at once."""
+        self.failing.set_result(None)
+
+
+class Workers:
+    """Workers on the journals of one folder, and the agents that they made."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.agents: list[tuple[str, StubAgent]] = []
+        self.tasks: dict[str, asyncio.Task[None]] = {}
+        self._changed = asyncio.Event()
+
+    @asynccontextmanager
+    async def running(
+        self, name: str, robots: tuple[str, ...] = ("ada", "rex"), most: int | None = None, standby: bool = False
+    ) -> AsyncIterator[Worker]:
+        def make(robot: str, _: Journal) -> StubAgent:
+            self.agents.append((name, agent := StubAgent(robot)))
+            return agent
+
+        worker = Worker(robots, SqliteJournals(self._folder), make, most, standby, lambda _: self._changed.set())
+        task = self.tasks[name] = asyncio.create_task(worker.run())
+        task.add_done_callback(lambda _: self._changed.set())
+        try:
+            yield worker
+        finally:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+
+    async def open(self, robot: str) -> Journal:
+        return await SqliteJournals(self._folder).open(robot)
+
+    def served_by(self, name: str) -> list[str]:
+        """The robots that a worker serves now."""
+        return sorted(agent.robot for by, agent in self.agents if by == name and not agent.closed)
+
+    def agent(self, robot: str) -> StubAgent:
+        return next(agent for _, agent in reversed(self.agents) if agent.robot == robot)
+
+    async def until(self, condition: Callable[[], object]) -> None:
+        async with asyncio.timeout(LIMIT_S):
+            while not condition():
+                self._changed.clear()
+                await self._changed.wait()
+
+
+@pytest.fixture
+def workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workers:
+    monkeypatch.setattr(module, "AGAIN_S", (0.01, 0.05))
+    monkeypatch.setattr(module, "TAKE_S", 0.05)
+    monkeypatch.setattr(module, "STANDBY_S", 0.5)
+    return Workers(tmp_path)
+
+
+async def test_it_serves_all_its_robots_and_ends_their_agents(workers: Workers) -> None:
+    async with workers.running("one"):
+        await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+    assert workers.served_by("one") == []
+    async with workers.running("two"):
+        await workers.until(lambda: workers.served_by("two") == ["ada", "rex"])
+
+
+async def test_an_agent_that_fails_is_started_again_and_the_other_serves_on(workers: Workers) -> None:
+    async with workers.running("one"):
+        await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+        rex, ada = workers.agent("rex"), workers.agent("ada")
+        for _ in range(3):
+            failed = workers.agent("rex")
+            failed.failing.set_exception(ValueError("a defect"))
+            await workers.until(lambda failed=failed: workers.agent("rex") is not failed)
+            assert failed.closed
+        assert workers.agent("rex") is not rex
+        assert workers.agent("ada") is ada
+        assert not ada.closed
+
+
+async def test_a_standby_takes_over_the_robots_of_a_worker_that_ends(workers: Workers) -> None:
+    async with workers.running("standby", standby=True):
+        async with workers.running("one"):
+            await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+            with pytest.raises(JournalHeld, match="already runs"):
+                await workers.open("rex")
+            assert workers.served_by("standby") == []
+        await workers.until(lambda: workers.served_by("standby") == ["ada", "rex"])
+
+
+async def test_it_serves_no_more_robots_than_it_has_room_for(workers: Workers) -> None:
+    robots = ("ada", "kim", "rex")
+    async with workers.running("one", robots, most=2) as one:
+        await workers.until(lambda: len(workers.served_by("one")) == 2)
+        async with workers.running("two", robots, most=2):
+            await workers.until(lambda: len(workers.served_by("two")) == 1)
+            assert len(one.serving) == 2
+        left = next(robot for robot in robots if robot not in workers.served_by("one"))
+        workers.agent(workers.served_by("one")[0]).failing.set_result(None)
+        await workers.until(lambda: left in workers.served_by("one"))
+        assert len(one.serving) <= 2
+
+
+async def test_a_worker_that_drains_gives_its_robots_to_the_others_and_ends(workers: Workers) -> None:
+    async with workers.running("two", standby=True) as two, workers.running("one") as one:
+        await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+        one.drain()
+        await workers.until(lambda: workers.served_by("two") == ["ada", "rex"])
+        assert workers.served_by("one") == []
+        assert two.serving == {"ada", "rex"}
+        await workers.until(workers.tasks["one"].done)
+        assert not workers.tasks["one"].cancelled()
+
+
+async def test_a_worker_that_waits_for_robots_ends_at_once_when_it_drains(workers: Workers) -> None:
+    async with workers.running("one"), workers.running("two", standby=True) as two:
+        await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+        two.drain()
+        async with asyncio.timeout(LIMIT_S):
+            await workers.tasks["two"]
+        assert workers.served_by("two") == []
