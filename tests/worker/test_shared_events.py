@@ -95,6 +95,22 @@ async def test_two_agents_of_the_same_role_share_one_stream_and_miss_nothing(wor
     assert CountedForum.open == 0
 
 
+async def test_when_the_agent_that_reads_the_stream_ends_another_one_reads_on(world: MemoryWorld) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    rex, ada = (Listening(shared.of(CountedForum(world, name)), start) for name in ("rex", "ada"))
+    await post(world, "one")
+    await asyncio.gather(rex.until(1), ada.until(1))
+    await rex.end()
+    for number in range(2, 12):
+        await post(world, str(number))
+    await ada.until(11)
+    assert ada.texts == ["one", *map(str, range(2, 12))]
+    assert not ada.task.done()
+    assert CountedForum.open == 1
+    await ada.end()
+
+
 async def test_an_account_of_another_role_has_a_stream_of_its_own(world: MemoryWorld) -> None:
     world.sign_in("chief", role=Role.ADMIN)
     start, _ = await MemoryForum(world, "rex").now()

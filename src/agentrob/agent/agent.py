@@ -149,21 +149,9 @@ class RobotAgent:
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
         pages = forum if isinstance(forum, RobotPages) else None
-        self.presence = (
-            Presence(pages, driver, name, settings, lambda: self.queue.posts, self.owner, self.activity)
-            if pages
-            else None
-        )
-        seen_by = settings.room_camera
-        live, view = pages is not None and bool(seen_by), settings.recording.view
-        self.recorder = Recorder(
-            self.folder / "recordings",
-            settings.recording,
-            None if live and view == "room" else look_of(settings, driver),
-        )
-        seen = self.recorder.see if view in ("auto", "room") else lambda _: None
-        moving = lambda: self.queue.moving is not None  # noqa: E731
-        self.camera = Camera(pages, name, seen_by, moving, seen) if pages and seen_by else None
+        self.presence = self._make_presence(pages)
+        self.recorder = self._make_recorder(pages)
+        self.camera = self._make_camera(pages)
         self._journal: Journal | None = None
         self._pipeline: Pipeline | None = None
         self._me: Account | None = None
@@ -176,6 +164,26 @@ class RobotAgent:
         self._accepting = True
         self._ending = False
         self._draining = asyncio.Event()
+
+    def _make_presence(self, pages: RobotPages | None) -> Presence | None:
+        if pages is None:
+            return None
+        posts = lambda: self.queue.posts  # noqa: E731
+        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity)
+
+    def _make_recorder(self, pages: RobotPages | None) -> Recorder:
+        recording = self.settings.recording
+        room = pages is not None and self.settings.room_camera and recording.view == "room"
+        look = None if room else look_of(self.settings, self.driver)
+        return Recorder(self.folder / "recordings", recording, look)
+
+    def _make_camera(self, pages: RobotPages | None) -> Camera | None:
+        """The camera that the board shows live, which also feeds recordings of the room."""
+        room = self.settings.room_camera
+        if pages is None or not room:
+            return None
+        seen = self.recorder.see if self.settings.recording.view in ("auto", "room") else lambda _: None
+        return Camera(pages, self.name, room, lambda: self.queue.moving is not None, seen)
 
     # ------------------------------------------------------------------ life
     async def prepare(self) -> None:

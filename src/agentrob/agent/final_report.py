@@ -47,7 +47,13 @@ class FinalReport:
     on_end: Callable[[Report], None]
 
     async def tell(self, job: QueuedCommand, report: Report) -> None:
-        """Post the final report exactly once, and close the claim."""
+        """Post the final report exactly once, close the claim, and forget the recording."""
+        try:
+            await self._tell(job, report)
+        finally:
+            self.recorder.forget(job.command.post_id)
+
+    async def _tell(self, job: QueuedCommand, report: Report) -> None:
         command, text, pictures, facts = job.command, *await self._composed(job, report)
         short = ""
         with job.log_errors("end not shortened"):

@@ -29,7 +29,8 @@ from agentrob.minds.llm.chat import ChatModel
 from agentrob.model import Capabilities, CommandState, Decision, EndReason, Plan, Primitive, Verdict
 from agentrob.robots.driver.client import DriverClient
 
-_EXECUTION = TypeAdapter(Execution)
+#: A motion in the journal, as JSON.
+EXECUTION = TypeAdapter(Execution)
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Motion:
 
     def read(self, text: str) -> Execution:
         """The result of a motion from the journal, with its pictures as far as the files exist."""
-        execution = _EXECUTION.validate_json(text)
+        execution = EXECUTION.validate_json(text)
         results = self.records.with_pictures(execution.results, execution.pictures)
         return replace(execution, results=results)
 
@@ -109,7 +110,7 @@ class Motion:
         pictures = ("",) * len(results)
         with job.log_errors("pictures not kept"):
             results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
-        return _EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
+        return EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
     async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
         """Execute the plan, or let a model work towards the goal."""

@@ -13,14 +13,13 @@ from functools import partial
 from typing import Any, TypeVar
 
 import structlog
-from pydantic import TypeAdapter
 
 from agentrob.agent.execution.execute import Execution, decisive, holder_of
 from agentrob.agent.final_report import FinalReport
 from agentrob.agent.intake.authorization import CommandTerms, own_rights
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.rate_limit import RateLimiter
-from agentrob.agent.motion import Motion
+from agentrob.agent.motion import EXECUTION, Motion
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
@@ -65,7 +64,6 @@ from agentrob.robots.driver.client import DriverClient
 #: How long the status post waits for the mind: a program's post that asks for nothing gets no status post.
 GLANCE_S = 1.0
 T = TypeVar("T")
-_EXECUTION = TypeAdapter(Execution)
 _log = structlog.get_logger()
 
 
@@ -112,10 +110,7 @@ class Pipeline:
         finally:
             self.queue.leave(job)
         if report is not None:
-            try:
-                await self.final_report.tell(job, report)
-            finally:
-                self.final_report.recorder.forget(job.command.post_id)
+            await self.final_report.tell(job, report)
 
     async def _faulted(self, job: QueuedCommand, error: Exception) -> Report:
         """The report of a command that an error ended, with everything measured until then (law 18)."""
@@ -134,7 +129,7 @@ class Pipeline:
         if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
             with job.log_errors("what was measured is not read"):
                 text = await self.journal.kept(job.command.post_id)
-                execution = _EXECUTION.validate_json(text) if text is not None else None
+                execution = EXECUTION.validate_json(text) if text is not None else None
         if execution is None:
             return self._report(
                 job, CommandState.INTERRUPTED if job.begun else CommandState.FAILED, plan, message=message

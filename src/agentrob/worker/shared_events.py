@@ -86,8 +86,9 @@ class AccountEvents:
 class _Listener:
     """What one agent has yet to handle."""
 
-    def __init__(self, forum: Forum, recent: list[Event]) -> None:
+    def __init__(self, forum: Forum, heartbeat_s: float, recent: list[Event]) -> None:
         self.forum = forum
+        self.heartbeat_s = heartbeat_s
         self._queue: deque[Event] = deque(recent)
         self._error: ForumError | None = None
         self._open = False
@@ -134,14 +135,16 @@ class _Stream:
         self._recent: deque[tuple[float, Event]] = deque()
         self._open = False
         self._reading: asyncio.Task[None] | None = None
+        self._reader: _Listener | None = None  # the listener with whose account it is read
+        self._after = ""
 
     def join(self, forum: Forum, heartbeat_s: float) -> _Listener:
-        listener = _Listener(forum, [event for _, event in self._recent])
+        listener = _Listener(forum, heartbeat_s, [event for _, event in self._recent])
         self._listeners[listener] = None
         if self._open:
             listener.open()
         if self._reading is None:
-            self._reading = asyncio.create_task(self._read(heartbeat_s))
+            self._reading = asyncio.create_task(self._read())
         return listener
 
     def leave(self, listener: _Listener) -> None:
@@ -149,17 +152,19 @@ class _Stream:
         if not self._listeners and self._reading is not None:
             self._reading.cancel()
             self._close()
+        elif listener is self._reader and self._reading is not None:  # its agent closes its forum: another one reads on
+            self._reading.cancel()
+            self._reading = asyncio.create_task(self._read())
 
-    async def _read(self, heartbeat_s: float) -> None:
+    async def _read(self) -> None:
         """Read until the stream is cut; then cut everybody off, who join again. An account that may not read any more
         is cut off alone."""
-        after = ""
         while self._listeners:
-            reader = next(iter(self._listeners))
+            reader = self._reader = next(iter(self._listeners))
             try:
-                after = after or (await reader.forum.now())[0]
-                async for event in reader.forum.stream(after, heartbeat_s):
-                    after = event.id or after
+                self._after = self._after or (await reader.forum.now())[0]
+                async for event in reader.forum.stream(self._after, reader.heartbeat_s):
+                    self._after = event.id or self._after
                     self._deliver(event)
                 error: ForumError = ForumUnreachable("the shared event stream ended")
             except ForumDenied as e:
@@ -193,7 +198,8 @@ class _Stream:
         self._listeners.clear()
         self._recent.clear()
         self._open = False
-        self._reading = None
+        self._reading = self._reader = None
+        self._after = ""
 
 
 def _key(event: Event) -> _EventKey:

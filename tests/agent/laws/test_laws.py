@@ -381,11 +381,3 @@ async def test_the_journal_keeps_its_thoughts_and_forgets_what_was_unfinished(tm
     assert await journal.move("3", lambda: answer("moved")) == "interrupted"
     assert not await journal.cancel("3")
     await journal.close()
-
-
-async def test_an_unusable_journal_is_said_so(tmp_path: Path) -> None:
-    path = tmp_path / "agents" / ROBOT / "journal.sqlite"
-    path.parent.mkdir(parents=True)
-    path.write_bytes(b"not a database" * 1000)
-    with pytest.raises(JournalError, match="cannot be opened"):
-        await open_journal(tmp_path, ROBOT)

@@ -11,11 +11,11 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import APIRoute
 from PIL import Image
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from agentrob.board.web import routes
 from tests.board.search.encoder_double import Concepts
-from tests.board.web.browser_windows import Windows, open_windows, running_chromium
+from tests.board.web.browser_windows import Windows
 from tests.board.web.forum_site import CARD, Site, running_site
 from tests.board.web.page_list import PAGES, approval_commands, fill, send_presence
 from tests.board.web.sample_reports import ROBOT
@@ -50,18 +50,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 @pytest.fixture(scope="module")
 def names(site: Site) -> dict[str, str]:
     return fill(site)
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    with running_chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(site, chromium) as windows:
-        yield windows
 
 
 def png() -> bytes:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import expect
 
 from agentrob.board.web.templating import STATES
 from tests.board.web.browser_windows import (
@@ -18,9 +18,7 @@ from tests.board.web.browser_windows import (
     Windows,
     jpeg,
     new_topic,
-    open_windows,
     robot_posts,
-    running_chromium,
 )
 from tests.board.web.forum_site import CARD, Site, running_site
 
@@ -33,18 +31,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     with running_site(tmp_path_factory.mktemp("board"), sign_up=True) as site:
         site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
         yield site
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    with running_chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(site, chromium) as windows:
-        yield windows
 
 
 CONTRAST = """() => {

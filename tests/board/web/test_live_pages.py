@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Route, expect
+from playwright.sync_api import Page, Route, expect
 
 from agentrob.board import server
 from tests.board.web.browser_windows import (
@@ -17,10 +17,8 @@ from tests.board.web.browser_windows import (
     Windows,
     jpeg,
     new_topic,
-    open_windows,
     robot_edits,
     robot_posts,
-    running_chromium,
 )
 from tests.board.web.forum_site import CARD, Site, running_site
 
@@ -32,18 +30,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     with running_site(tmp_path_factory.mktemp("board"), sign_up=True) as site:
         site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
         yield site
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
-    with running_chromium() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def windows(site: Site, chromium: Browser) -> Iterator[Windows]:
-    with open_windows(site, chromium) as windows:
-        yield windows
 
 
 def wait_live(page: Page) -> None:

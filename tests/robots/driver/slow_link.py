@@ -20,6 +20,8 @@ class SlowLink:
         self._cut = False
         self.lost = 0
         self.port = 0
+        #: Connections that are open on both sides.
+        self.connections = 0
 
     def cut(self) -> None:
         self._cut = True
@@ -42,6 +44,7 @@ class SlowLink:
         except OSError:
             writer.close()
             return
+        self.connections += 1
         for source, sink in ((reader, there[1]), (there[0], writer)):
             queue: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue()
             for work in (self._read(source, queue, loop), self._write(sink, queue, loop)):

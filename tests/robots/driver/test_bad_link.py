@@ -13,6 +13,7 @@ import pytest
 from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Primitive
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.connection import LEASE_CONNECTIONS, STOP_CONNECTIONS
 from agentrob.robots.driver.lease import TTL_S
 from tests.robots.driver.network_scene import TOKEN_ENV, NetworkDrivers
 from tests.robots.driver.slow_link import SlowLink
@@ -44,7 +45,9 @@ async def linked(
     async with link.open(), network.remote(name, port=link.port) as far, network.client(name) as near:
         await until(near, lambda state: state.homed)
         await far.state()
-        await asyncio.sleep(8 * DELAY_S)  # until the connections are open
+        await until(near, lambda _: link.connections > STOP_CONNECTIONS + LEASE_CONNECTIONS)
+        for _ in range(3):
+            await far.state()  # meanwhile their TLS handshakes end
         yield far, near, link
 
 

@@ -110,7 +110,7 @@ PRUNE = _prune()
 # ---------------------------------------------------------------- the holder, on PostgreSQL
 _FENCE = bindparam("this_number", type_=BigInteger)
 #: Leaves a mark, and locks the row until the commit. Changes nothing once another worker has taken the robot.
-SIGN = update(HOLDER).where(_ours(HOLDER), HOLDER.c.number == _FENCE)
+CHECK_FENCE = update(HOLDER).where(_ours(HOLDER), HOLDER.c.number == _FENCE)
 #: The mark of the newest transaction that was committed; waits for one that still may be.
 MARK = select(HOLDER.c.written).where(_ours(HOLDER)).with_for_update()
 

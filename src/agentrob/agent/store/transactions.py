@@ -17,7 +17,7 @@ from uuid import uuid4
 from sqlalchemy import Connection
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
-from agentrob.agent.store.queries import MARK, SIGN
+from agentrob.agent.store.queries import CHECK_FENCE, MARK
 from agentrob.errors import JournalError, JournalHeld
 from agentrob.model import FencingToken
 
@@ -156,7 +156,7 @@ class _Write:
                     self._rows.check_held()
                 if self._committing and self._committed(db):
                     return self._result
-                self._sign(db, fence)
+                self._check_fence(db, fence)
             self._result = self._work(db)
             self._committing = True
         return self._result
@@ -165,9 +165,9 @@ class _Write:
         """Whether an earlier try was committed. Waits for its end, if the server still works on it."""
         return db.execute(MARK, {"this_robot": self._lock.robot}).scalar() == self._mark
 
-    def _sign(self, db: Connection, fence: FencingToken) -> None:
+    def _check_fence(self, db: Connection, fence: FencingToken) -> None:
         row = {"this_robot": self._lock.robot, "this_number": fence.number, "written": self._mark}
-        if not db.execute(SIGN, row).rowcount:
+        if not db.execute(CHECK_FENCE, row).rowcount:
             raise JournalHeld(f"another worker has taken {self._lock.robot}")
 
 

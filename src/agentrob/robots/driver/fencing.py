@@ -4,12 +4,12 @@ robot to another one stays locked out, also after a restart of the driver. Fails
 from __future__ import annotations
 
 import json
-import os
 import threading
 from pathlib import Path
 
 from agentrob.errors import Fenced, RobotError
 from agentrob.model import FencingToken
+from agentrob.robots.safety.durable_file import write_json
 
 #: Databases whose numbers are kept. None is ever dropped, since its earlier workers could then move the robot again.
 STORES = 32
@@ -69,18 +69,7 @@ class FencingNumbers:
             if self._saved is (numbers := self._numbers):
                 return
             try:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-                fresh = self.path.with_suffix(".fence-new")
-                with fresh.open("w", encoding="utf-8") as f:
-                    json.dump(numbers, f)
-                    f.flush()
-                    os.fsync(f.fileno())
-                fresh.replace(self.path)
-                folder = os.open(self.path.parent, os.O_RDONLY)
-                try:
-                    os.fsync(folder)
-                finally:
-                    os.close(folder)
+                write_json(self.path, numbers)
             except OSError as e:
                 raise RobotError(
                     f"the fencing number cannot be written to {self.path} ({e.strerror}), so a restarted driver would "

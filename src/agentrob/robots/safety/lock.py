@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import threading
 import time
 from datetime import UTC, datetime
@@ -13,6 +12,7 @@ from pathlib import Path
 from agentrob.errors import RobotError
 from agentrob.language.messages.durations import duration
 from agentrob.model import Language, Lock
+from agentrob.robots.safety.durable_file import sync_folder, write_json
 
 
 class Halt:
@@ -52,14 +52,7 @@ class Halt:
             at = lock.at.isoformat(timespec="milliseconds") if lock.at else None
             record = {"why": lock.why, "by": lock.by, "at": at}
             try:
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-                fresh = self.path.with_suffix(".new")
-                with fresh.open("w", encoding="utf-8") as f:
-                    json.dump(record, f)
-                    f.flush()
-                    os.fsync(f.fileno())
-                fresh.replace(self.path)
-                self._sync_folder()
+                write_json(self.path, record)
             except OSError:
                 return False
             return True
@@ -77,20 +70,13 @@ class Halt:
                 raise RobotError("the robot was locked after this release was requested, so it stays locked")
             self.path.unlink(missing_ok=True)
             if self.path.parent.exists():
-                self._sync_folder()
+                sync_folder(self.path.parent)
             with self._facts:
                 if self._set_s > set_s:
                     # That halt waits for `self._disk` to write itself down.
                     raise RobotError("the robot was locked again during the release, so it stays locked")
                 self._lock = None
             return lock
-
-    def _sync_folder(self) -> None:
-        folder = os.open(self.path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
 
     def _read(self) -> Lock | None:
         try:

@@ -29,7 +29,7 @@ SEVERAL_S = 0.5  # if other views were drawn within this time, several cameras a
 SMOOTH_SAMPLES = 4
 FRESH_S = 0.07  # a younger picture is reused; ten requests a second with some jitter all get new ones
 JPEG_QUALITY = 88
-NICE = 10  # physics and drivers, which share the cores, are served first
+NICE = 5  # physics and drivers, which share the cores, are served first; at 10 a picture on a busy machine took seconds
 LARGEST = (1280, 720)
 SHADE_M = (0.34, 0.20, 0.004)
 
