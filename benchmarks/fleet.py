@@ -121,6 +121,8 @@ class Fleet:
         self._count, self._changed = workers, threading.Condition()
         self._server: dict[str, WorkerProcess] = {}
         self._orphaned_s: dict[str, float] = {}
+        #: For each robot, from when until when no worker served it.
+        self.orphaned: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
         self._children: list[Child] = []
         self._hosts: list[subprocess.Popen[str]] = []
         port = free_port()
@@ -173,9 +175,13 @@ class Fleet:
     def taken(self, robot: str, worker: WorkerProcess) -> None:
         """A worker said that it serves a robot."""
         with self._changed:
+            killed = robot not in self._server
             self._server[robot] = worker
             if (since_s := self._orphaned_s.pop(robot, None)) is not None:
-                self.takeovers_s.append(time.monotonic() - since_s)
+                now_s = time.monotonic()
+                self.orphaned[robot].append((since_s, now_s))
+                if killed:
+                    self.takeovers_s.append(now_s - since_s)
             self._changed.notify_all()
 
     def kill(self, among: Sequence[WorkerProcess]) -> None:
@@ -189,6 +195,14 @@ class Fleet:
                 del self._server[robot]
         self.wait_served(60.0)
         worker.start_again()
+
+    def kill_database(self, database: PostgresServer) -> None:
+        """Kill the database and start it again: every worker loses its robots until then."""
+        with self._changed:
+            now_s = time.monotonic()
+            for robot in self.robots:
+                self._orphaned_s.setdefault(robot, now_s)
+        database.kill()
 
     def working(self) -> list[WorkerProcess]:
         """The workers that serve robots."""
@@ -303,21 +317,45 @@ class Findings:
     states: Counter[str] = field(default_factory=Counter)
     #: Posts by what is wrong with them.
     wrong: dict[str, list[str]] = field(default_factory=lambda: {what: [] for what in WRONG})
+    #: Until each stop reached its robot, or the robot stood because its worker was dead.
     stops_ms: list[float] = field(default_factory=list)
+    #: How many of these were sent to a robot that no worker served.
+    stops_orphaned: int = 0
     stops_lost: int = 0
 
 
-def judge(traffic: Traffic, steps: Iterator[dict[str, Any]]) -> Findings:
+@dataclass
+class RobotMotion:
+    """What reached one robot: its stops, and from when until when it moved."""
+
+    stops_s: list[float] = field(default_factory=list)
+    moves_s: list[tuple[float, float]] = field(default_factory=list)
+    begun_s: float = 0.0
+
+    def stopped_s(self, sent_s: float) -> float | None:
+        """When a stop that was sent then reached the robot; None if it never did."""
+        return min((at_s for at_s in self.stops_s if at_s >= sent_s), default=None)
+
+    def stood_s(self, since_s: float) -> float:
+        """When the robot stood that may have moved then."""
+        return next((end_s for begin_s, end_s in self.moves_s if begin_s <= since_s < end_s), since_s)
+
+
+def judge(traffic: Traffic, fleet: Fleet) -> Findings:
     """Compare each command's replies with the ledger."""
     found, begun, done = Findings(), Counter[str](), Counter[str]()
-    stops: defaultdict[str, list[float]] = defaultdict(list)
-    for step in steps:
+    robots: defaultdict[str, RobotMotion] = defaultdict(RobotMotion)
+    for step in fleet.steps():
+        robot = robots[step["robot"]]
         if step["what"] == "stop":
-            stops[step["robot"]].append(step["at_s"])
+            robot.stops_s.append(step["at_s"])
         elif step["what"] == "begun":
             begun[step["holder"]] += 1
-        elif step["what"] == "done":
-            done[step["holder"]] += 1
+            robot.begun_s = step["at_s"]
+        else:
+            robot.moves_s.append((robot.begun_s, step["at_s"]))
+            if step["what"] == "done":
+                done[step["holder"]] += 1
     for post_id, command in traffic.commands.items():
         holder = holder_of(command.trace_id)
         found.states[command.state or "lost"] += 1
@@ -330,12 +368,14 @@ def judge(traffic: Traffic, steps: Iterator[dict[str, Any]]) -> Findings:
         }
         for what in (what for what, is_so in wrong.items() if is_so):
             found.wrong[what].append(post_id)
-    for robot, sent_s in traffic.stops:
-        after = [at_s for at_s in stops[robot] if at_s >= sent_s]
-        if after:
-            found.stops_ms.append((min(after) - sent_s) * 1000)
-        else:
+    for name, sent_s in traffic.stops:
+        if (stopped_s := robots[name].stopped_s(sent_s)) is None:
             found.stops_lost += 1
+            continue
+        if any(begin_s < stopped_s and end_s > sent_s for begin_s, end_s in fleet.orphaned[name]):
+            found.stops_orphaned += 1
+            stopped_s = min(stopped_s, robots[name].stood_s(sent_s))
+        found.stops_ms.append((stopped_s - sent_s) * 1000)
     return found
 
 
@@ -359,7 +399,9 @@ async def run(
     seconds = commands / rate
     killing = [asyncio.create_task(_again_and_again(kills, seconds, done, lambda: fleet.kill(fleet.working())))]
     if database is not None:
-        killing.append(asyncio.create_task(_again_and_again(database_kills, seconds, done, database.kill)))
+        killing.append(
+            asyncio.create_task(_again_and_again(database_kills, seconds, done, lambda: fleet.kill_database(database)))
+        )
     try:
         await traffic.run(forum)
         done.set()
@@ -384,7 +426,7 @@ def report(fleet: Fleet, found: Findings, seconds: float, start_s: float) -> lis
         f"takeovers {len(fleet.takeovers_s)}: p50 {takeovers[len(takeovers) // 2]:.1f} s, worst {takeovers[-1]:.1f} s"
     )
     print(f"stops {len(found.stops_ms)}: p50 {p50:.0f} ms, p99 {p99:.0f} ms, worst {stops[-1]:.0f} ms; "
-          f"without effect {found.stops_lost}")  # fmt: skip
+          f"without effect {found.stops_lost}; {found.stops_orphaned} while no worker served the robot")  # fmt: skip
     missed = [f"{what}: posts {', '.join(posts[:10])}" for what, posts in found.wrong.items() if posts]
     missed += [f"a takeover took {takeovers[-1]:.1f} s"] if takeovers[-1] > TAKEOVER_S else []
     return missed + ([f"stop p99 {p99:.0f} ms"] if p99 > STOP_MS else [])
@@ -418,7 +460,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         traffic = asyncio.run(
             run(fleet, options.commands, options.rate, options.kills, database, options.database_kills)
         )
-        missed = report(fleet, judge(traffic, fleet.steps()), time.monotonic() - begun_s, start_s)
+        missed = report(fleet, judge(traffic, fleet), time.monotonic() - begun_s, start_s)
     if options.no_times:
         missed = [line for line in missed if "posts" in line]
     raise SystemExit("missed: " + "; ".join(missed) if missed else 0)
