@@ -133,3 +133,44 @@ async def test_a_self_signed_certificate_named_by_ssl_cert_file_is_trusted(
             await believed.boards()
         assert told.value.retry_after_s == 7
         await believed.close()
+
+
+# ---------------------------------------------------------------------- connections
+class _CountingServer:
+    """Limits every request of a client; lists the connections, each with the tokens that were sent on it."""
+
+    def __init__(self) -> None:
+        self.connections: list[list[str]] = []
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        tokens: list[str] = []
+        self.connections.append(tokens)
+        while True:
+            try:
+                head = (await reader.readuntil(b"\r\n\r\n")).decode()
+            except asyncio.IncompleteReadError:
+                return writer.close()
+            tokens += [line.split()[-1] for line in head.splitlines() if line.lower().startswith("authorization:")]
+            writer.write(b"HTTP/1.1 429 Too Many\r\nRetry-After: 7\r\nContent-Length: 0\r\n\r\n")
+
+
+async def test_accounts_of_a_worker_share_connections_and_keep_their_own_tokens() -> None:
+    counting = _CountingServer()
+    async with await asyncio.start_server(counting.serve, "127.0.0.1", 0) as server:
+        settings = ForumConfig(url=f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}")
+        async with wire.shared_connections():
+            rex, ada = BoardForum(settings, "of-rex"), BoardForum(settings, "of-ada")
+            for forum in (rex, ada, rex):
+                with pytest.raises(ForumLimited):
+                    await forum.boards()
+            await rex.close()  # ends nothing of the others
+            with pytest.raises(ForumLimited):
+                await ada.boards()
+            assert counting.connections == [["of-rex", "of-ada", "of-rex", "of-ada"]]
+            await ada.close()
+        alone = [BoardForum(settings, name) for name in ("one", "two")]
+        for forum in alone:
+            with pytest.raises(ForumLimited):
+                await forum.boards()
+            await forum.close()
+        assert counting.connections[1:] == [["one"], ["two"]]

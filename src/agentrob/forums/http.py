@@ -3,19 +3,66 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from contextvars import ContextVar
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
+from typing import Any
 
 import httpx2
 
 from agentrob.errors import AgentRobError, ForumError, ForumMalformed, ForumUnreachable
+from agentrob.process.tls import tls
 
 #: NodeBB gives no CSRF token to names that look like spiders (`python-requests/…`, `…Bot/`).
 USER_AGENT = "AgentRob/0.1"
 #: Longer waits are cut to an hour, in case the forum is wrong.
 LONGEST_RETRY_S = 3600.0
+#: Idle connections that are kept for the robots of a worker.
+KEPT_OPEN = 20
+_shared: ContextVar[httpx2.AsyncHTTPTransport | None] = ContextVar("shared connections", default=None)
+
+
+def http_client(url: str, timeout_s: float, **options: Any) -> httpx2.AsyncClient:
+    """A client of the forum at `url`. `options` are those of `httpx2.AsyncClient`.
+
+    Within `shared_connections` it takes its connections from there.
+    """
+    pool = _shared.get()
+    options["headers"] = {"User-Agent": USER_AGENT, **options.get("headers", {})}
+    return httpx2.AsyncClient(
+        base_url=url.rstrip("/"),
+        timeout=httpx2.Timeout(timeout_s, connect=5.0),
+        trust_env=False,
+        verify=tls(),
+        transport=None if pool is None else _Lent(pool),
+        **options,
+    )
+
+
+@asynccontextmanager
+async def shared_connections() -> AsyncIterator[None]:
+    """Clients that are made in this block share connections, which are closed with it. Their number is not limited: a
+    stop never waits for a free one."""
+    async with httpx2.AsyncHTTPTransport(
+        verify=tls(), trust_env=False, limits=httpx2.Limits(max_connections=None, max_keepalive_connections=KEPT_OPEN)
+    ) as pool:
+        token = _shared.set(pool)
+        try:
+            yield
+        finally:
+            _shared.reset(token)
+
+
+class _Lent(httpx2.AsyncBaseTransport):
+    """Connections of a pool that stay open when one of its clients is closed."""
+
+    def __init__(self, pool: httpx2.AsyncHTTPTransport) -> None:
+        self._pool = pool
+
+    async def handle_async_request(self, request: httpx2.Request) -> httpx2.Response:
+        return await self._pool.handle_async_request(request)
 
 
 @contextmanager

@@ -320,6 +320,7 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
     from agentrob.agent.reporting.activity import process_name
     from agentrob.agent.store.journal import Journal
     from agentrob.agent.store.journals import make_journals
+    from agentrob.forums.http import shared_connections
     from agentrob.worker.control import draining_on_request
     from agentrob.worker.shared_events import SharedEvents
     from agentrob.worker.worker import Worker
@@ -354,10 +355,14 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
             agents[name] = agent
             return agent
 
+        async def sharing(worker: Worker) -> None:
+            async with shared_connections():
+                await worker.run()
+
         worker = Worker(
             names, make_journals(config.journal.database, config.data_dir), make, most, standby, tell_ready, metrics,
         )  # fmt: skip
-        running = asyncio.ensure_future(worker.run())
+        running = asyncio.ensure_future(sharing(worker))
         _cancel_on_signals(running)
         if standby:
             print_line(ready=True, standby=list(names))

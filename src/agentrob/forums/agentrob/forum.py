@@ -16,7 +16,7 @@ from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnoffered, ForumUnreachable
 from agentrob.forums.cards import card_by, card_of, facts_of
 from agentrob.forums.http import (
-    USER_AGENT,
+    http_client,
     image_file,
     request_line,
     retry_after_s,
@@ -37,7 +37,6 @@ from agentrob.model import (
     StatusCard,
     fleet_robot,
 )
-from agentrob.process.tls import tls
 
 _KINDS = frozenset(EventKind)
 _JSON = dict[str, Any]
@@ -56,13 +55,8 @@ class BoardForum:
     fastest_poll_s = 0.0
 
     def __init__(self, settings: ForumConfig, token: str) -> None:
-        self._http = httpx2.AsyncClient(
-            base_url=settings.url.rstrip("/") + "/api/v1",
-            headers={"Authorization": f"Bearer {token}", "User-Agent": USER_AGENT},
-            timeout=httpx2.Timeout(10.0, connect=5.0),
-            trust_env=False,
-            verify=tls(),
-        )
+        url = settings.url.rstrip("/") + "/api/v1"
+        self._http = http_client(url, 10.0, headers={"Authorization": f"Bearer {token}"})
 
     async def close(self) -> None:
         await self._http.aclose()

@@ -15,8 +15,8 @@ import httpx2
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
 from agentrob.forums.discourse.settings import Credentials
 from agentrob.forums.http import (
-    USER_AGENT,
     bounded_s,
+    http_client,
     request_line,
     requested_wait_s,
     same_origin,
@@ -45,13 +45,7 @@ class DiscourseClient:
         self._held: dict[str, float] = {}
         self._csrf = ""
         self._signing_in = asyncio.Lock()
-        self._http = httpx2.AsyncClient(
-            base_url=url.rstrip("/"),
-            headers={"User-Agent": USER_AGENT, "Accept": "application/json"},
-            timeout=httpx2.Timeout(15.0, connect=5.0),
-            trust_env=False,
-            verify=tls(),
-        )
+        self._http = http_client(url, 15.0, headers={"Accept": "application/json"})
         if not credentials.by_session:
             # A cookie would sign us in beside the key, and as another account after a switch.
             self._http.cookies.jar.set_policy(DefaultCookiePolicy(allowed_domains=[]))

@@ -18,6 +18,7 @@ from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound
 from agentrob.forums.http import (
     USER_AGENT,
     bounded_s,
+    http_client,
     request_line,
     retry_after_s,
     same_origin,
@@ -26,7 +27,6 @@ from agentrob.forums.http import (
 )
 from agentrob.forums.nodebb.clock import HeaderClock
 from agentrob.forums.nodebb.settings import Credentials
-from agentrob.process.tls import tls
 
 #: Pause after a refused sign-in, since NodeBB locks accounts after a few.
 DENIED_S = 60.0
@@ -48,14 +48,8 @@ class NodeBBClient:
 
     def __init__(self, url: str, credentials: Credentials) -> None:
         self.credentials = credentials
-        self._http = httpx2.AsyncClient(
-            base_url=url.rstrip("/"),
-            headers={"User-Agent": USER_AGENT, "Accept": "application/json"},
-            timeout=httpx2.Timeout(10.0, connect=5.0),
-            cookies=CookieJar(policy=DefaultCookiePolicy(allowed_domains=[])),
-            trust_env=False,
-            verify=tls(),
-        )
+        cookies = CookieJar(policy=DefaultCookiePolicy(allowed_domains=[]))
+        self._http = http_client(url, 10.0, headers={"Accept": "application/json"}, cookies=cookies)
         self._signing = asyncio.Lock()
         self.clock = HeaderClock()
         self._forget()
