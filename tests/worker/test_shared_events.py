@@ -19,18 +19,21 @@ LIMIT_S = 30.0
 class CountedForum(MemoryForum):
     """Counts its open streams; a denied one may not open any."""
 
-    open = 0
+    open = opened = 0
+    closed: asyncio.Event
     denied = False
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         if self.denied:
             raise ForumDenied("this account may not read")
         type(self).open += 1
+        type(self).opened += 1
         try:
             async for event in super().stream(after, heartbeat_s):
                 yield event
         finally:
             type(self).open -= 1
+            self.closed.set()
 
 
 class Listening:
@@ -60,7 +63,7 @@ class Listening:
 
 @pytest.fixture
 def world() -> MemoryWorld:
-    CountedForum.open = 0
+    CountedForum.open, CountedForum.opened, CountedForum.closed = 0, 0, asyncio.Event()
     world = MemoryForum.world()
     world.sign_in("alice", role=Role.OPERATOR)
     for name in ("rex", "ada", "kim"):
@@ -141,22 +144,25 @@ async def test_posts_written_while_an_agent_joins_arrive_once_and_in_order(world
         await listening.end()
 
 
-async def test_a_stream_that_is_cut_ends_for_everybody_who_then_joins_again(world: MemoryWorld) -> None:
+async def test_a_stream_that_is_cut_is_opened_once_again_for_everybody(world: MemoryWorld) -> None:
     start, _ = await MemoryForum(world, "rex").now()
     shared = SharedEvents()
     both = [Listening(shared.of(CountedForum(world, name)), start) for name in ("rex", "ada")]
     await post(world, "one")
     for listening in both:
         await listening.until(1)
+    opened = CountedForum.opened
     world.reachable = False
-    for listening in both:
-        with pytest.raises(ForumUnreachable):
-            async with asyncio.timeout(LIMIT_S):
-                await listening.task
+    async with asyncio.timeout(LIMIT_S):
+        await CountedForum.closed.wait()
     world.reachable = True
-    again = Listening(shared.of(CountedForum(world, "rex")), start)
-    await again.until(1)
-    await again.end()
+    await post(world, "two")
+    await asyncio.gather(*(listening.until(2) for listening in both))
+    assert [listening.texts for listening in both] == [["one", "two"]] * 2
+    assert CountedForum.open == 1
+    assert CountedForum.opened - opened <= 2
+    for listening in both:
+        await listening.end()
 
 
 async def test_an_account_that_may_not_read_is_cut_off_alone(world: MemoryWorld) -> None:

@@ -199,7 +199,10 @@ class RobotAgent:
             self.activity.since = datetime.now(UTC)
             async with asyncio.TaskGroup() as group:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
-                works = self._listen(), self.inbox.take_all(), pruning, self._hold(), *self._display_tasks()
+                works = (
+                    self._listen(), self.inbox.take_all(), pruning, self._hold(), self.known_robots.list_later(),
+                    *self._display_tasks(),
+                )  # fmt: skip
                 tasks = [group.create_task(work) for work in works]
                 self.ready.set()
                 on_ready()

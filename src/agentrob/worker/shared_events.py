@@ -15,7 +15,7 @@ from datetime import datetime
 
 import structlog
 
-from agentrob.errors import ForumDenied, ForumError, ForumUnreachable
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
 from agentrob.forums.protocol import Event, Forum
 from agentrob.model import EventKind, Role
 
@@ -23,6 +23,8 @@ from agentrob.model import EventKind, Role
 OVERLAP_S = 5.0
 #: An agent that does not handle this many events is cut off from the stream and reads them from the forum later.
 MOST_WAITING = 10_000
+#: The first and the longest wait before a stream that was cut is opened again.
+BACKOFF_S = 0.2, 5.0
 _log = structlog.get_logger()
 _EventKey = tuple[str, EventKind, datetime]
 
@@ -157,28 +159,37 @@ class _Stream:
             self._reading = asyncio.create_task(self._read())
 
     async def _read(self) -> None:
-        """Read until the stream is cut; then cut everybody off, who join again. An account that may not read any more
-        is cut off alone."""
+        """Read as long as anybody listens. When the stream is cut, read on after the last event: for the listeners it
+        is a silence, and the forum does not receive the requests of all of them at once."""
+        wait_s, longest_s = BACKOFF_S
         while self._listeners:
             reader = self._reader = next(iter(self._listeners))
+            begun_s = time.monotonic()
             try:
                 self._after = self._after or (await reader.forum.now())[0]
                 async for event in reader.forum.stream(self._after, reader.heartbeat_s):
                     self._after = event.id or self._after
                     self._deliver(event)
-                error: ForumError = ForumUnreachable("the shared event stream ended")
-            except ForumDenied as e:
+                error = "it ended"
+            except ForumDenied as e:  # for this account alone
                 self._listeners.pop(reader, None)
                 reader.cut(e)
                 continue
+            except ForumNotFound as e:  # the forum was replaced, or its events are gone: each listener finds out
+                for listener in self._listeners:
+                    listener.cut(ForumUnreachable(f"the shared event stream was cut: {e}"))
+                self._listeners.clear()
+                break
             except ForumError as e:
-                error = ForumUnreachable(f"the shared event stream was cut: {e}")
-            except Exception as e:  # a fault of the adapter: without events no stop would be received
-                _log.error("shared event stream failed", trace=traceback.format_exc())
-                error = ForumUnreachable(f"the shared event stream failed: {e!r}"[:500])
-            for listener in self._listeners:
-                listener.cut(error)
-            self._listeners.clear()
+                error = str(e)
+            except Exception:  # a fault of the adapter: without events no stop would be received
+                error = traceback.format_exc()
+            if reader in self._listeners:  # the next attempt is another account's
+                self._listeners[reader] = self._listeners.pop(reader)
+            wait_s = BACKOFF_S[0] if time.monotonic() - begun_s > longest_s else wait_s
+            _log.warning("shared event stream cut, trying again", after_s=round(wait_s, 1), error=error)
+            await asyncio.sleep(wait_s)
+            wait_s = min(longest_s, 2 * wait_s)
         self._close()
 
     def _deliver(self, event: Event) -> None:

@@ -6,6 +6,8 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any
 
+import pytest
+
 from agentrob.agent.stop import known_robots
 from agentrob.agent.stop.known_robots import KnownRobots
 from agentrob.errors import ForumUnreachable
@@ -74,6 +76,22 @@ async def test_law_15_whatever_the_forum_raises_the_next_name_is_asked_about() -
         known.look_up(["alice", "humanoid"])
         await asyncio.gather(*tasks)
         assert set(known.names) == {"humanoid"}
+
+
+async def test_robots_that_could_not_be_listed_at_the_start_are_listed_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    forum, known, _ = made(world := MemoryForum.world())
+    world.sign_in("humanoid", kind=AccountKind.ROBOT_AGENT)
+    world.reachable = False
+    await known.list_robots()
+    assert set(known.names) == set()
+    monkeypatch.setattr(known_robots, "LIST_AGAIN_S", 0.01)
+    listing = asyncio.create_task(known.list_later())
+    await asyncio.sleep(0)
+    world.reachable = True
+    async with asyncio.timeout(30):
+        await listing
+    assert "humanoid" in known.names
+    await forum.close()
 
 
 async def test_an_agent_starts_whatever_the_list_of_robots_is() -> None:

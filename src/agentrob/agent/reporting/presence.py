@@ -21,7 +21,8 @@ from agentrob.model import Capabilities, Lock, RobotState
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
-LOOK_S = 1.0
+#: How often the robot is asked for its state: while it works or its card changes, and otherwise.
+LOOK_S, IDLE_LOOK_S = 1.0, 2.0
 #: Changes within this time are published together.
 DEBOUNCE_S = 0.1
 #: How many waiting commands are listed.
@@ -57,7 +58,7 @@ class Presence:
         self._asked_s = -math.inf
 
     def changed(self) -> None:
-        """Publish soon, without waiting for the next second."""
+        """Publish soon, without waiting for the next look."""
         self._changed.set()
 
     async def run(self) -> None:
@@ -67,6 +68,7 @@ class Presence:
         while True:
             self._changed.clear()
             card = await self.card()
+            look_s = LOOK_S if card != shown or self._waiting() else IDLE_LOOK_S
             if card != shown or time.monotonic() - shown_s >= REFRESH_S:
                 try:
                     await self._pages.publish_robot(self._name, card)
@@ -74,7 +76,7 @@ class Presence:
                 except ForumError as e:
                     _log.info("robot card not shown", robot=self._name, error=str(e))
             try:
-                async with asyncio.timeout(LOOK_S):
+                async with asyncio.timeout(look_s):
                     await self._changed.wait()
                 await asyncio.sleep(DEBOUNCE_S)
             except TimeoutError:

@@ -22,8 +22,8 @@ from agentrob.model import Account, AccountKind
 MOST = 1_000
 #: When a name is looked up again, and how many lookups can wait.
 AGAIN_S, MOST_WAITING = 600.0, 8
-#: How long the forum's list of robots may take; the agent starts without it.
-LIST_S = 3.0
+#: How long the forum's list of robots may take before the agent starts without it, and when it is asked for again.
+LIST_S, LIST_AGAIN_S = 3.0, 10.0
 _log = structlog.get_logger()
 
 
@@ -36,20 +36,30 @@ class KnownRobots:
         self._robots: BoundedDict[str, None] = BoundedDict(MOST)
         self._asked_s: BoundedDict[str, float] = BoundedDict(MOST)
         self._waiting: list[str] = []
+        self._listed = False
 
     @property
     def names(self) -> Collection[str]:
         return self._robots.keys()
 
     async def list_robots(self) -> None:
-        """Load the forum's robots, if it lists them. Never raises: the agent starts anyway."""
-        if isinstance(self._forum, RobotDirectory):
-            try:
-                async with asyncio.timeout(LIST_S):
-                    for name in await self._forum.robot_names():
-                        self._robots[name.lower()] = None
-            except Exception as error:
-                _log.warning("the forum's robots are not known", error=repr(error)[:200])
+        """Load the forum's robots, if it lists them. Never raises: the agent starts anyway, and `list_later`."""
+        if self._listed or not isinstance(self._forum, RobotDirectory):
+            self._listed = True
+            return
+        try:
+            async with asyncio.timeout(LIST_S):
+                for name in await self._forum.robot_names():
+                    self._robots[name.lower()] = None
+            self._listed = True
+        except Exception as error:
+            _log.warning("the forum's robots are not known", error=repr(error)[:200])
+
+    async def list_later(self) -> None:
+        """Load the forum's robots again and again until they are known: else each mention of one is looked up."""
+        while not self._listed:
+            await asyncio.sleep(LIST_AGAIN_S)
+            await self.list_robots()
 
     def note(self, account: Account) -> None:
         """Record whether the author of a post, or an account that was looked up, is a robot."""
