@@ -22,9 +22,9 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from agentrob.board import access
 from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
+from agentrob.board.content.excerpts import excerpt
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
-from agentrob.board.search.search import unmarked
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -33,8 +33,6 @@ from agentrob.model.lifecycle import ACTIVE_STATES, CARD_STATES
 HERE = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
 _NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-#: Characters of a post that its excerpt is made from.
-EXCERPT_FROM = 600
 
 #: The states of a command as words for people, and those whose card shows a progress bar.
 STATES = {str(state): state.label for state in CARD_STATES}
@@ -89,13 +87,6 @@ def word(value: object) -> str:
 def tone(name: str) -> int:
     """One of five colours, always the same for a name."""
     return sum(name.encode()) % 5
-
-
-def excerpt(raw: str) -> str:
-    """The first words of a post, without Markdown. Takes constant time, since pages are rendered on the event loop,
-    which the stop button needs too."""
-    text = unmarked(raw[:EXCERPT_FROM])
-    return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
