@@ -167,7 +167,7 @@ def _logged(request: Request) -> str:
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
-    """Add problem details and both ways to sign in to the OpenAPI document; the framework does not know them."""
+    """Add what the framework does not know to the OpenAPI document: problem details, both ways to sign in, titles."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -179,6 +179,8 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
             cookie["description"] = "a browser's session; writes also need the header X-CSRF-Token"
             components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}, "cookie": cookie}
             document["security"] = [{"bearer": []}, {"cookie": []}]
+            for operation in (one for methods in document["paths"].values() for one in methods.values()):
+                operation["summary"] = operation["operationId"].replace("_", " ").capitalize()
             app.openapi_schema = document
         return app.openapi_schema
 

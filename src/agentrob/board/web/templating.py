@@ -15,7 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
@@ -89,6 +89,11 @@ def tone(name: str) -> int:
     return sum(name.encode()) % 5
 
 
+def inline_code(text: str) -> Markup:
+    """A text with the words between backticks as code, like those of the OpenAPI document."""
+    return Markup(re.sub(r"`([^`\n]+)`", r"<code>\1</code>", str(escape(text))))
+
+
 def status_card(card: Mapping[str, Any]) -> StatusCard:
     """A card from a robot's agent, with every field converted to the type that pages expect."""
     values = {f.name: card.get(f.name) for f in fields(StatusCard)}
@@ -119,6 +124,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
+    made.filters["inline_code"] = inline_code
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
