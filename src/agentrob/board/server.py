@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 import structlog
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
 from starlette.requests import Request
 from starlette.responses import Response
@@ -39,7 +39,13 @@ from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
 from agentrob.process.metrics import RequestMetrics, serving_metrics
-from agentrob.process.problem import Problem, add_error_handlers, http_error, problem_response
+from agentrob.process.problem import (
+    Problem,
+    add_error_handlers,
+    http_error,
+    problem_response,
+    refuse_repeated_parameters,
+)
 from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
 
@@ -102,7 +108,7 @@ def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> 
     if metrics is not None:
         app.add_middleware(RequestMetrics, registry=metrics.registry)
     for module in (forum, robots, commands, moderation, admin, health):
-        app.include_router(module.router)
+        app.include_router(module.router, dependencies=[Depends(refuse_repeated_parameters)])
     app.include_router(robots.files)
     app.include_router(routes.router)
     _add_errors(app)
