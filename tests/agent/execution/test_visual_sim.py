@@ -17,7 +17,7 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import Driver, Scene
-from tests.agent.execution.visual_model import driving_brain, red_in
+from tests.agent.execution.visual_model import find_red, running_loop_model
 from tests.sim.served_world import Served, start_world
 
 DRAWS = True
@@ -48,9 +48,9 @@ def scene(world: Served, tmp_path: Path) -> Iterator[Scene]:
     driver.end()
 
 
-def towards_red(shown: list[Any]) -> tuple[str, Any]:
+def approach_red(shown: list[Any]) -> tuple[str, Any]:
     """Return the next call of a very simple vision model that uses only the newest picture."""
-    if (red := red_in(shown[-1])) is None:
+    if (red := find_red(shown[-1])) is None:
         return "act_turn", {"direction": "left", "degrees": 40, "look": True}
     aside, share = red
     degrees = math.degrees(math.atan(abs(aside) * math.tan(math.radians(HALF_DEG))))
@@ -72,9 +72,9 @@ async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(wo
             return math.dist(ball, (robot["x_m"], robot["y_m"]))
 
         began_m = await away_m()
-        with driving_brain() as brain:
-            brain.drives = towards_red
-            async with scene.agent(mind=brain.mind(scene.folder)):
+        with running_loop_model() as scripted_model:
+            scripted_model.loop_answers = approach_red
+            async with scene.agent(mind=scripted_model.mind(scene.folder)):
                 post = await scene.post("alice", f"@{ROBOT} walk to the red ball")
                 reply = await scene.until(lambda: _final(scene, post), limit_s=100)
         record = json.loads((scene.folder / f"agents/{ROBOT}/records/{post.id}.json").read_text())

@@ -10,7 +10,7 @@ import pytest
 
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
-from tests.agent.execution.visual_model import Driving, driving_brain
+from tests.agent.execution.visual_model import ScriptedLoopModel, running_loop_model
 
 STAIRS = "A landing. There are stairs 1 m ahead of the robot."
 WALK = f"@{ROBOT} walk forward 2 m"
@@ -53,24 +53,33 @@ async def test_law_7_what_is_not_understood_is_refused_where_the_scene_makes_it_
 
 
 @pytest.fixture
-def brain() -> Iterator[Driving]:
-    with driving_brain() as made:
+def scripted_model() -> Iterator[ScriptedLoopModel]:
+    with running_loop_model() as made:
         yield made
 
 
 async def test_law_7_what_a_camera_model_named_narrows_the_next_command_until_the_robot_has_moved(
-    driver: Driver, tmp_path: Path, brain: Driving
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedLoopModel
 ) -> None:
     scene = make_scene(driver, tmp_path, look={"allowed": True}, screen="rules")
-    brain.drives = [("finish", {"outcome": "done", "saw": ["stairs 1 m ahead"], "did": ""})]
+    scripted_model.loop_answers = [("finish", {"outcome": "done", "saw": ["stairs 1 m ahead"], "did": ""})]
     read = {"action": "move", "amount": 2, "unit": "m"}
-    async with scene.agent(mind=brain.mind(tmp_path)):
+    async with scene.agent(mind=scripted_model.mind(tmp_path)):
         looked = await scene.final(await scene.post("alice", f"@{ROBOT} tell me what you see"))
-        brain.reads = {"intent": "command", "steps": [{**read, "direction": "forward", "words": "walk forward 2 m"}]}
+        scripted_model.extraction = {
+            "intent": "command",
+            "steps": [{**read, "direction": "forward", "words": "walk forward 2 m"}],
+        }
         ahead = await scene.final(await scene.post("alice", WALK))
-        brain.reads = {"intent": "command", "steps": [{**read, "direction": "left", "words": "walk left 2 m"}]}
+        scripted_model.extraction = {
+            "intent": "command",
+            "steps": [{**read, "direction": "left", "words": "walk left 2 m"}],
+        }
         aside = await scene.final(await scene.post("alice", f"@{ROBOT} walk left 2 m"))
-        brain.reads = {"intent": "command", "steps": [{**read, "direction": "forward", "words": "walk forward 2 m"}]}
+        scripted_model.extraction = {
+            "intent": "command",
+            "steps": [{**read, "direction": "forward", "words": "walk forward 2 m"}],
+        }
         later = await scene.final(await scene.post("alice", WALK))
     assert [reply.card and reply.card.state for reply in (looked, ahead, aside, later)] == [
         "done", "refused", "done", "done",
