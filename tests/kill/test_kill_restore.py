@@ -72,7 +72,7 @@ def forum_prefix(scene: KillScene) -> str:
 def restore_older_board(scene: KillScene, backup: Backup, more_until: int) -> PostedCommand | None:
     """Restore the board, and post until it has more events than before: talk, with a command in the middle."""
     scene.running["board"].kill()
-    backup.put_back()
+    backup.restore()
     scene.start("board")
     early = scene.ask(WALK) if more_until else None
     if early:
@@ -196,7 +196,7 @@ def test_law_6_the_journal_of_yesterday_moves_nothing_again_and_each_command_get
     else:
         command = run_to_end(scene)
         scene.running["agent"].kill()
-    scene.journal_store.put_back(backup)
+    scene.journal_store.restore(backup)
     scene.start("agent")
     assert check(scene, command) == state
     assert scene.motions(command.began) == motions
@@ -211,7 +211,7 @@ def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(scen
     scene.start("agent")
     assert check(scene, command) == "done"
     scene.running["agent"].kill()
-    scene.journal_store.put_back(backup)
+    scene.journal_store.restore(backup)
     scene.start("agent")
     assert check(scene, command) == "done"
     assert scene.motions(command.began) == 1

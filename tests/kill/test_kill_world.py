@@ -31,7 +31,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimScene]:
         pytest.param(RENDER, "after", 1, "/front", PHOTO, id="image rendered"),
     ],
 )
-def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
+def test_law_6_a_robot_that_vanished_is_reported_and_does_nothing_when_it_is_back(
     scene: SimScene, target: str, when: str, nth: int, containing: str, text: str
 ) -> None:
     scene.arm("world", {"target": target, "when": when, "nth": nth, "containing": containing})

@@ -19,7 +19,14 @@ from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import Post
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.agent.execution.signed_robot import run_signed_driver
-from tests.agent.execution.visual_model import DONE, ScriptedLoopModel, pictures, running_loop_model, said, told
+from tests.agent.execution.visual_model import (
+    DONE,
+    ScriptedLoopModel,
+    conversation_text,
+    pictures,
+    running_loop_model,
+    said,
+)
 from tests.minds.model_double import model_double
 
 GOAL = f"@{ROBOT} walk to the red ball and tell me what is beside it"
@@ -80,7 +87,7 @@ async def test_law_7_the_model_with_tools_never_sees_the_post(
 ) -> None:
     scripted_model.loop_answers = [WALK, DONE]
     await answered(looking, scripted_model, f"@{ROBOT} Could you please WALK over to the red ball, then wave")
-    question = told(scripted_model.loops[0])
+    question = conversation_text(scripted_model.loops[0])
     assert "go to the red ball, then wave" in question
     assert "Could you" not in question
     assert "alice" not in question
@@ -138,7 +145,7 @@ async def test_law_18_success_without_moving_is_no_success(looking: Scene, scrip
     assert "**Contradicted by measurement:** it claims to be there, but I measured 0.00 m of walking." in reply.raw
 
 
-async def test_law_18_a_denied_claim_is_told_in_the_language_of_the_post(
+async def test_law_18_a_denied_claim_is_reported_in_the_language_of_the_post(
     looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
     scripted_model.loop_answers = [("finish", {"outcome": "done", "saw": [], "did": "走了8米"})]
@@ -162,9 +169,9 @@ async def test_the_report_has_every_call_with_its_arguments_what_was_measured_an
     far = ("act_move", {"direction": "forward", "distance_m": 99})
     scripted_model.loop_answers = [TURN, far, "I think | so.", WALK, DONE]
     post, reply = await answered(looking, scripted_model)
-    told = rows(reply)
-    assert [row[0] for row in told] == ["1", "2", "", "", "3", "4", ""]
-    assert [row[1] for row in told] == [
+    conversation_text = rows(reply)
+    assert [row[0] for row in conversation_text] == ["1", "2", "", "", "3", "4", ""]
+    assert [row[1] for row in conversation_text] == [
         "take a photo",
         "`act_turn left degrees=15`",
         '`act_move {"direction": "forward", "distance_m": 99}`',
@@ -173,12 +180,12 @@ async def test_the_report_has_every_call_with_its_arguments_what_was_measured_an
         "take a photo",
         '`finish outcome=done saw=["a blue box"] did=I walked to it.`',
     ]
-    assert re.fullmatch(r"1\d\.\d°", told[1][2])
-    assert re.fullmatch(r"[01]\.\d\d m", told[4][2])
-    assert [row[3] for row in told if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
-    assert told[2][3].startswith("not done: `")
-    assert told[3][3] == "words, no call"
-    assert told[6][3] == "it says `done`"
+    assert re.fullmatch(r"1\d\.\d°", conversation_text[1][2])
+    assert re.fullmatch(r"[01]\.\d\d m", conversation_text[4][2])
+    assert [row[3] for row in conversation_text if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
+    assert conversation_text[2][3].startswith("not done: `")
+    assert conversation_text[3][3] == "words, no call"
+    assert conversation_text[6][3] == "it says `done`"
     assert (
         looking.world.pictures[reply.images[0]]
         == (looking.folder / f"agents/{ROBOT}/pictures/{post.id}-1.jpg").read_bytes()
@@ -287,7 +294,7 @@ async def test_law_4_a_post_that_is_edited_while_a_model_thinks_moves_nothing_mo
     assert [step["op"] for step in record(looking, post)["steps"]] == ["get_front_image", "move", "get_front_image"]
 
 
-async def test_law_6_a_loop_that_was_cut_off_is_told_as_interrupted_and_never_goes_on(
+async def test_law_6_a_loop_that_was_cut_off_is_reported_as_interrupted_and_never_goes_on(
     looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
     scripted_model.loop_answers = [WALK, scripted_model.hang]

@@ -18,7 +18,7 @@ from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no t
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import Driver, Scene
 from tests.agent.execution.visual_model import find_red, running_loop_model
-from tests.sim.served_world import Served, start_world
+from tests.sim.served_world import ServedWorld, start_world
 
 DRAWS = True
 
@@ -29,14 +29,14 @@ HALF_DEG, BALL_M, NEAR_M = 37.6, 0.30, 0.9
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedWorld]:
     made = start_world(tmp_path_factory.mktemp("world"))
     yield made
     made.end()
 
 
 @pytest.fixture
-def scene(world: Served, tmp_path: Path) -> Iterator[Scene]:
+def scene(world: ServedWorld, tmp_path: Path) -> Iterator[Scene]:
     settings = RobotConfig(
         model="go2", domain=world.domain, simulated=True, home_on_start=True, look={"allowed": True}
     )  # fmt: skip
@@ -63,7 +63,7 @@ def approach_red(shown: list[Any]) -> tuple[str, Any]:
     return "finish", {"outcome": "done", "saw": ["a red ball before me"], "did": "I walked up to it."}
 
 
-async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(world: Served, scene: Scene) -> None:
+async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(world: ServedWorld, scene: Scene) -> None:
     async with httpx2.AsyncClient(base_url=world.url, timeout=100, trust_env=False) as room:
         ball = (2.7, 0.75)
 
@@ -78,13 +78,13 @@ async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(wo
                 post = await scene.post("alice", f"@{ROBOT} walk to the red ball")
                 reply = await scene.until(lambda: _final(scene, post), limit_s=100)
         record = json.loads((scene.folder / f"agents/{ROBOT}/records/{post.id}.json").read_text())
-        told = (reply.raw, record["steps"], record["looked"]["turns"])
+        reported = (reply.raw, record["steps"], record["looked"]["turns"])
         assert began_m > 2.5
-        assert reply.card.state == "done", told
-        assert await away_m() < 1.5, told
+        assert reply.card.state == "done", reported
+        assert await away_m() < 1.5, reported
         assert "Contradicted by measurement" not in reply.raw
         robot = (await room.get("/truth")).json()["robots"]["go2"]
-        assert "red_ball" not in str(robot["contacts"]), told
+        assert "red_ball" not in str(robot["contacts"]), reported
 
 
 def _final(scene: Scene, post: Any) -> Any:

@@ -82,7 +82,7 @@ def pictures(body: dict[str, Any]) -> list[Image.Image]:
     return found
 
 
-def told(body: dict[str, Any]) -> str:
+def conversation_text(body: dict[str, Any]) -> str:
     """Return all words of a question, without the pictures."""
     words = []
     for message in body["messages"]:

@@ -83,7 +83,7 @@ async def test_without_a_model_the_reply_says_nothing_of_models(scene: Scene) ->
     assert (record(scene, post)["mind"], record(scene, post)["models"]) == ("rules", [])
 
 
-async def test_what_was_done_before_is_told_as_plans_and_not_as_posts(
+async def test_what_was_done_before_is_reported_as_plans_and_not_as_posts(
     scene: Scene, scripted_model: ScriptedModel
 ) -> None:
     again = move("the very same thing again but slower", 1, slow=True)
@@ -98,9 +98,9 @@ async def test_what_was_done_before_is_told_as_plans_and_not_as_posts(
         reply = await scene.final(second)
     assert reply.card.state == "done", reply.raw
     assert "walk forward 1 m at 0.2 m/s" in reply.raw
-    told = scripted_model.prompts("read")[1]
-    assert '[[{"action": "move", "direction": "forward", "distance_m": 1.0}]]' in told
-    assert "darling" not in told
+    reply_text = scripted_model.prompts("read")[1]
+    assert '[[{"action": "move", "direction": "forward", "distance_m": 1.0}]]' in reply_text
+    assert "darling" not in reply_text
 
 
 async def test_a_wish_that_the_post_does_not_say_is_asked_back_and_not_done(
@@ -157,7 +157,7 @@ FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
 }
 
 
-async def asked_after(scene: Scene, scripted_model: ScriptedModel, fault: str, why: str) -> None:
+async def assert_rules_replaced(scene: Scene, scripted_model: ScriptedModel, fault: str, why: str) -> None:
     """Check the reply to a post that only a model reads, while the model fails."""
     began = time.monotonic()
     reply = await scene.final(await scene.post("alice", FREE))
@@ -184,7 +184,7 @@ async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(
     async with scene.agent(mind=scripted_model.mind(scene.folder, timeout_s=3.0, total_s=20.0, retries=0)):
         for fault, (answer, why) in FAULTS.items():
             scripted_model.extraction = scripted_model.review = answer
-            await asked_after(scene, scripted_model, fault, why)
+            await assert_rules_replaced(scene, scripted_model, fault, why)
             if fault in ("500", "malformed JSON"):
                 await done_after(scene, scripted_model, fault, why)
 
@@ -193,7 +193,7 @@ async def test_when_nothing_answers_there_the_rules_read_and_the_reply_says_so(
     scene: Scene, scripted_model: ScriptedModel
 ) -> None:
     async with scene.agent(mind=scripted_model.mind(scene.folder, base_url="http://127.0.0.1:9/v1")):
-        await asked_after(scene, scripted_model, "connection refused", "it cannot be reached")
+        await assert_rules_replaced(scene, scripted_model, "connection refused", "it cannot be reached")
         await done_after(scene, scripted_model, "connection refused", "it cannot be reached")
 
 
@@ -296,7 +296,7 @@ async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
     assert [kind for kind, _ in scripted_model.asked] == ["read", "screen"]
-    assert not any("sing merrily" in told or "humanoid" in told for _, told in scripted_model.asked)
+    assert not any("sing merrily" in reply_text or "humanoid" in reply_text for _, reply_text in scripted_model.asked)
     assert "A sleeping cat, 2 m ahead." in scripted_model.prompts("screen")[0]
     assert "cat" not in scripted_model.prompts("read")[0]
 
@@ -354,9 +354,9 @@ async def test_a_model_words_what_was_done_beside_what_was_measured(
     assert f"{scripted_model.summary} (In the words of `clever`; the figures are below.)" in reply.raw
     assert "| 1 | walk forward 1 m |" in reply.raw
     assert "3 questions, 300 + 60 tokens" in reply.raw
-    (told,) = scripted_model.prompts("summary")
-    assert "darling" not in told
-    assert '"did": "walk forward", "measured": "' in told
+    (reply_text,) = scripted_model.prompts("summary")
+    assert "darling" not in reply_text
+    assert '"did": "walk forward", "measured": "' in reply_text
     assert record(scene, post)["summary"]["text"] == scripted_model.summary
 
 
@@ -404,7 +404,7 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(
     mind = scripted_model.mind(scene.folder)
     seen: list[str] = []
 
-    class Watched(type(mind)):  # type: ignore[misc]
+    class RecordingMind(type(mind)):  # type: ignore[misc]
         async def prepare(self) -> None:
             seen.append("prepared")
             await super().prepare()
@@ -413,7 +413,7 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(
             seen.append("closed")
             await super().close()
 
-    async with scene.agent(mind=Watched(mind.model)):
+    async with scene.agent(mind=RecordingMind(mind.model)):
         async with asyncio.timeout(60):
             while not seen:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)
@@ -430,13 +430,13 @@ _HOSTILE_WORDS = (
 
 @pytest.mark.parametrize("intent", [Intent.QUESTION, Intent.ASK_BACK])
 async def test_law_3_what_a_mind_of_somebody_else_says_is_disarmed_in_the_reply(scene: Scene, intent: Intent) -> None:
-    class Foreign(RulesMind):
+    class ForeignMind(RulesMind):
         async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
             return Understanding(intent, "en", question=_HOSTILE_WORDS)
 
-    async with scene.agent(mind=Foreign()):
-        told = (await scene.final(await scene.post("alice", "@quadruped who are you?"))).raw
-    said = told.partition("trace ")[0]
+    async with scene.agent(mind=ForeignMind()):
+        reply_text = (await scene.final(await scene.post("alice", "@quadruped who are you?"))).raw
+    said = reply_text.partition("trace ")[0]
     for live in ("@everyone", "＠admin", "@admin", "<b>", "![", "](", "]: ", "://", "www.e", "&#", "```", "[quote]"):
         assert live not in said, live
     assert not set(said) & set("\u200b\u202e\u202c")
