@@ -65,8 +65,8 @@ JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverCl
 FORUM = "forums.agentrob.forum:BoardForum."
 #: Nothing has moved yet, so everything is done after the restart, once.
 BEFORE_MOTION = [
-    agent("post not heard yet", AGENT + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
-    agent("post heard", AGENT + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
+    agent("post not heard yet", AGENT + "RobotAgent._handle_event", "before", DONE, 1, containing="post.created"),
+    agent("post heard", AGENT + "RobotAgent._handle_event", "after", DONE, 1, containing="post.created"),
     agent("post perceived", AGENT + "triage", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),

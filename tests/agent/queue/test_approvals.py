@@ -383,7 +383,7 @@ async def test_law_7_one_that_came_to_need_an_approval_while_it_was_queued_is_re
     async with free.agent() as agent:
         held_in_line(agent)
         post = await free.post("alice", WAVE)
-        await free.until(lambda: (job := agent.queue.find(post.id)) and job.paced)
+        await free.until(lambda: (job := agent.queue.find(post.id)) and job.admitted)
     async with strict.agent():
         final = await strict.final(post)
     assert (final.card.state, "This needs an approval" in final.raw) == ("refused", True)

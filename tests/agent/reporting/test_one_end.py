@@ -351,5 +351,5 @@ async def test_what_is_denied_for_too_long_comes_through(monkeypatch: pytest.Mon
         await asyncio.sleep(seconds)
 
     with pytest.raises(ForumDenied):
-        await status.until_allowed(denied, 0.02, wait)
+        await status.retry_while_denied(denied, 0.02, wait)
     assert waited

@@ -110,7 +110,7 @@ AFTER_BOTH = [
     Fault(Records, "write", after=2),
     Fault(Recorder, "filming", after=2),
     Fault(Recorder, "animation", after=2),
-    Fault(Recorder, "kept", after=2),
+    Fault(Recorder, "stored_path", after=2),
     Fault(Recorder, "late", after=2),
     Fault(Surroundings, "after", after=2),
     Fault(EventStream, "now", after=2),
@@ -124,7 +124,7 @@ AFTER_BOTH = [
     Fault(final_report, "late_recording", after=2),
     Fault(pipeline, "decisive", after=2),
     Fault(final_report, "notes", after=2),
-    Fault(final_report, "worded", after=2),
+    Fault(final_report, "summary_text", after=2),
     Fault(final_report, "approval", after=2),
     Fault(visual_text, "paragraphs", after=2),
     Fault(visual_text, "why", after=2),
@@ -294,7 +294,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_reported_also_when_t
         raise asyncio.CancelledError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(final_report.FinalReport, "tell", dies)
+        patch.setattr(final_report.FinalReport, "post_final", dies)
         async with scene.agent() as agent:
             post = await scene.post("alice", TWO_STEPS)
             await scene.state(post, "running")

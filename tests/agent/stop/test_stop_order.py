@@ -146,7 +146,7 @@ class Scenario:
             case "hear":
                 for event in await self.robot.changes(self.agent.event_stream.cursor):
                     self.agent.event_stream.cursor = event.id
-                    self.agent._hear_safely(event)
+                    self.agent._handle_event_safely(event)
                     self._note_heard()
             case "take":
                 await self.agent.inbox.take_waiting()

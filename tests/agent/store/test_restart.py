@@ -224,13 +224,13 @@ async def test_a_single_run_goes_on_after_what_it_accepted(scene: Scene) -> None
     await agent.close()
     heard: list[str] = []
     again = scene.make()
-    hear = again._hear
+    hear = again._handle_event
 
     def listen(event):  # type: ignore[no-untyped-def]
         heard.append(event.post.raw if event.post else "")
         hear(event)
 
-    again._hear = listen  # type: ignore[method-assign]
+    again._handle_event = listen  # type: ignore[method-assign]
     await asyncio.wait_for(again.once(), 60)
     await again.close()
     assert "@quadruped turn left 90 degrees" not in heard
