@@ -590,7 +590,7 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stand]:
     """Waits last zero seconds or longer than any busy machine needs: timing laws have other tests, and the same events
     must give the same result at any speed."""
     monkeypatch.setattr(event_stream, "SILENCE_S", 60.0)
-    monkeypatch.setattr(turn, "LAST_WORDS_S", 0.5)
+    monkeypatch.setattr(turn, "SHUTDOWN_REPLY_S", 0.5)
     with robot_stand(tmp_path) as made:
         made.driver.leases.ttl_s = 60.0
         yield made

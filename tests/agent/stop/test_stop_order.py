@@ -142,7 +142,7 @@ class Scenario:
             case "pass":
                 self.clock.true_s += value
             case "beat":
-                self.agent._notice(self.world.now())
+                self.agent._note_forum_time(self.world.now())
             case "hear":
                 for event in await self.robot.changes(self.agent.event_stream.cursor):
                     self.agent.event_stream.cursor = event.id
