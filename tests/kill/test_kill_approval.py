@@ -31,8 +31,8 @@ JOURNAL, APPROVALS, FORUM = (
 class ApprovalScene(KillScene):
     """Require an approval for every motion, which the only person of the scene may give."""
 
-    def __init__(self, folder: Path) -> None:
-        super().__init__(folder)
+    def __init__(self, folder: Path, database: str = "") -> None:
+        super().__init__(folder, database)
         with local_admin.writing(app.board_settings(self.config)) as connection:
             rights = {"approval": ("move",), "approve": "operator", "approve_own": True}
             management.change_robot(connection, SHELL, ROBOT, **rights)

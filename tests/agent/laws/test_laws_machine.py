@@ -545,7 +545,7 @@ class Laws(RuleBasedStateMachine):
                 self.serving.result()
             await asyncio.sleep(LOOK_S)
         raise TimeoutError(
-            f"not at rest: {[(job.command.text, job.ended) for job in (self.agent.line if self.agent else ())]}"
+            f"not at rest: {[(job.command.text, job.ended) for job in (self.agent.queue if self.agent else ())]}"
         )
 
     def _quiet(self) -> bool:
