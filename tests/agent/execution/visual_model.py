@@ -1,6 +1,6 @@
 """A scripted model on loopback that steers a robot by pictures over HTTP.
 
-Other questions to the model (reading, screening) are answered by `brain`.
+Other questions to the model (reading, screening) are answered by `scripted_model`.
 """
 
 from __future__ import annotations
