@@ -75,7 +75,7 @@ class Poster:
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return [item["card"]["state"] for item in items if item["card"]]
 
-    async def told(self, topic: str) -> str:
+    async def status_text(self, topic: str) -> str:
         """Return the text of the robot's newest status post in a topic."""
         items = (await asyncio.to_thread(self._http.get, f"/topics/{topic}/posts")).json()["items"]
         return str([item["raw"] for item in items if item["card"]][-1])

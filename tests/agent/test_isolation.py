@@ -66,12 +66,12 @@ async def test_any_number_of_slow_thoughts_holds_up_no_motion(scene: Scene) -> N
 
 
 async def test_a_claim_that_is_refused_ends_the_thought_about_it(scene: Scene) -> None:
-    class Refusing(MemoryForum):
+    class RefusingForum(MemoryForum):
         async def reply(self, *args: Any, **kwargs: Any) -> Any:
             raise ForumNotFound("the topic is gone")
 
     mind = SlowMind()
-    async with scene.agent(mind=mind, forum=Refusing(scene.world, ROBOT)):
+    async with scene.agent(mind=mind, forum=RefusingForum(scene.world, ROBOT)):
         await scene.post("alice", f"@{ROBOT} ponder")
         await scene.until(lambda: mind.given_up == 1)
 
@@ -97,15 +97,15 @@ async def test_whose_account_is_over_its_limit_costs_no_thought_of_a_mind(driver
 
 
 async def test_a_failure_of_what_only_shows_things_does_not_end_the_agent(scene: Scene) -> None:
-    class Unshowable(MemoryForum):
+    class CardRefusingForum(MemoryForum):
         shown = 0
 
         async def publish_robot(self, name: str, card: Any) -> Any:
             type(self).shown += 1
             raise TypeError("a card that cannot be shown")
 
-    async with scene.agent(forum=Unshowable(scene.world, ROBOT)):
-        await scene.until(lambda: Unshowable.shown >= 2)
+    async with scene.agent(forum=CardRefusingForum(scene.world, ROBOT)):
+        await scene.until(lambda: CardRefusingForum.shown >= 2)
         reply = await scene.final(await scene.post("alice", TURN))
         assert reply.card
         assert reply.card.state == "done"

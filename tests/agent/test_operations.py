@@ -59,7 +59,7 @@ async def test_every_operation_of_every_robot_is_answered_in_both_languages(
 
 
 @pytest.mark.parametrize("op", Op)
-def test_every_operation_has_its_own_sentence_wherever_operations_are_told(op: Op) -> None:
+def test_every_operation_has_its_own_sentence_wherever_operations_are_reported(op: Op) -> None:
     assert can_say(f"label.{op}")
     for language in LANGUAGES:
         assert f"step.{op}" in languages()[language].sentences
@@ -71,7 +71,7 @@ def test_every_operation_has_its_own_sentence_wherever_operations_are_told(op: O
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_an_operation_that_nobody_here_knows_is_told_by_its_name(language: Language) -> None:
+def test_an_operation_that_nobody_here_knows_is_reported_by_its_name(language: Language) -> None:
     assert doing(FOREIGN, language) == "wag tail"
     assert step_sentence(FOREIGN, language) == "wag tail"
     assert op_in_words("wag_tail") == "wag tail"

@@ -45,7 +45,7 @@ async def written(robot: MemoryForum, command: Command) -> list[tuple[str, int, 
     return [(p.raw, p.version, p.card.state if p.card else "", len(p.images)) for p in posts]
 
 
-async def test_a_status_is_one_post_and_its_end_is_told_once() -> None:
+async def test_a_status_is_one_post_and_its_end_is_reported_once() -> None:
     robot, command = await thread()
     for _ in range(2):  # the second time as after a crash
         status = StatusPost(robot, command)
@@ -70,7 +70,7 @@ async def test_where_edits_are_limited_at_most_three_are_used_and_the_report_is_
     assert report == ("report", 1, "done", 1)
 
 
-async def test_progress_never_waits_and_the_end_is_told_when_the_forum_is_back() -> None:
+async def test_progress_never_waits_and_the_end_is_reported_when_the_forum_is_back() -> None:
     robot, command = await thread()
     status = StatusPost(robot, command)
     await status.claim(shown("seen", "seen"))
@@ -164,10 +164,10 @@ def test_a_path_is_seen_from_where_it_began() -> None:
     assert path_plot([walk()]) == path_plot([moved])
 
 
-class Lens:
+class CameraServer:
     """A room camera over real HTTP."""
 
-    async def __aenter__(self) -> Lens:
+    async def __aenter__(self) -> CameraServer:
         self.asked = 0
         self.server = await asyncio.start_server(self._serve, "127.0.0.1", 0)
         self.url = f"http://127.0.0.1:{self.server.sockets[0].getsockname()[1]}/overview.jpg"
@@ -187,7 +187,7 @@ class Lens:
 
 async def test_the_camera_looks_only_while_somebody_watches_or_it_moves() -> None:
     world = MemoryForum.world()
-    async with Lens() as lens:
+    async with CameraServer() as lens:
         camera = Camera(world.sign_in(ROBOT), ROBOT, lens.url, moving=lambda: False)
         looking = asyncio.create_task(camera.run())
         await asyncio.sleep(0.15)
@@ -207,7 +207,7 @@ async def test_the_camera_looks_only_while_somebody_watches_or_it_moves() -> Non
 
 
 async def test_the_robot_page_is_kept_and_a_reset_puts_the_room_back(driver: Driver, tmp_path: Path) -> None:
-    async with Lens() as room:
+    async with CameraServer() as room:
         scene = make_scene(driver, tmp_path, room_reset=room.url)
         async with scene.agent():
             card = await scene.until(lambda: scene.world.robots.get(ROBOT))
@@ -234,19 +234,19 @@ async def test_once_handles_what_is_new_and_returns(scene: Scene) -> None:
 
 
 async def test_a_mind_that_fails_is_replaced_by_the_rules(scene: Scene) -> None:
-    class Broken:
+    class UnavailableMind:
         name = "broken"
 
         async def understand(self, *_: Any) -> Any:
             raise MindError("no model answers")
 
-    async with scene.agent(mind=Broken()):
+    async with scene.agent(mind=UnavailableMind()):
         post = await scene.post("alice", "@quadruped turn left 90 degrees")
         assert (await scene.final(post)).card.state == "done"
 
 
-async def test_an_agent_s_error_is_told_and_the_next_command_is_done(scene: Scene) -> None:
-    class Buggy:
+async def test_an_agent_s_error_is_reported_and_the_next_command_is_done(scene: Scene) -> None:
+    class FailingMind:
         name = "buggy"
         asked = 0
 
@@ -256,7 +256,7 @@ async def test_an_agent_s_error_is_told_and_the_next_command_is_done(scene: Scen
                 raise ZeroDivisionError
             return await scene.mind.understand(*arguments)
 
-    async with scene.agent(mind=Buggy()):
+    async with scene.agent(mind=FailingMind()):
         first = await scene.final(await scene.post("alice", "@quadruped wave"))
         second = await scene.final(await scene.post("alice", "@quadruped turn left 90 degrees"))
     assert [p.card.state for p in (first, second)] == ["failed", "done"]
@@ -292,12 +292,12 @@ async def test_law_5_a_leap_of_the_machines_clock_makes_nothing_fresh_and_nothin
     ear = EventStream(world.sign_in(ROBOT), "0", poll_s=1)
     await ear.set_clock()
 
-    class Leapt(datetime):
+    class SetBackDatetime(datetime):
         @classmethod
         def now(cls, tz: Any = None) -> datetime:  # type: ignore[override]
             return datetime.now(tz) - timedelta(hours=1)
 
-    monkeypatch.setattr(event_stream, "datetime", Leapt)
+    monkeypatch.setattr(event_stream, "datetime", SetBackDatetime)
     assert abs((ear.now() - datetime.now(UTC)).total_seconds()) < 5
     slept_s = event_stream.elapsed_s() + 3600
     monkeypatch.setattr(event_stream, "elapsed_s", lambda: slept_s)

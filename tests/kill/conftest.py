@@ -1,4 +1,4 @@
-"""Fixtures of the kill tests: one house for all kill points, because only killed processes are restarted."""
+"""Fixtures of the kill tests: one scene for all kill points, because only killed processes are restarted."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import pytest
 
 from tests.board.running_board import database_for
 from tests.databases import BOTH
-from tests.kill.kill_house import House
+from tests.kill.kill_scene import KillScene
 from tests.sizes import size
 
 
 @pytest.fixture(scope="module", params=BOTH)
-def house(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
+def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[KillScene]:
     folder = tmp_path_factory.mktemp("kill")
     on_postgres = request.param == "postgresql"
-    made = House(folder, database_for(request.getfixturevalue("postgres"), folder) if on_postgres else "")
+    made = KillScene(folder, database_for(request.getfixturevalue("postgres"), folder) if on_postgres else "")
     yield made
     made.close()
 

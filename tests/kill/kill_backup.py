@@ -18,7 +18,7 @@ class Backup:
         ):
             now.backup(kept)
 
-    def put_back(self) -> None:
+    def restore(self) -> None:
         delete(self.database)
         shutil.copy(self.copy, self.database)
 

@@ -1,8 +1,8 @@
-"""The body of `kill_robot.FarRobot`, a process that is never killed: it moves as commanded and logs its motion.
+"""The body of `kill_robot.RemoteBodyRobot`, a process that is never killed: it moves as commanded and logs its motion.
 
 Like a real robot it holds a velocity for one second after the last command. The ledger has one JSON object per line:
-`at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `told`: it is told to rest while it moves; `moves`,
-`rests`) and `walked_m`, the total distance so far.
+`at_s` (CLOCK_MONOTONIC), `event` (`step`: a driver begins a step; `rest_commanded`: it is commanded to rest while it
+moves; `moves`, `rests`) and `walked_m`, the total distance so far.
 """
 
 from __future__ import annotations
@@ -51,23 +51,23 @@ class Body:
         self.ledger.write(json.dumps(line) + "\n")
         self.ledger.flush()
 
-    def answer(self, asked: dict[str, Any]) -> Any:
+    def answer(self, request: dict[str, Any]) -> Any:
         self.look()
-        match asked["what"]:
+        match request["what"]:
             case "state":
                 return codec.encode(self.robot.state())
             case "moving":
                 return self.moving
             case "step":
                 with self.lock:
-                    self.note("step", op=asked["op"])
+                    self.note("step", op=request["op"])
             case "command":
-                self.robot.command(Velocity(*asked["velocity"]))
+                self.robot.command(Velocity(*request["velocity"]))
             case "rest":
                 self.robot.rest()
                 with self.lock:
                     if self.moving:
-                        self.note("told")
+                        self.note("rest_commanded")
         return None
 
     def serve(self, connection: socket.socket) -> None:

@@ -19,7 +19,7 @@ import time
 from typing import Any
 
 
-def say(**facts: Any) -> None:
+def report(**facts: Any) -> None:
     os.write(1, (json.dumps(facts) + "\n").encode())
 
 
@@ -40,7 +40,7 @@ def arm(target: str, when: str, nth: int = 1, containing: str = "") -> None:
         with counting:
             calls += 1
             if calls == nth:
-                say(killed=target, at_s=time.monotonic())
+                report(killed=target, at_s=time.monotonic())
                 os.kill(os.getpid(), signal.SIGKILL)
 
     @functools.wraps(original)
@@ -60,16 +60,16 @@ def arm(target: str, when: str, nth: int = 1, containing: str = "") -> None:
     setattr(owner, name, awaited if inspect.iscoroutinefunction(original) else call)
 
 
-def take_orders() -> None:
+def read_orders() -> None:
     left = b""
     while data := os.read(0, 4096):
         *lines, left = (left + data).split(b"\n")
         for line in lines:
             try:
                 arm(**json.loads(line))
-                say(armed=True)
+                report(armed=True)
             except Exception as e:
-                say(armed=False, why=repr(e))
+                report(armed=False, why=repr(e))
 
 
 def main() -> None:
@@ -79,5 +79,5 @@ def main() -> None:
         from agentrob.agent.store import journal
 
         journal.VERSION = version
-    threading.Thread(target=take_orders, name="orders", daemon=True).start()
+    threading.Thread(target=read_orders, name="orders", daemon=True).start()
     main()

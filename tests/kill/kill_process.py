@@ -34,7 +34,7 @@ def agentrob(words: tuple[str, ...], plugins: Path) -> None:
     kill_points.main()
 
 
-class Mortal:
+class KillableProcess:
     """A process that runs `target(*args)` and is ready after `ready()`. It ends with the tests."""
 
     def __init__(
@@ -46,8 +46,8 @@ class Mortal:
         self.process = ForkedProcess(target, *args, log=log, feed=True, env=env)
         threading.Thread(target=self._listen, daemon=True).start()
 
-    def ready(self) -> Mortal:
-        self.heard("ready", START_S)
+    def ready(self) -> KillableProcess:
+        self.wait_for_line("ready", START_S)
         return self
 
     def _listen(self) -> None:
@@ -57,17 +57,17 @@ class Mortal:
                     self.lines.append(json.loads(line))
                     self._changed.notify_all()
 
-    def heard(self, word: str, limit_s: float) -> dict[str, Any]:
+    def wait_for_line(self, word: str, limit_s: float) -> dict[str, Any]:
         """Return the last output line that contains this word, once there is one."""
 
         def found() -> list[dict[str, Any]]:
             return [line for line in self.lines if word in line]
 
         with self._changed:
-            assert self._changed.wait_for(found, limit_s), f"never said {word!r}; see {self.log}\n{self.last_words()}"
+            assert self._changed.wait_for(found, limit_s), f"never said {word!r}; see {self.log}\n{self.last_lines()}"
             return found()[-1]
 
-    def last_words(self) -> str:
+    def last_lines(self) -> str:
         return "\n".join(self.log.read_text(errors="replace").splitlines()[-15:])
 
     def arm(self, point: Mapping[str, Any]) -> None:
@@ -75,18 +75,18 @@ class Mortal:
         assert self.process.stdin is not None
         self.process.stdin.write((json.dumps(dict(point)) + "\n").encode())
         self.process.stdin.flush()
-        answer = self.heard("armed", 10.0)
+        answer = self.wait_for_line("armed", 10.0)
         assert answer["armed"], answer
 
-    def died(self, limit_s: float) -> float:
+    def wait_for_kill(self, limit_s: float) -> float:
         """Return when it died at its point (CLOCK_MONOTONIC). A point that is never reached fails the test."""
-        at_s = float(self.heard("killed", limit_s)["at_s"])
+        at_s = float(self.wait_for_line("killed", limit_s)["at_s"])
         assert self.process.wait(60) == -signal.SIGKILL
         return at_s
 
     def kill(self) -> float:
         """Kill it now, whatever it is doing."""
-        assert self.process.poll() is None, f"had ended by itself; see {self.log}\n{self.last_words()}"
+        assert self.process.poll() is None, f"had ended by itself; see {self.log}\n{self.last_lines()}"
         self.process.kill()
         at_s = time.monotonic()
         self.process.wait(60)

@@ -24,7 +24,7 @@ from agentrob.robots.protocol import Watch, limits_of
 GAIT = Gait(gain_speed=3.0, gain_turn=4.0, coast_s=0.15, coast_turn_s=0.15, settle_s=0.4)
 
 
-class FarRobot:
+class RemoteBodyRobot:
     """See `agentrob.robots.protocol.Robot`. `options.body` is the socket of its body."""
 
     @classmethod

@@ -12,15 +12,15 @@ from typing import Any
 
 import pytest
 
-from tests.kill.kill_house import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, House, check
 from tests.kill.kill_process import wait_for
+from tests.kill.kill_scene import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, KillScene, check
 
 #: The requested distance, and what a velocity that is held for a second and then coasts can add to it.
 MOST_M = 0.3 + 0.6
 #: A robot stands still this long after its agent's death: the lease's second, and the time to come to rest.
 STILL_S = 1.5
-#: Its driver tells it to rest within this time: the lease's second, and the interval of the lease checks.
-TOLD_S = 1.2
+#: Its driver commands it to rest within this time: the lease's second, and the interval of the lease checks.
+REST_COMMANDED_S = 1.2
 
 DONE = frozenset({"done"})
 INTERRUPTED = frozenset({"interrupted"})
@@ -65,8 +65,8 @@ JOURNAL, CLIENT = "agent.store.journal:Journal.", "robots.driver.client:DriverCl
 FORUM = "forums.agentrob.forum:BoardForum."
 #: Nothing has moved yet, so everything is done after the restart, once.
 BEFORE_MOTION = [
-    agent("post not heard yet", AGENT + "RobotAgent._hear", "before", DONE, 1, containing="post.created"),
-    agent("post heard", AGENT + "RobotAgent._hear", "after", DONE, 1, containing="post.created"),
+    agent("post not heard yet", AGENT + "RobotAgent._handle_event", "before", DONE, 1, containing="post.created"),
+    agent("post heard", AGENT + "RobotAgent._handle_event", "after", DONE, 1, containing="post.created"),
     agent("post perceived", AGENT + "triage", "after", DONE, 1),
     agent("not claimed in the journal yet", JOURNAL + "claim", "before", DONE, 1),
     agent("claimed in the journal", JOURNAL + "claim", "after", DONE, 1),
@@ -87,7 +87,7 @@ BEGUN = [
     agent("attempt committed", JOURNAL + "_begin", "after", INTERRUPTED, 0),
     agent("allowed again", MOTION + "permission", "after", INTERRUPTED, 0),
     agent("lease taken", CLIENT + "_call", "after", INTERRUPTED, 0, containing="'POST', '/lease'"),
-    agent("step told", STATUS + "show", "after", INTERRUPTED, 0, containing="state=<CommandState.RUNNING"),
+    agent("step shown", STATUS + "show", "after", INTERRUPTED, 0, containing="state=<CommandState.RUNNING"),
     agent("step about to be sent", CLIENT + "step", "before", INTERRUPTED, 0),
     agent("status to be updated", FORUM + "edit", "before", INTERRUPTED, containing="state=<CommandState.RUNNING"),
     agent("status updated", FORUM + "edit", "after", INTERRUPTED, containing="state=<CommandState.RUNNING"),
@@ -103,8 +103,8 @@ ENDED = [
     agent("record written", "agent.store.records:Records.write", "after", DONE, 1),
     agent("pictures to be uploaded", FORUM + "_upload", "before", DONE, 1, containing="xff", text=PHOTO),
     agent("pictures uploaded", FORUM + "_upload", "after", DONE, 1, containing="xff", text=PHOTO),
-    agent("final reply to be told", FORUM + "edit", "before", DONE, 1, containing="state=<CommandState.DONE"),
-    agent("final reply told", FORUM + "edit", "after", DONE, 1, containing="state=<CommandState.DONE"),
+    agent("final reply to be sent", FORUM + "edit", "before", DONE, 1, containing="state=<CommandState.DONE"),
+    agent("final reply sent", FORUM + "edit", "after", DONE, 1, containing="state=<CommandState.DONE"),
     agent("journal not closed yet", JOURNAL + "finish", "before", DONE, 1),
     agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
 ]
@@ -113,12 +113,12 @@ DRIVER = [
     driver("lease given", "agentrob.robots.driver.driver:Driver.take", "after", 0, DRIVER_AWAY),
     driver("lease renewed", "agentrob.robots.driver.lease:Leases.renew", "after", nth=3),
     driver("step asked for", "agentrob.robots.driver.driver:Driver.step", "before", 0),
-    driver("step begun", "tests.kill.kill_robot:FarRobot.step", "before", 0),
-    driver("first velocity commanded", "tests.kill.kill_robot:FarRobot.command", "after", 1),
-    driver("walking", "tests.kill.kill_robot:FarRobot.command", "before", 1, nth=8),
-    driver("to rest", "tests.kill.kill_robot:FarRobot.rest", "before", 1),
-    driver("at rest", "tests.kill.kill_robot:FarRobot.rest", "after", 1),
-    driver("step measured", "tests.kill.kill_robot:FarRobot.step", "after", 1),
+    driver("step begun", "tests.kill.kill_robot:RemoteBodyRobot.step", "before", 0),
+    driver("first velocity commanded", "tests.kill.kill_robot:RemoteBodyRobot.command", "after", 1),
+    driver("walking", "tests.kill.kill_robot:RemoteBodyRobot.command", "before", 1, nth=8),
+    driver("to rest", "tests.kill.kill_robot:RemoteBodyRobot.rest", "before", 1),
+    driver("at rest", "tests.kill.kill_robot:RemoteBodyRobot.rest", "after", 1),
+    driver("step measured", "tests.kill.kill_robot:RemoteBodyRobot.step", "after", 1),
     driver("result to be sent", "agentrob.robots.driver.driver:Driver.step", "after", 1),
 ]
 #: While the board is down nobody could stop the robot, so a motion may be interrupted, or not begin. It cannot be
@@ -143,7 +143,7 @@ BOARD = [
 IN_A_STOP = [
     ("agentrob.robots.driver.driver:Driver.stop", "before"),
     ("agentrob.robots.safety.guard:Guard.stop", "before"),
-    ("tests.kill.kill_robot:FarRobot.stop", "after"),
+    ("tests.kill.kill_robot:RemoteBodyRobot.stop", "after"),
     ("agentrob.robots.driver.driver:Driver.stop", "after"),
 ]
 POINTS = [*BEFORE_MOTION, *BEGUN, *ENDED, *DRIVER, *BOARD]
@@ -158,55 +158,57 @@ def case(point: Point) -> Any:
 
 
 @pytest.mark.parametrize("point", [case(point) for point in POINTS])
-def test_law_6_killed_at(point: Point, house: House) -> None:
-    house.arm(point.kind, point.order)
-    asked = house.ask(point.text)
-    died_s = house.died(point.kind)
-    house.start(point.kind)
-    state = check(house, asked)
-    house.release()
-    assert state in point.ends, house.answers(asked)[0]["raw"]
+def test_law_6_killed_at(point: Point, scene: KillScene) -> None:
+    scene.arm(point.kind, point.order)
+    command = scene.ask(point.text)
+    killed_s = scene.wait_for_kill(point.kind)
+    scene.start(point.kind)
+    state = check(scene, command)
+    scene.release()
+    assert state in point.ends, scene.answers(command)[0]["raw"]
     if point.motions is not None:
-        assert house.motions(asked.began) == point.motions
-    assert house.walked_m(asked.began) < MOST_M
+        assert scene.motions(command.began) == point.motions
+    assert scene.walked_m(command.began) < MOST_M
     if point.kind == "agent" and state == "interrupted":
-        assert (house.still_since(asked.began) or 0.0) - died_s < STILL_S
+        assert (scene.at_rest_since(command.began) or 0.0) - killed_s < STILL_S
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("nth", [3, 11, 23])
-def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1_5_s(house: House, nth: int) -> None:
-    house.arm("agent", {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": nth})
-    asked = house.ask(LONG_WALK)
-    died_s = house.died("agent")
-    house.start("agent")
-    assert check(house, asked) == "interrupted"
-    assert house.motions(asked.began) == 1
-    still_s = house.still_since(asked.began)
-    assert still_s is not None
-    told_s = house.told_since(asked.began, died_s) - died_s
-    print(f"told to rest after {told_s:.3f} s, at rest after {still_s - died_s:.3f} s")  # noqa: T201
-    assert 0.0 < told_s < TOLD_S
-    assert still_s - died_s < STILL_S
-    assert house.walked_m(asked.began) < 2.5, "it did not walk to the end"
+def test_law_11_the_agent_is_killed_on_a_long_walk_and_the_robot_stands_within_1_5_s(
+    scene: KillScene, nth: int
+) -> None:
+    scene.arm("agent", {"target": "agentrob.agent.execution.execute:Run._must_end", "when": "before", "nth": nth})
+    command = scene.ask(LONG_WALK)
+    killed_s = scene.wait_for_kill("agent")
+    scene.start("agent")
+    assert check(scene, command) == "interrupted"
+    assert scene.motions(command.began) == 1
+    at_rest_s = scene.at_rest_since(command.began)
+    assert at_rest_s is not None
+    rest_commanded_s = scene.rest_commanded_after(command.began, killed_s) - killed_s
+    print(f"told to rest after {rest_commanded_s:.3f} s, at rest after {at_rest_s - killed_s:.3f} s")  # noqa: T201
+    assert 0.0 < rest_commanded_s < REST_COMMANDED_S
+    assert at_rest_s - killed_s < STILL_S
+    assert scene.walked_m(command.began) < 2.5, "it did not walk to the end"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("target", "when"), IN_A_STOP)
 def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_goes_on(
-    house: House, target: str, when: str
+    scene: KillScene, target: str, when: str
 ) -> None:
-    house.arm("driver", {"target": target, "when": when})
-    asked = house.ask(LONG_WALK)
-    wait_for("the robot walks", lambda: house.moves(asked.began), 60.0)
-    house.stop(asked)
-    died_s = house.died("driver")
-    house.start("driver")
-    final = house.final(asked)
-    house.release()
+    scene.arm("driver", {"target": target, "when": when})
+    command = scene.ask(LONG_WALK)
+    wait_for("the robot walks", lambda: scene.moves(command.began), 60.0)
+    scene.stop(command)
+    killed_s = scene.wait_for_kill("driver")
+    scene.start("driver")
+    final = scene.final(command)
+    scene.release()
     assert final["card"]["state"] in {"stopped"} | DRIVER_DIED, "or nobody could confirm that it came to rest"
-    assert house.motions(asked.began) == 1
-    still_s = house.still_since(asked.began)
-    assert still_s is not None
-    assert still_s - died_s < STILL_S
-    assert house.ends_told(final) == 1
+    assert scene.motions(command.began) == 1
+    at_rest_s = scene.at_rest_since(command.began)
+    assert at_rest_s is not None
+    assert at_rest_s - killed_s < STILL_S
+    assert scene.count_final_versions(final) == 1

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from tests.kill.kill_backup import Backup
-from tests.kill.kill_house import LONG_WALK, WALK, Asked, House, check
 from tests.kill.kill_process import wait_for
+from tests.kill.kill_scene import LONG_WALK, WALK, KillScene, PostedCommand, check
 
 THINKING, JOURNAL = "agentrob.agent.understanding.understand:", "agentrob.agent.store.journal:Journal."
 #: Where an agent is killed with a command that waits, and with one that walks.
@@ -30,55 +30,55 @@ def fast(*values: Any, id: str) -> Any:
     return pytest.param(*values, id=id)
 
 
-def done(house: House, text: str = WALK) -> Asked:
+def run_to_end(scene: KillScene, text: str = WALK) -> PostedCommand:
     """Run a command from its post to its end."""
-    asked = house.ask(text)
-    assert check(house, asked) == "done"
-    return asked
+    command = scene.ask(text)
+    assert check(scene, command) == "done"
+    return command
 
 
-def killed_at(house: House, point: dict[str, Any]) -> Asked:
+def kill_agent_at(scene: KillScene, point: dict[str, Any]) -> PostedCommand:
     """Kill the agent while it processes a command."""
-    house.arm("agent", point)
-    asked = house.ask(WALK)
-    house.died("agent")
-    house.posted(asked)
-    wait_for("the robot stands", lambda: not house.moves(asked.began), 60.0)
-    return asked
+    scene.arm("agent", point)
+    command = scene.ask(WALK)
+    scene.wait_for_kill("agent")
+    scene.posted(command)
+    wait_for("the robot stands", lambda: not scene.moves(command.began), 60.0)
+    return command
 
 
-def serves_as_ever(house: House) -> None:
+def check_that_it_serves(scene: KillScene) -> None:
     """Check that a new command is done once and answered once."""
-    done(house)
+    run_to_end(scene)
 
 
 # -------------------------------------------------------------------- the board of yesterday
-def say(house: House, body: str) -> dict[str, Any]:
+def create_post(scene: KillScene, body: str) -> dict[str, Any]:
     topic = {"board_id": "robots", "title": "t", "body": body}
-    answer = house._insist("POST", "/topics", json=topic, headers={"Idempotency-Key": secrets.token_hex(8)})
+    answer = scene._request("POST", "/topics", json=topic, headers={"Idempotency-Key": secrets.token_hex(8)})
     return dict(answer["post"])
 
 
-def newest(house: House) -> int:
-    return int(house._insist("GET", "/changes")["now"]["id"].split("-")[0])
+def newest_event(scene: KillScene) -> int:
+    return int(scene._request("GET", "/changes")["now"]["id"].split("-")[0])
 
 
-def era(house: House) -> str:
+def forum_prefix(scene: KillScene) -> str:
     """The prefix of the posts that the journal set aside last, because their forum was replaced; empty before that."""
-    found = house.in_journal("SELECT max(post) FROM claim WHERE post LIKE 'before-%'")
+    found = scene.in_journal("SELECT max(post) FROM claim WHERE post LIKE 'before-%'")
     return "-".join(found[0].split("-")[:2]) + "-" if found and found[0] else ""
 
 
-def board_of_yesterday(house: House, backup: Backup, more_until: int) -> Asked | None:
+def restore_older_board(scene: KillScene, backup: Backup, more_until: int) -> PostedCommand | None:
     """Restore the board, and post until it has more events than before: talk, with a command in the middle."""
-    house.running["board"].kill()
-    backup.put_back()
-    house.start("board")
-    early = house.ask(WALK) if more_until else None
+    scene.running["board"].kill()
+    backup.restore()
+    scene.start("board")
+    early = scene.ask(WALK) if more_until else None
     if early:
-        house.posted(early)
-    while newest(house) <= more_until:
-        say(house, "nothing that a robot should do")
+        scene.posted(early)
+    while newest_event(scene) <= more_until:
+        create_post(scene, "nothing that a robot should do")
     return early
 
 
@@ -92,58 +92,60 @@ def board_of_yesterday(house: House, backup: Backup, more_until: int) -> Asked |
     ],
 )
 def test_laws_5_and_6_the_board_of_yesterday_moves_nothing_and_what_is_new_is_done_once(
-    house: House, tmp_path: Path, agent: str, more: bool
+    scene: KillScene, tmp_path: Path, agent: str, more: bool
 ) -> None:
-    done(house)
-    backup = Backup(house.board_path, tmp_path / "board")
-    undone = done(house)
-    last = newest(house)
-    before = era(house)
+    run_to_end(scene)
+    backup = Backup(scene.board_path, tmp_path / "board")
+    undone = run_to_end(scene)
+    last = newest_event(scene)
+    before = forum_prefix(scene)
     if agent == "frozen":
-        house.running["agent"].freeze()
+        scene.running["agent"].freeze()
     else:
-        house.running["agent"].kill()
-    at = len(house.ledger())
-    early = board_of_yesterday(house, backup, last if more else 0)
+        scene.running["agent"].kill()
+    at = len(scene.ledger())
+    early = restore_older_board(scene, backup, last if more else 0)
     if agent == "frozen":
-        house.running["agent"].thaw()
+        scene.running["agent"].thaw()
     else:
-        house.start("agent")
-    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
-    fresh = house.ask(WALK)
-    assert check(house, fresh) == "done"
-    assert house.motions(at) == 1, "only what was asked of the robot since then moved it"
+        scene.start("agent")
+    wait_for("the agent notices that it is another forum", lambda: forum_prefix(scene) != before, 60.0)
+    fresh = scene.ask(WALK)
+    assert check(scene, fresh) == "done"
+    assert scene.motions(at) == 1, "only what was asked of the robot since then moved it"
     if early is not None:
-        assert [p["card"]["state"] for p in house.answers(early)] == ["expired"]
+        assert [p["card"]["state"] for p in scene.answers(early)] == ["expired"]
         assert early.post is not None
-        assert early.post["id"] == house.posted(undone)["id"], "else this test would not see that ids are mixed up"
+        assert early.post["id"] == scene.posted(undone)["id"], "else this test would not see that ids are mixed up"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("point", [SCREENED, CLAIMED, WALKING], ids=["screened", "claimed", "walking"])
 @pytest.mark.parametrize("more", [False, True], ids=["fewer events", "more events"])
 def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_does_no_harm(
-    house: House, tmp_path: Path, point: dict[str, Any], more: bool
+    scene: KillScene, tmp_path: Path, point: dict[str, Any], more: bool
 ) -> None:
-    done(house)
-    backup = Backup(house.board_path, tmp_path / "board")
-    open_one = killed_at(house, point)
-    moved, before = house.motions(open_one.began), era(house)
-    last = newest(house)
-    early = board_of_yesterday(house, backup, last if more else 0)
-    house.start("agent")
-    wait_for("the agent notices that it is another forum", lambda: era(house) != before, 60.0)
-    ended = house.in_journal("SELECT final FROM claim WHERE post = :a", era(house) + str(house.posted(open_one)["id"]))
+    run_to_end(scene)
+    backup = Backup(scene.board_path, tmp_path / "board")
+    open_one = kill_agent_at(scene, point)
+    moved, before = scene.motions(open_one.began), forum_prefix(scene)
+    last = newest_event(scene)
+    early = restore_older_board(scene, backup, last if more else 0)
+    scene.start("agent")
+    wait_for("the agent notices that it is another forum", lambda: forum_prefix(scene) != before, 60.0)
+    ended = scene.in_journal(
+        "SELECT final FROM claim WHERE post = :a", forum_prefix(scene) + str(scene.posted(open_one)["id"])
+    )
     assert ended == ("cancelled",), "what was open on the other forum is closed with it"
     # An open claim of this id belongs to the earlier post, whose number was reused.
     unended = "SELECT 1 FROM claim WHERE final IS NULL AND post = :a"
-    assert early or not house.in_journal(unended, house.posted(open_one)["id"])
-    wait_for("the early post is answered", lambda: not house.in_journal(unended, house.posted(open_one)["id"]), 60.0)
-    fresh = house.ask(WALK)
-    assert check(house, fresh) == "done"
-    assert house.motions(open_one.began) == moved + 1
+    assert early or not scene.in_journal(unended, scene.posted(open_one)["id"])
+    wait_for("the early post is answered", lambda: not scene.in_journal(unended, scene.posted(open_one)["id"]), 60.0)
+    fresh = scene.ask(WALK)
+    assert check(scene, fresh) == "done"
+    assert scene.motions(open_one.began) == moved + 1
     if early is not None:
-        assert [p["card"]["state"] for p in house.answers(early)] in ([], ["expired"])
+        assert [p["card"]["state"] for p in scene.answers(early)] in ([], ["expired"])
 
 
 # -------------------------------------------------------------------- the journal
@@ -158,20 +160,20 @@ def test_laws_5_and_6_what_only_the_journal_knows_since_the_board_was_put_back_d
     ],
 )
 def test_law_6_a_deleted_journal_moves_nothing_again_and_each_command_gets_one_final_reply(
-    house: House, point: dict[str, Any] | None, state: str, motions: int
+    scene: KillScene, point: dict[str, Any] | None, state: str, motions: int
 ) -> None:
     if point is not None:
-        asked = killed_at(house, point)
+        command = kill_agent_at(scene, point)
     else:
-        asked = done(house)
-        house.running["agent"].kill()
-    house.journal_store.delete()
-    house.start("agent")
-    assert check(house, asked) == state
-    assert house.motions(asked.began) == motions
-    serves_as_ever(house)
-    assert len(house.answers(asked)) == 1
-    assert house.motions(asked.began) == motions + 1
+        command = run_to_end(scene)
+        scene.running["agent"].kill()
+    scene.journal_store.delete()
+    scene.start("agent")
+    assert check(scene, command) == state
+    assert scene.motions(command.began) == motions
+    check_that_it_serves(scene)
+    assert len(scene.answers(command)) == 1
+    assert scene.motions(command.began) == motions + 1
 
 
 @pytest.mark.parametrize(
@@ -185,54 +187,54 @@ def test_law_6_a_deleted_journal_moves_nothing_again_and_each_command_gets_one_f
     ],
 )
 def test_law_6_the_journal_of_yesterday_moves_nothing_again_and_each_command_gets_one_final_reply(
-    house: House, point: dict[str, Any] | None, state: str, motions: int
+    scene: KillScene, point: dict[str, Any] | None, state: str, motions: int
 ) -> None:
-    done(house)
-    backup = house.journal_store.copy()
+    run_to_end(scene)
+    backup = scene.journal_store.copy()
     if point is not None:
-        asked = killed_at(house, point)
+        command = kill_agent_at(scene, point)
     else:
-        asked = done(house)
-        house.running["agent"].kill()
-    house.journal_store.put_back(backup)
-    house.start("agent")
-    assert check(house, asked) == state
-    assert house.motions(asked.began) == motions
-    serves_as_ever(house)
-    assert len(house.answers(asked)) == 1
+        command = run_to_end(scene)
+        scene.running["agent"].kill()
+    scene.journal_store.restore(backup)
+    scene.start("agent")
+    assert check(scene, command) == state
+    assert scene.motions(command.began) == motions
+    check_that_it_serves(scene)
+    assert len(scene.answers(command)) == 1
 
 
 @pytest.mark.slow
-def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(house: House) -> None:
-    asked = killed_at(house, CLAIMED)
-    backup = house.journal_store.copy()
-    house.start("agent")
-    assert check(house, asked) == "done"
-    house.running["agent"].kill()
-    house.journal_store.put_back(backup)
-    house.start("agent")
-    assert check(house, asked) == "done"
-    assert house.motions(asked.began) == 1
-    serves_as_ever(house)
+def test_law_6_a_journal_copied_while_a_command_waited_does_not_do_it_again(scene: KillScene) -> None:
+    command = kill_agent_at(scene, CLAIMED)
+    backup = scene.journal_store.copy()
+    scene.start("agent")
+    assert check(scene, command) == "done"
+    scene.running["agent"].kill()
+    scene.journal_store.restore(backup)
+    scene.start("agent")
+    assert check(scene, command) == "done"
+    assert scene.motions(command.began) == 1
+    check_that_it_serves(scene)
 
 
 # -------------------------------------------------------------------- a second start
 @pytest.mark.parametrize(("kind", "said"), [slow("agent", "already runs", id="agent"), slow("driver", "", id="driver")])
 def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_not_disturbed(
-    house: House, kind: str, said: str
+    scene: KillScene, kind: str, said: str
 ) -> None:
-    asked = house.ask(f"{LONG_WALK} slowly")
-    wait_for("the robot walks", lambda: house.moves(asked.began), 60.0)
-    second = house.second(kind)
-    assert house.moves(asked.began), "the first was disturbed, or the second came too late to disturb it"
+    command = scene.ask(f"{LONG_WALK} slowly")
+    wait_for("the robot walks", lambda: scene.moves(command.began), 60.0)
+    second = scene.second(kind)
+    assert scene.moves(command.began), "the first was disturbed, or the second came too late to disturb it"
     assert second.returncode != 0
     assert second.stdout == ""
     assert second.stderr.count("\n") == 1, second.stderr
     assert said in second.stderr
-    assert house.final(asked)["card"]["state"] == "done"
-    assert house.motions(asked.began) == 1
-    assert house.walked_m(asked.began) == pytest.approx(3.0, abs=0.1)
-    serves_as_ever(house)
+    assert scene.final(command)["card"]["state"] == "done"
+    assert scene.motions(command.began) == 1
+    assert scene.walked_m(command.began) == pytest.approx(3.0, abs=0.1)
+    check_that_it_serves(scene)
 
 
 # -------------------------------------------------------------------- an upgrade
@@ -246,22 +248,22 @@ def test_laws_6_and_11_a_second_start_is_refused_in_one_line_and_the_first_is_no
     ],
 )
 def test_law_6_another_version_ends_what_the_one_before_it_left_open_and_tells_it_once(
-    house: House, point: dict[str, Any], state: str, motions: int
+    scene: KillScene, point: dict[str, Any], state: str, motions: int
 ) -> None:
-    asked = killed_at(house, point)
+    command = kill_agent_at(scene, point)
     tomorrow, later = (f"another-{secrets.token_hex(4)}" for _ in range(2))
     for version in (tomorrow, later):
-        house.start("agent", KILL_VERSION=version)
-        assert check(house, asked) == state
-        assert house.motions(asked.began) == motions
+        scene.start("agent", KILL_VERSION=version)
+        assert check(scene, command) == state
+        assert scene.motions(command.began) == motions
         if version == tomorrow:
-            assert_worked_as(house, version)
-            house.running["agent"].kill()
-    serves_as_ever(house)
-    assert_worked_as(house, later)
-    assert len(house.answers(asked)) == 1
+            assert_ran_version(scene, version)
+            scene.running["agent"].kill()
+    check_that_it_serves(scene)
+    assert_ran_version(scene, later)
+    assert len(scene.answers(command)) == 1
 
 
-def assert_worked_as(house: House, version: str) -> None:
+def assert_ran_version(scene: KillScene, version: str) -> None:
     """Otherwise the journal would see the same version, and this test would prove nothing."""
-    assert house.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = :a", version)
+    assert scene.in_journal("SELECT 1 FROM meta WHERE key = 'version' AND value = :a", version)

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.kill.kill_house import DRIVER_DIED, PHOTO, WALK
-from tests.kill.kill_world import WorldHouse
+from tests.kill.kill_scene import DRIVER_DIED, PHOTO, WALK
+from tests.kill.kill_sim_scene import SimScene
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 MOVE, TICK = "agentrob.sim.services.go2_sport:Sport._move", "agentrob.sim.services.unitree:RobotServices.after_tick"
@@ -16,8 +16,8 @@ TARGETS = (MOVE, TICK, RENDER, COMMAND)
 
 
 @pytest.fixture(scope="module")
-def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorldHouse]:
-    made = WorldHouse(tmp_path_factory.mktemp("kill-world"))
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimScene]:
+    made = SimScene(tmp_path_factory.mktemp("kill-world"))
     yield made
     made.close()
 
@@ -31,36 +31,36 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WorldHouse]:
         pytest.param(RENDER, "after", 1, "/front", PHOTO, id="image rendered"),
     ],
 )
-def test_law_6_a_robot_that_vanished_is_told_and_does_nothing_when_it_is_back(
-    house: WorldHouse, target: str, when: str, nth: int, containing: str, text: str
+def test_law_6_a_robot_that_vanished_is_reported_and_does_nothing_when_it_is_back(
+    scene: SimScene, target: str, when: str, nth: int, containing: str, text: str
 ) -> None:
-    house.arm("world", {"target": target, "when": when, "nth": nth, "containing": containing})
-    asked = house.ask(text)
-    house.died("world")
-    house.start("world")
-    final = house.final(asked)
+    scene.arm("world", {"target": target, "when": when, "nth": nth, "containing": containing})
+    command = scene.ask(text)
+    scene.wait_for_kill("world")
+    scene.start("world")
+    final = scene.final(command)
     assert final["card"]["state"] in ("failed", "refused", "interrupted"), final["raw"]
-    assert len(house.answers(asked)) == 1
-    assert house.ends_told(final) == 1
-    assert house.begun(house.born) == 0, "the robot that came back was moved by a command of before"
-    house.running["driver"].kill()  # the owner restarts the driver: the robot has a new position and home
-    house.start("driver")
-    house.release()
+    assert len(scene.answers(command)) == 1
+    assert scene.count_final_versions(final) == 1
+    assert scene.begun(scene.born) == 0, "the robot that came back was moved by a command of before"
+    scene.running["driver"].kill()  # the owner restarts the driver: the robot has a new position and home
+    scene.start("driver")
+    scene.release()
 
 
 @pytest.mark.parametrize(("when", "nth"), [("before", 1), ("after", 6)])
 def test_law_6_a_go2_whose_driver_dies_stands_still_and_the_motion_is_not_repeated(
-    house: WorldHouse, when: str, nth: int
+    scene: SimScene, when: str, nth: int
 ) -> None:
-    house.arm("driver", {"target": COMMAND, "when": when, "nth": nth})
-    asked = house.ask(WALK)
-    house.died("driver")
-    at_death = len(house.ledger())
-    house.start("driver")
-    final = house.final(asked)
-    house.release()
+    scene.arm("driver", {"target": COMMAND, "when": when, "nth": nth})
+    command = scene.ask(WALK)
+    scene.wait_for_kill("driver")
+    at_death = len(scene.ledger())
+    scene.start("driver")
+    final = scene.final(command)
+    scene.release()
     assert final["card"]["state"] in DRIVER_DIED, final["raw"]
-    assert len(house.answers(asked)) == 1
-    assert house.ends_told(final) == 1
-    assert house.begun(at_death) == 0
-    assert not house.moves(asked.began)
+    assert len(scene.answers(command)) == 1
+    assert scene.count_final_versions(final) == 1
+    assert scene.begun(at_death) == 0
+    assert not scene.moves(command.began)

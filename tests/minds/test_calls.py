@@ -16,7 +16,7 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import Capabilities, Intent, Op
 from agentrob.wiring import app
 from tests.language.parser import generated_posts
-from tests.minds.brain import Brain, running_brain
+from tests.minds.scripted_model import ScriptedModel, running_scripted_model
 from tests.sizes import size
 
 LISTENER = Addressee(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
@@ -26,17 +26,17 @@ PLAIN = TESTS / "semantic/plain_posts.jsonl"
 
 
 @pytest.fixture
-def brain() -> Iterator[Brain]:
-    with running_brain() as made:
+def scripted_model() -> Iterator[ScriptedModel]:
+    with running_scripted_model() as made:
         yield made
 
 
 @pytest.fixture
-def configured(brain: Brain, tmp_path: Path) -> Callable[[], ModelMind]:
+def configured(scripted_model: ScriptedModel, tmp_path: Path) -> Callable[[], ModelMind]:
     """Return a function that makes the mind `clever` from a configuration with only the model and its price."""
 
     def make() -> ModelMind:
-        table = {"provider": "compatible", "model": "some-model", "base_url": f"{brain.server.url}/v1"}
+        table = {"provider": "compatible", "model": "some-model", "base_url": f"{scripted_model.server.url}/v1"}
         price = {"input_per_million": 2.0, "output_per_million": 10.0}
         minds = {"clever": {**table, "price": price, "limits": {"day_tokens": 0}}}
         mind = app.make_mind("clever", app.configuration.parse({"data": str(tmp_path), "minds": minds}))
@@ -60,22 +60,24 @@ async def readings(texts: list[str], mind: ModelMind) -> list[tuple[Intent, Read
     return found
 
 
-async def test_posts_that_the_rules_understand_call_no_model(brain: Brain, configured: Callable[[], ModelMind]) -> None:
+async def test_posts_that_the_rules_understand_call_no_model(
+    scripted_model: ScriptedModel, configured: Callable[[], ModelMind]
+) -> None:
     texts = rows(PLAIN) + [post.text for post in generated_posts.posts(size(500, 10_000))]
     texts = [text for text in texts if (await RulesMind().understand(text, LISTENER)).intent is not Intent.ASK_BACK]
     found = await readings(texts, configured())
     assert len(found) > 300
     assert {(reading.mind, tuple(reading.usage), reading.fallback) for _, reading in found} == {("rules", (), "")}
     assert sum(reading.understanding.intent is Intent.COMMAND for _, reading in found) > 250
-    assert brain.server.requests == []
+    assert scripted_model.server.requests == []
 
 
 async def test_a_post_that_the_rules_ask_back_calls_the_model_once(
-    brain: Brain, configured: Callable[[], ModelMind]
+    scripted_model: ScriptedModel, configured: Callable[[], ModelMind]
 ) -> None:
     texts = rows(ASKED_BACK)[:: size(6, 1)]
     found = await readings(texts, configured())
     assert {intent for intent, _ in found} == {Intent.ASK_BACK}
-    assert [kind for kind, _ in brain.asked] == ["read"] * len(found)
+    assert [kind for kind, _ in scripted_model.asked] == ["read"] * len(found)
     assert {(reading.mind, len(reading.usage)) for _, reading in found} == {("clever", 1)}
     assert all(reading.usage[0].cost for _, reading in found)

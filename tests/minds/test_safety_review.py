@@ -17,7 +17,7 @@ from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no t
 from agentrob.minds.llm.prompt import system_prompt
 from agentrob.minds.safety_review import Judgement, SafetyReview, apply_review, harms, refusal_of, review_command
 from agentrob.model import Capabilities, Decision, Direction, Op, Plan, Primitive, Verdict
-from tests.minds.brain import Brain, running_brain
+from tests.minds.scripted_model import ScriptedModel, running_scripted_model
 
 GO2 = Capabilities("go2", frozenset(Op))
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
@@ -33,8 +33,8 @@ JUDGEMENTS = st.builds(
 
 
 @pytest.fixture
-def brain() -> Iterator[Brain]:
-    with running_brain() as made:
+def scripted_model() -> Iterator[ScriptedModel]:
+    with running_scripted_model() as made:
         yield made
 
 
@@ -106,15 +106,15 @@ def test_law_3_only_words_of_the_post_are_shown(words: str, shown: str | None) -
 
 
 async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_answer(
-    brain: Brain, tmp_path: Path
+    scripted_model: ScriptedModel, tmp_path: Path
 ) -> None:
-    model = brain.model(tmp_path)
+    model = scripted_model.model(tmp_path)
     before = [Plan((Primitive(Op.TURN, Direction.LEFT, degrees=90.0),))]
     screened = await review_command(
         model, "walk forward\u202e 1 m", PLAN, GO2, "en", before, scene="A sleeping cat, 0.5 m ahead."
     )
     assert screened == SafetyReview("clever", usage=screened.usage)
-    (told,) = brain.questions("screen")
+    (told,) = scripted_model.prompts("screen")
     facts, _, post = told.partition("\n")
     assert json.loads(facts) == {
         "robot": "go2",
@@ -125,7 +125,7 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
     }
     mark = post.splitlines()[1].split()[-1]
     assert post.splitlines()[1:] == [f"<<<post {mark}", "walk forward 1 m", f"post {mark}>>>"]
-    (body,) = brain.server.requests
+    (body,) = scripted_model.server.requests
     assert [t["function"]["name"] for t in body["tools"]] == ["answer"]
     assert "walk forward" not in body["messages"][0]["content"]
     await model.close()
@@ -135,25 +135,27 @@ async def test_it_gets_the_post_as_data_and_what_is_around_and_no_tools_but_its_
     "answer",
     [{"decision": "allow"}, {"decision": "perhaps", "override": True}, {"harm": None}, {}],
 )
-async def test_output_outside_the_schema_is_an_error(brain: Brain, tmp_path: Path, answer: dict[str, Any]) -> None:
-    model = brain.model(tmp_path)
-    brain.screens = answer
+async def test_output_outside_the_schema_is_an_error(
+    scripted_model: ScriptedModel, tmp_path: Path, answer: dict[str, Any]
+) -> None:
+    model = scripted_model.model(tmp_path)
+    scripted_model.review = answer
     screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
     assert (screened.refusal, screened.failed) == (None, "malformed")
     assert len(screened.usage) == 2, "it is told once what is wrong"
     await model.close()
 
 
-async def test_a_hanging_model_times_out(brain: Brain, tmp_path: Path) -> None:
-    model = brain.model(tmp_path)
-    brain.screens = lambda handler: handler.hang()
+async def test_a_hanging_model_times_out(scripted_model: ScriptedModel, tmp_path: Path) -> None:
+    model = scripted_model.model(tmp_path)
+    scripted_model.review = lambda handler: handler.hang()
     screened = await review_command(model, "walk forward 1 m", PLAN, GO2, "en", limit_s=0.2)
     assert (screened.refusal, screened.failed) == (None, "timeout")
     await model.close()
 
 
-async def test_earlier_usage_of_the_command_counts(brain: Brain, tmp_path: Path) -> None:
-    model = brain.model(tmp_path, limits={"command_tokens": 5_000})
+async def test_earlier_usage_of_the_command_counts(scripted_model: ScriptedModel, tmp_path: Path) -> None:
+    model = scripted_model.model(tmp_path, limits={"command_tokens": 5_000})
     first = await review_command(model, "walk forward 1 m", PLAN, GO2, "en")
     assert first.failed == ""
     again = await review_command(model, "walk forward 1 m", PLAN, GO2, "en", spent=first.usage * 30)

@@ -16,7 +16,7 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from tests.robots.driver_scene import Drivers, Standing, at_rest, until
 from tests.robots.guard_scene import Make
-from tests.robots.sim_scene import Place
+from tests.robots.sim_scene import SimScene
 
 pytest.register_assert_rewrite("agentrob.robots.contract")
 
@@ -71,15 +71,15 @@ def make(tmp_path: Path) -> Iterator[Make]:
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimScene]:
     """A room with a Go2 in full physics, its driver and the room's ground truth; one per module."""
-    made = Place(tmp_path_factory.mktemp("place"))
+    made = SimScene(tmp_path_factory.mktemp("place"))
     yield made
     made.close()
 
 
 @pytest.fixture
-async def robot(place: Place) -> AsyncIterator[DriverClient]:
+async def robot(place: SimScene) -> AsyncIterator[DriverClient]:
     """A driver with the usual settings; the robot is at its start and homed."""
     place.drive()
     async with place.client() as client:

@@ -40,7 +40,7 @@ def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
         time.sleep(LOOK_S)
 
 
-def homes(guard: Guard) -> bool:
+def can_set_home(guard: Guard) -> bool:
     try:
         guard.home("owner")
     except RobotError:
@@ -48,7 +48,7 @@ def homes(guard: Guard) -> bool:
     return True
 
 
-class Pusher:
+class ExternalController:
     """Let another controller drive the robot past every guard until the context ends."""
 
     def __init__(self, robot: FakeRobot) -> None:

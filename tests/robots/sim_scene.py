@@ -111,10 +111,10 @@ class Truth:
         self._thread.start()
 
     def _look(self) -> Sample:
-        told = self._room.get("/truth").json()
-        robot = told["robots"]["go2"]
+        truth = self._room.get("/truth").json()
+        robot = truth["robots"]["go2"]
         place = (float(robot[k]) for k in ("x_m", "y_m", "z_m", "yaw_deg"))
-        return Sample(time.monotonic(), told["time_s"], *place, tuple(robot["contacts"]))
+        return Sample(time.monotonic(), truth["time_s"], *place, tuple(robot["contacts"]))
 
     def _watch(self) -> None:
         while not self._closed.wait(SAMPLE_S):
@@ -164,7 +164,7 @@ class Truth:
             assert time.monotonic() < end_s, "it does not come to rest"
             await asyncio.sleep(SAMPLE_S)
 
-    async def gone_after(self, at_s: float, seconds: float) -> float:
+    async def distance_after_m(self, at_s: float, seconds: float) -> float:
         """Return the distance that it covered in a window of this many seconds of the world's time, starting this long
         after a moment."""
         start_s = (self.since(at_s) or [await self.until(lambda now: True)])[0].time_s
@@ -208,7 +208,7 @@ class Process:
         self.process.communicate()
 
 
-class Place:
+class SimScene:
     """The whole scene; one per module."""
 
     def __init__(self, folder: Path) -> None:

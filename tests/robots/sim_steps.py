@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
 from agentrob.robots.driver.client import DriverClient
-from tests.robots.sim_scene import Place, Sample, apart_m
+from tests.robots.sim_scene import Sample, SimScene, apart_m
 
 FAR, METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in (2.0, 1.0, 0.3))
 #: From a stop to standing still: the body coasts for about 0.4 s; the rest is for busy machines.
@@ -30,21 +30,23 @@ async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:
         return await robot.step(lease, primitive, 30)
 
 
-async def is_well(robot: DriverClient) -> None:
+async def assert_movable(robot: DriverClient) -> None:
     """Check that it can be moved again."""
     result = await do(robot, NEAR)
     assert result.ok, (result.reason, result.message)
 
 
-class Walk:
+class LeasedStep:
     """Run a step with a lease that is renewed; its result, and where it really began."""
 
-    def __init__(self, place: Place, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0) -> None:
+    def __init__(
+        self, place: SimScene, robot: DriverClient, primitive: Primitive = FAR, deadline_s: float = 30.0
+    ) -> None:
         self.place, self.robot, self.primitive, self.deadline_s = place, robot, primitive, deadline_s
         self.start = place.truth.now
         self.step: asyncio.Task[ActionResult] | None = None
 
-    async def __aenter__(self) -> Walk:
+    async def __aenter__(self) -> LeasedStep:
         self._context = self.robot.lease("walker")
         lease = await self._context.__aenter__()
         self.step = asyncio.create_task(self.robot.step(lease, self.primitive, self.deadline_s))
@@ -64,7 +66,7 @@ class Walk:
         return await self.step
 
 
-async def refused(place: Place, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
+async def refused(place: SimScene, robot: DriverClient, primitive: Primitive, reason: str) -> ActionResult:
     """Check that a step is refused for this reason and that the robot does not move."""
     start = place.truth.now
     async with robot.lease("walker") as lease:

@@ -74,6 +74,14 @@ async def test_an_unreadable_body_is_a_problem_response(service: Service) -> Non
             assert answer.headers["content-type"] == "application/problem+json"
 
 
+async def test_a_repeated_query_parameter_is_refused(service: Service) -> None:
+    headers = {"Authorization": f"Bearer {token('alice')}"}
+    address = f"{service.url}/api/v1/robots/quadruped/commands/1?wait_s=0&wait_s=1"
+    answer = await service.http.get(address, headers=headers)
+    assert (answer.status_code, answer.json()["code"]) == (422, "not_valid")
+    assert answer.json()["detail"] == "query.wait_s: given 2 times; give it once"
+
+
 async def httpx2_post(http: httpx2.AsyncClient, url: str, content: bytes) -> httpx2.Response:
     headers = {"Authorization": f"Bearer {token('alice')}", "Content-Type": "application/json"}
     return await http.post(url, content=content, headers=headers)

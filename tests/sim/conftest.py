@@ -14,7 +14,7 @@ from agentrob.sim.services.go2_sport import MOVE, STOP_MOVE, Sport
 from agentrob.sim.world.legged import PERIOD_S
 from agentrob.sim.world.scene import OPEN_FLOOR
 from agentrob.sim.world.world import World
-from tests.sim.served_world import Served, start_world
+from tests.sim.served_world import ServedWorld, start_world
 
 
 @dataclass
@@ -84,7 +84,7 @@ def room_bench(furnished_bench: Bench) -> Bench:
 
 
 @pytest.fixture(scope="session")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedWorld]:
     """One served world for all tests that do not end it."""
     world = start_world(tmp_path_factory.mktemp("world"))
     yield world

@@ -19,7 +19,7 @@ READY_LIMIT_S = 60.0
 
 
 @dataclass
-class Served:
+class ServedWorld:
     """A world served by another process."""
 
     process: subprocess.Popen[str]
@@ -45,7 +45,7 @@ class Served:
         return time.monotonic() - began
 
 
-def start_world(folder: Path, *options: str, environment: Mapping[str, str] | None = None) -> Served:
+def start_world(folder: Path, *options: str, environment: Mapping[str, str] | None = None) -> ServedWorld:
     """Serve on the first free test domain."""
     event_log = folder / "ledger.jsonl"
     for domain in DOMAINS:
@@ -62,7 +62,7 @@ def start_world(folder: Path, *options: str, environment: Mapping[str, str] | No
         readable, _, _ = select.select([process.stdout], [], [], READY_LIMIT_S)
         line = process.stdout.readline() if readable else ""
         if line:
-            world = Served(process, domain, json.loads(line), 0.0, event_log)
+            world = ServedWorld(process, domain, json.loads(line), 0.0, event_log)
             world.cpu_until_ready_s = world.cpu_seconds()
             return world
         process.kill()

@@ -122,7 +122,7 @@ class StoryRun:
         """Events are processed in order: once a later post is answered, the button presses before it are processed."""
         self.scene.person("barrier", Role.MEMBER)
         await self.scene.final(await self.scene.post("barrier", f"@{ROBOT} help"))
-        await self.agent.stops.settled()
+        await self.agent.stops.wait_for_stops()
         assert (await self.agent.driver.state()).halted
 
     async def removes(self, name: str, key: str, _: str) -> None:

@@ -21,8 +21,8 @@ from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no t
 from agentrob.model import ActionResult, Capabilities, Op, Outcome
 from agentrob.robots.fake import FakeRobot
 from agentrob.wiring.drive import Driven, robot_command_driver
-from tests.agent.execution.visual_model import DONE, driving_brain
-from tests.minds.brain import move
+from tests.agent.execution.visual_model import DONE, running_loop_model
+from tests.minds.scripted_model import move
 from tests.robots.driver_scene import Drivers
 
 
@@ -102,9 +102,9 @@ def test_an_interface_other_than_the_configured_one_is_refused(lab: tuple[Config
 
 def test_law_7_a_mind_with_vision_steers_by_the_camera(lab: tuple[Config, str]) -> None:
     config, name = lab
-    with driving_brain() as brain:
-        brain.drives = [("act_move", {"direction": "forward", "distance_m": 0.5}), DONE]
-        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1"}
+    with running_loop_model() as scripted_model:
+        scripted_model.loop_answers = [("act_move", {"direction": "forward", "distance_m": 0.5}), DONE]
+        address = {"provider": "compatible", "model": "m", "base_url": f"{scripted_model.server.url}/v1"}
         config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
         heard: list[ActionResult] = []
         driven = robot_command_driver("walk to the box", name, config=config, on_step=heard.append, mind="clever")
@@ -200,14 +200,14 @@ def test_law_7_the_owners_safety_review_applies_to_drive_too(
     lab: tuple[Config, str], screen: str, answer: Any, rule: str
 ) -> None:
     config, name = lab
-    with driving_brain() as brain:
-        brain.reads = move("walk forward 50 cm", 50, "cm")
-        brain.screens = answer or (lambda handler: handler.send(500, b"{}"))
-        address = {"provider": "compatible", "model": "m", "base_url": f"{brain.server.url}/v1", "retries": 0}
+    with running_loop_model() as scripted_model:
+        scripted_model.extraction = move("walk forward 50 cm", 50, "cm")
+        scripted_model.review = answer or (lambda handler: handler.send(500, b"{}"))
+        address = {"provider": "compatible", "model": "m", "base_url": f"{scripted_model.server.url}/v1", "retries": 0}
         config = config.model_copy(update={"minds": parse({"minds": {"clever": address}}).minds})
         config = changed(config, name, mind="clever", screen=screen)
         driven = robot_command_driver("walk forward 50 cm", name, config=config)
-        looked = len(brain.questions("screen"))
+        looked = len(scripted_model.prompts("screen"))
     assert (looked > 0) is (screen != "rules")
     assert (driven.results == ()) is bool(rule), driven.message
     assert rule in driven.message

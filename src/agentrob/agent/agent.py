@@ -36,7 +36,7 @@ from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.activity import AgentActivity, process_name
 from agentrob.agent.reporting.presence import Presence, reset_room
-from agentrob.agent.reporting.status_post import DeniedWrites, insist
+from agentrob.agent.reporting.status_post import DeniedWrites, retry_until_answered
 from agentrob.agent.stop.known_robots import KnownRobots
 from agentrob.agent.stop.moderator_alert import ModeratorAlert
 from agentrob.agent.stop.owner import OwnerActions
@@ -71,7 +71,7 @@ from agentrob.screening.screen import prepare as prepare_screen
 #: How far back a first start looks: it replies to posts that they are too old, and closes claims that it does not know.
 LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to post its end when the agent is ended.
-LAST_WORDS_S = 2.5
+SHUTDOWN_REPLY_S = 2.5
 DRIVER_WAIT_S = 5.0
 #: How long until clocks that agreed are compared again, and how long a comparison may take.
 COMPARE_S, COMPARING_S = 1.0, 5.0
@@ -121,7 +121,7 @@ class RobotAgent:
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
         self._open_journal = open_journal or partial(SqliteJournals(data).open, name)
-        self.event_stream = EventStream(events or forum, "", settings.poll_s, listens, self._notice)
+        self.event_stream = EventStream(events or forum, "", settings.poll_s, listens, self._note_forum_time)
         self._on_end = on_end
         self._on_stop = on_stop
         self.activity = AgentActivity(worker or process_name())
@@ -130,7 +130,7 @@ class RobotAgent:
         self.inbox = Inbox(
             name, lambda: self.journal, self.queue,
             lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
-            self._settle, self._take_up, self._decline, self._approve,
+            self._settle, self._enqueue, self._decline, self._approve,
         )  # fmt: skip
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
         self.stops = StopReplies(
@@ -200,8 +200,8 @@ class RobotAgent:
             async with asyncio.TaskGroup() as group:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
                 works = (
-                    self._listen(), self.inbox.take_all(), pruning, self._hold(), self.known_robots.list_later(),
-                    *self._display_tasks(),
+                    self._listen(), self.inbox.take_all(), self.known_robots.list_later(), pruning,
+                    self._watch_journal(), *self._display_tasks(),
                 )  # fmt: skip
                 tasks = [group.create_task(work) for work in works]
                 self.ready.set()
@@ -210,7 +210,7 @@ class RobotAgent:
                 for task in tasks:
                     task.cancel()
         finally:
-            await self._wind_down()
+            await self._shut_down()
 
     async def once(self) -> None:
         """Handle everything new since the last run, then return. Stops are received meanwhile."""
@@ -229,7 +229,7 @@ class RobotAgent:
                 for helper in helpers:
                     helper.cancel()
         finally:
-            await self._wind_down()
+            await self._shut_down()
 
     def drain(self) -> None:
         """Finish the command that moves, begin no other, and end `run`. Stops are handled until then; commands that
@@ -265,13 +265,13 @@ class RobotAgent:
         if self._journal.fence is not None:
             with contextlib.suppress(RobotUnreachable):  # the next lease tells the driver
                 await self.driver.fence(self._journal.fence)
-        self._me = await insist(self.forum.me)
+        self._me = await retry_until_answered(self.forum.me)
         if not self._me.speaks_for(self.name):
             _log.warning("this account is not the robot's own: its status cards do not count",
                          robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
         await self.owner.learn_page()
         await self.known_robots.list_robots()
-        newest = await insist(self.event_stream.set_clock)
+        newest = await retry_until_answered(self.event_stream.set_clock)
         begun = await self.journal.get_time("watermark")
         if begun is None:
             at = (begun := self.event_stream.compared_at).isoformat()
@@ -286,7 +286,7 @@ class RobotAgent:
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
 
-    async def _hold(self) -> None:
+    async def _watch_journal(self) -> None:
         """End the agent when its journal is lost: another worker may hold the robot now."""
         await self.journal.until_lost()
         raise JournalError(f"this worker no longer holds the robot {self.name}")
@@ -304,27 +304,27 @@ class RobotAgent:
         try:
             await self._catch_up()
         except ForumNotFound:
-            if await self._begin_anew():
+            if await self._recover_cursor():
                 await self._catch_up()
         for claim in await self.journal.open_claims():
             begun = await self.journal.moved(claim.command.post_id)
-            job = QueuedCommand(claim.command, known=True, begun=begun, paced=begun, waited_s=claim.waited_s)
+            job = QueuedCommand(claim.command, known=True, begun=begun, admitted=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
             limits = self._watermark_at, self.stop_handler.stopped_at, self.settings.max_post_age_s
             why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.event_stream.now(), *limits)
             if not begun and why:
                 job.end(why)
                 await self.journal.end([claim.command.post_id], why)
-            self._take_up(job)
+            self._enqueue(job)
         self._claimed_topics = frozenset()
-        self.inbox.none_left_open()
+        self.inbox.clear_left_open()
 
     async def _catch_up(self) -> None:
         """Receive the events that were missed; `ForumNotFound` as `EventStream.events`."""
-        while events := await insist(self._missed):
+        while events := await retry_until_answered(self._missed):
             for event in events:
                 self.event_stream.cursor = event.id
-                self._hear_safely(event)
+                self._handle_event_safely(event)
 
     async def _missed(self) -> Sequence[Event]:
         """The events that were missed. A malformed answer counts as unreachable: no command continues without them."""
@@ -344,7 +344,7 @@ class RobotAgent:
                     statuses.append(post)
                 elif post.created_at <= until:
                     triaged = self.triage(post)
-                    if triaged.route is Route.READ:  # whether a stop came after it cannot be told any more
+                    if triaged.route is Route.READ:  # whether a stop came after it is unknown
                         triaged = replace(triaged, route=Route.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), triaged)
         self._spawn(self._close_unknown(statuses))
@@ -353,14 +353,14 @@ class RobotAgent:
         await close_unknown(self.forum, self.journal, statuses, self.pipeline.moves)
         await self.journal.put("looked_back", self.event_stream.now().isoformat())  # the next start need not
 
-    async def _wind_down(self) -> None:
+    async def _shut_down(self) -> None:
         """Stop the robot, give a running command a moment to post its end, and leave the rest to the next start."""
         self._ending = True
         self.queue.close()
         if (job := self.queue.moving) is not None:
             job.end(EndReason.SHUTDOWN)
             if job.task is not None:
-                await asyncio.wait({job.task}, timeout=LAST_WORDS_S)
+                await asyncio.wait({job.task}, timeout=SHUTDOWN_REPLY_S)
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -406,7 +406,7 @@ class RobotAgent:
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
         motion = Motion(
             self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
-            surroundings, lambda: assessor.eyes, ending, self._queue_changed,
+            surroundings, lambda: assessor.vision_model, ending, self._queue_changed,
         )  # fmt: skip
         final_report = FinalReport(
             self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
@@ -458,19 +458,19 @@ class RobotAgent:
         while True:
             try:
                 async for event in self.event_stream.events():
-                    self._hear_safely(event)
+                    self._handle_event_safely(event)
             except ForumNotFound:
                 with contextlib.suppress(ForumError):
-                    if await self._begin_anew():
+                    if await self._recover_cursor():
                         continue
                 await asyncio.sleep(1.0)
 
-    async def _begin_anew(self) -> bool:
+    async def _recover_cursor(self) -> bool:
         """The forum does not know our last event. If it only deleted it, continue after it (True). If the forum was
         replaced, end all commands and let nothing older move (False)."""
-        newest = await insist(self.event_stream.set_clock)
+        newest = await retry_until_answered(self.event_stream.set_clock)
         with contextlib.suppress(ForumNotFound):
-            await insist(partial(self.forum.changes, self.event_stream.cursor))
+            await retry_until_answered(partial(self.forum.changes, self.event_stream.cursor))
             return True
         if (gap := await gap_after(self.forum, self.journal)) is not None:
             since, until = gap
@@ -494,16 +494,16 @@ class RobotAgent:
         await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
         return False
 
-    def _hear_safely(self, event: Event) -> None:
+    def _handle_event_safely(self, event: Event) -> None:
         """Handle an event; an error never keeps the next events from being handled."""
         try:
-            self._hear(event)
+            self._handle_event(event)
         except Exception:
-            _log.error("event not heard", robot=self.name, event_id=event.id, trace=traceback.format_exc())
+            _log.error("event not handled", robot=self.name, event_id=event.id, trace=traceback.format_exc())
 
-    def _hear(self, event: Event) -> None:
+    def _handle_event(self, event: Event) -> None:
         """Handle an event without waiting: a stop is sent to the driver before anything else is done."""
-        self._notice(event.at)
+        self._note_forum_time(event.at)
         triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.note(event.post.author)
@@ -533,7 +533,7 @@ class RobotAgent:
         begun_at, begun_s = self._begun
         return min(begun_at, self.event_stream.at(begun_s))
 
-    def _notice(self, at: datetime) -> None:
+    def _note_forum_time(self, at: datetime) -> None:
         """Note the forum's time. If it is not the expected one, the event is late or the clock was set: compare
         clocks."""
         idle = self._comparing is None or self._comparing.done()
@@ -632,9 +632,9 @@ class RobotAgent:
         self._spawn(self.pipeline.decline(command))
 
     async def _approve(self, post: Post, triaged: TriagedPost) -> None:
-        await self.pipeline.approvals.hear(post, triaged)
+        await self.pipeline.approvals.record_decision(post, triaged)
 
-    def _take_up(self, job: QueuedCommand) -> None:
+    def _enqueue(self, job: QueuedCommand) -> None:
         self.stops.new_command()
         self.queue.enter(job)
         job.task = self._spawn(self.pipeline.run(job))

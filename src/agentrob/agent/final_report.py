@@ -16,7 +16,7 @@ from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import page_of, publish
-from agentrob.agent.reporting.mind_notes import notes, worded
+from agentrob.agent.reporting.mind_notes import notes, summary_text
 from agentrob.agent.reporting.status_post import DeniedWrites, Shown
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
@@ -31,8 +31,8 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True)
 class FinalReport:
-    """Tells the ends of one robot's commands. `ending` returns true while the agent is being ended: then nothing waits
-    for pictures. `on_end` is called with each final report that was posted."""
+    """Posts the final reports of one robot's commands. `ending` returns true while the agent is being ended: then it
+    waits for no pictures. `on_end` is called with each final report that was posted."""
 
     name: str
     forum: Forum
@@ -46,14 +46,14 @@ class FinalReport:
     owner: OwnerActions
     on_end: Callable[[Report], None]
 
-    async def tell(self, job: QueuedCommand, report: Report) -> None:
+    async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""
         try:
-            await self._tell(job, report)
+            await self._post(job, report)
         finally:
             self.recorder.forget(job.command.post_id)
 
-    async def _tell(self, job: QueuedCommand, report: Report) -> None:
+    async def _post(self, job: QueuedCommand, report: Report) -> None:
         command, text, pictures, facts = job.command, *await self._composed(job, report)
         short = ""
         with job.log_errors("end not shortened"):
@@ -63,19 +63,19 @@ class FinalReport:
         images = [picture.data for picture in pictures if picture.attached]
         measured = any(result.moved for result in report.results)
         # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
-        with job.log_errors("plan not kept"):
+        with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.set_plan(command.post_id, report.plan)
         close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
         try:
             ours = await self.writes.when_allowed(close)
-        except ForumError as e:  # the claim stays open, so the next start tells it
-            _log.error("final reply not told", post=command.post_id, error=str(e))
+        except ForumError as e:  # the claim stays open, so the next start posts it
+            _log.error("final reply not posted", post=command.post_id, error=str(e))
             return
         with job.log_errors("claim not closed in the journal"):
             await self.journal.finish(command.post_id, report.status)
         if not ours:
-            return  # another agent of this account told the end, and keeps its record and pictures
+            return  # another agent of this account posted the end, and keeps its record and pictures
         with job.log_errors("record not published"):
             await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
         with job.log_errors("end not passed on"):
@@ -95,7 +95,7 @@ class FinalReport:
         pictures: tuple[Picture, ...] = ()
         with job.log_errors("no summary"):
             summary = await self.assessor.summary(job, report)
-            by_model = worded(summary, language)
+            by_model = summary_text(summary, language)
         with job.log_errors("calls of the model not listed"):
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
@@ -104,7 +104,7 @@ class FinalReport:
             page = await page_of(self.forum, command.post_id, hurry=self.ending())
         facts: dict[str, Any] | None = None
         with job.log_errors("record not written"):
-            kept, said = self.recorder.kept(command.post_id), summary and summary.as_data()
+            kept, said = self.recorder.stored_path(command.post_id), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.assessment, **more)
@@ -113,10 +113,10 @@ class FinalReport:
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
             paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
-            paragraphs += await self.owner.ways_out(report)
+            paragraphs += await self.owner.release_hints(report)
 
         def text(pictures: Sequence[Picture]) -> str:
-            with job.log_errors("report told as data"):
+            with job.log_errors("report posted as data"):
                 table = visual_calls.table(looked, report.results, pictures, language) if looked else ""
                 return reply_text.final(report, pictures, paragraphs, by_model, table, page)
             return reply_text.plain(report)

@@ -35,8 +35,8 @@ EXECUTION = TypeAdapter(Execution)
 
 @dataclass(frozen=True)
 class Motion:
-    """Moves one robot for its commands. `eyes` returns the model that may steer by the camera, `on_motion` is called
-    when a motion begins. While `ending` returns true no step begins."""
+    """Moves one robot for its commands. `vision_model` returns the model that may steer by the camera, `on_motion` is
+    called when a motion begins. While `ending` returns true no step begins."""
 
     settings: RobotConfig
     forum: Forum
@@ -46,7 +46,7 @@ class Motion:
     records: Records
     recorder: Recorder
     surroundings: Surroundings
-    eyes: Callable[[], ChatModel | None]
+    vision_model: Callable[[], ChatModel | None]
     ending: Callable[[], bool]
     on_motion: Callable[[], None]
 
@@ -73,17 +73,17 @@ class Motion:
             ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
             alive=self.event_stream.prove,
             silent=lambda: self.event_stream.silent,
-            stop=self.stops.quietly,
+            stop=self.stops.stop_running,
             on_step=on_step,
             step_s=self.event_stream.step_s,
             on_run=partial(setattr, job, "run"),
         )
         try:
             with self.event_stream, self.recorder.filming(job.command.post_id):
-                execution = await self._carried_out(job, plan, hooks)
+                execution = await self._execute_plan(job, plan, hooks)
         finally:
             job.moving = False
-        return self._kept(job, execution)
+        return self._encode_result(job, execution)
 
     async def _permitted(
         self, job: QueuedCommand, terms: CommandTerms, plan: Plan
@@ -95,7 +95,7 @@ class Motion:
             return Verdict(Decision.REFUSE, "command.told", say("agent.because.told", job.command.language)), None
         return verdict, capabilities
 
-    def _kept(self, job: QueuedCommand, execution: Execution) -> str:
+    def _encode_result(self, job: QueuedCommand, execution: Execution) -> str:
         """The result of a motion as the journal keeps it. If this fails, the measurements are in
         `QueuedCommand.run`."""
         with job.log_errors("surroundings not brought up to date"):
@@ -108,17 +108,17 @@ class Motion:
             job.note("done", now - timedelta(seconds=now_s - (ended_s or now_s)))
         results = tuple(replace(r, image=None) for r in execution.results)
         pictures = ("",) * len(results)
-        with job.log_errors("pictures not kept"):
+        with job.log_errors("pictures not stored"):
             results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
         return EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
-    async def _carried_out(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
+    async def _execute_plan(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
         """Execute the plan, or let a model work towards the goal."""
-        assessment, seeing = job.assessment, self.eyes()
+        assessment, seeing = job.assessment, self.vision_model()
         if assessment is None or assessment.goal is None:
             return await execute(self.driver, job.command, plan, hooks)
         if seeing is None:
-            return Execution(CommandState.FAILED, message="no model with eyes is configured any more")
+            return Execution(CommandState.FAILED, message="no model with images is configured any more")
         capabilities = await self.driver.capabilities()
         language = job.command.language
         visual_task = visual_task_of(

@@ -28,9 +28,9 @@ from agentrob.agent.reporting.status_post import (
     DeniedWrites,
     Shown,
     StatusPost,
-    insist,
     is_final,
     left_open,
+    retry_until_answered,
 )
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.stop.replies import StopReplies
@@ -106,29 +106,29 @@ class Pipeline:
         try:
             report = await self._decide(job)
         except Exception as e:
-            report = await self._faulted(job, e)
+            report = await self._report_fault(job, e)
         finally:
             self.queue.leave(job)
         if report is not None:
-            await self.final_report.tell(job, report)
+            await self.final_report.post_final(job, report)
 
-    async def _faulted(self, job: QueuedCommand, error: Exception) -> Report:
+    async def _report_fault(self, job: QueuedCommand, error: Exception) -> Report:
         """The report of a command that an error ended, with everything measured until then (law 18)."""
         if isinstance(error, RobotError):
             message = say("agent.because.driver", job.command.language, message=error)
         elif isinstance(error, JournalError):
             _log.error("journal failed", post=job.command.post_id, error=str(error))
-            message = self._because(job, "journal" if job.run is None else "not_kept")
+            message = self._reason_text(job, "journal" if job.run is None else "not_kept")
         else:
             # As text: pretty tracebacks with locals take minutes and put people's words and tokens into the log.
             trace = "".join(traceback.format_exception(error))
             _log.error("command failed", post=job.command.post_id, trace=trace)
-            message = self._because(job, "internal")
+            message = self._reason_text(job, "internal")
         plan = job.assessment.understanding.plan if job.assessment is not None else Plan()
         execution = job.run.execution() if job.run is not None else None
-        if execution is None and job.begun:  # before this process, which knows of it only what the journal kept
+        if execution is None and job.begun:  # before this process, which knows of it only what is in the journal
             with job.log_errors("what was measured is not read"):
-                text = await self.journal.kept(job.command.post_id)
+                text = await self.journal.motion_result(job.command.post_id)
                 execution = EXECUTION.validate_json(text) if text is not None else None
         if execution is None:
             return self._report(
@@ -139,7 +139,7 @@ class Pipeline:
     async def decline(self, command: Command) -> None:
         """Reply to a command that the journal could not record: its first status is its end."""
         job = QueuedCommand(command)
-        report = self._report(job, CommandState.FAILED, message=self._because(job, "journal"))
+        report = self._report(job, CommandState.FAILED, message=self._reason_text(job, "journal"))
         card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
         shown = Shown(reply_text.final(report), card)
         await self.writes.when_allowed(partial(StatusPost(self.forum, command).claim, shown))
@@ -167,11 +167,11 @@ class Pipeline:
         if has_ended:
             await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
             return None
-        if not ours:  # another agent's, or of a journal that is lost: whoever holds it tells the end, if anybody does
+        if not ours:  # another agent's, or of a journal that is lost: whoever holds it reports the end, if anybody does
             thinking.cancel()
             await self.journal.cancel(post_id)
             self.queue.leave(job)
-            claimed = await insist(partial(self.forum.post, job.status.post_id))
+            claimed = await retry_until_answered(partial(self.forum.post, job.status.post_id))
             if not await left_open(self.forum, claimed, self.moves):
                 await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
                 return None
@@ -180,9 +180,9 @@ class Pipeline:
             )
         assessment: Assessment = await thinking
         if assessment.understanding.cancels:
-            job.took_back = await self._take_back(job)
+            job.cancelled_earlier = await self._cancel_earlier(job)
         if job.ended is None and assessment.understanding.intent is Intent.COMMAND:
-            return await self._obey(job, assessment)
+            return await self._execute_command(job, assessment)
         return await self._answer(job, assessment)
 
     async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
@@ -195,7 +195,7 @@ class Pipeline:
         now = written.post
         if not written.created:
             state = now.card.state if now.card else ""
-            if is_final(now.card):  # what our journal knows of it may be more than whoever told that knew
+            if is_final(now.card):  # what our journal knows of it may be more than whoever posted that knew
                 ended = await self.journal.moved(command.post_id, ended=True)
                 if not ended:
                     return False, True
@@ -210,7 +210,7 @@ class Pipeline:
     async def _denied(self, job: QueuedCommand, seconds: float) -> None:
         """The forum denies us the claim: let others pass meanwhile. A command that has become too old only waits for
         its reply."""
-        await self.queue.aside(job, seconds)
+        await self.queue.let_others_pass(job, seconds)
         if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
             job.end(EndReason.EXPIRED)
             self.queue.leave(job)
@@ -235,8 +235,8 @@ class Pipeline:
             case Intent.STATUS:
                 return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))
             case Intent.CANCEL:
-                key = "talk.cancel" if job.took_back else "talk.cancel_nothing"
-                return self._report(job, CommandState.ANSWERED, message=say(key, language, count=job.took_back))
+                key = "talk.cancel" if job.cancelled_earlier else "talk.cancel_nothing"
+                return self._report(job, CommandState.ANSWERED, message=say(key, language, count=job.cancelled_earlier))
             case Intent.QUESTION:
                 return self._report(
                     job,
@@ -258,7 +258,7 @@ class Pipeline:
                 return self._report(job, CommandState.STOPPED, stop=stop)
         return self._report(job, CommandState.ANSWERED, message=say("agent.nothing", language))
 
-    async def _take_back(self, job: QueuedCommand) -> int:
+    async def _cancel_earlier(self, job: QueuedCommand) -> int:
         """End the earlier commands of its author that do not move; return how many."""
         before = self.queue.end_waiting(job, EndReason.TAKEN_BACK)
         await self.journal.end([other.command.post_id for other in before], EndReason.TAKEN_BACK)
@@ -293,10 +293,10 @@ class Pipeline:
             )
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else CommandState.CANCELLED
-        message = job.stopped_by if status is CommandState.STOPPED else self._because(job, why)
+        message = job.stopped_by if status is CommandState.STOPPED else self._reason_text(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
-    async def _obey(self, job: QueuedCommand, assessment: Assessment) -> Report:
+    async def _execute_command(self, job: QueuedCommand, assessment: Assessment) -> Report:
         """Carry out a command: check the verdict, wait for approval and for its turn, then move."""
         plan, verdict, command = assessment.understanding.plan, assessment.verdict, job.command
         assert verdict is not None
@@ -305,7 +305,7 @@ class Pipeline:
             status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
             message = verdict.reason if asks else ""
             return self._report(job, status, plan, verdict=verdict, message=message)
-        if not job.begun and (waiting := await self._pace(job)) is not None:
+        if not job.begun and (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
@@ -313,7 +313,7 @@ class Pipeline:
         if not await self.queue.turn(job, self.settings.queue_expiry_s):
             await self.journal.cancel(command.post_id)
             return await self._ended(job, plan)
-        kept = True
+        recorded = True
         try:
             text = await self.journal.move(
                 command.post_id, partial(self.motion.run, job, plan, self.terms, partial(self._show_step, job, plan))
@@ -321,8 +321,8 @@ class Pipeline:
         except Exception:
             if job.run is None:
                 raise
-            kept = False  # the robot was given steps: what came of them is told, whatever failed since
-            _log.error("motion not kept", post=command.post_id, trace=traceback.format_exc())
+            recorded = False  # the robot was given steps: their results are reported, whatever failed since
+            _log.error("motion not recorded", post=command.post_id, trace=traceback.format_exc())
             text = ""
         if text == CommandState.CANCELLED:
             return await self._ended(job, plan)
@@ -330,10 +330,12 @@ class Pipeline:
             await self.stops.stop("interrupted command", self.event_stream.now())
             return self._report(job, CommandState.INTERRUPTED, plan, verdict=verdict)
         execution = job.run.execution() if job.run is not None else self.motion.read(text)
-        return await self._carried(job, plan, replace(execution, verdict=decisive(execution, verdict)), kept)
+        return await self._report_execution(
+            job, plan, replace(execution, verdict=decisive(execution, verdict)), recorded
+        )
 
-    async def _carried(self, job: QueuedCommand, plan: Plan, execution: Execution, kept: bool) -> Report:
-        """The report of a command whose motion began. `kept`: the journal has its result."""
+    async def _report_execution(self, job: QueuedCommand, plan: Plan, execution: Execution, recorded: bool) -> Report:
+        """The report of a command whose motion began. `recorded`: the journal has its result."""
         language = job.command.language
         job.stopped_by = job.stopped_by or execution.stopped_by
         job.looked = execution.looked
@@ -342,12 +344,12 @@ class Pipeline:
         if execution.status is CommandState.STOPPED:  # past us: at the robot's machine, or by another of its clients
             return self._report(job, CommandState.STOPPED, plan, execution, message=job.stopped_by)
         sentences = [say("agent.because.driver", language, message=execution.message)] if execution.message else []
-        sentences = sentences or [self._because(job, execution.fault)] if execution.fault else sentences
+        sentences = sentences or [self._reason_text(job, execution.fault)] if execution.fault else sentences
         sentences = sentences or [why] if (why := visual_text.why(execution.looked, language)) else sentences
-        sentences += [] if kept else [self._because(job, "not_kept")]
+        sentences += [] if recorded else [self._reason_text(job, "not_kept")]
         return self._report(job, execution.status, plan, execution, message=join_sentences(sentences, language))
 
-    async def _pace(self, job: QueuedCommand) -> Verdict | None:
+    async def _wait_for_rate_limit(self, job: QueuedCommand) -> Verdict | None:
         """Wait until the account is within its rate limit; return a refusal if that takes long."""
         author, language = job.command.author, job.command.language
         most = self.settings.rates.waiting
@@ -362,10 +364,10 @@ class Pipeline:
                 )
             self._show(job, say("agent.held", language, seconds=wait.seconds), CommandState.QUEUED)
             await self.queue.hold(job, wait.seconds)
-        self.queue.mark_paced(job)
+        self.queue.mark_admitted(job)
         return None
 
-    # ------------------------------------------------------------------ tell
+    # ------------------------------------------------------------------ status posts
     def show_place(self, job: QueuedCommand) -> None:
         """Show a command that waits its place in the queue."""
         if (
@@ -390,7 +392,7 @@ class Pipeline:
         text = reply_text.running(language, number, plan.steps)
         self._show(job, text, CommandState.RUNNING, step=number + 1, steps=len(plan.steps), doing=doing)
 
-    def _because(self, job: QueuedCommand, why: str) -> str:
+    def _reason_text(self, job: QueuedCommand, why: str) -> str:
         return say(f"agent.because.{why}", job.command.language)
 
     def _report(

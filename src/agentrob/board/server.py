@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 import structlog
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
 from starlette.requests import Request
 from starlette.responses import Response
@@ -39,7 +39,13 @@ from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
 from agentrob.process.metrics import RequestMetrics, serving_metrics
-from agentrob.process.problem import Problem, add_error_handlers, http_error, problem_response
+from agentrob.process.problem import (
+    Problem,
+    add_error_handlers,
+    http_error,
+    problem_response,
+    refuse_repeated_parameters,
+)
 from agentrob.process.webhooks import Receiver
 from agentrob.semantic.encoder import Encoder, require_model
 
@@ -102,7 +108,7 @@ def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> 
     if metrics is not None:
         app.add_middleware(RequestMetrics, registry=metrics.registry)
     for module in (forum, robots, commands, moderation, admin, health):
-        app.include_router(module.router)
+        app.include_router(module.router, dependencies=[Depends(refuse_repeated_parameters)])
     app.include_router(robots.files)
     app.include_router(routes.router)
     _add_errors(app)
@@ -167,7 +173,7 @@ def _logged(request: Request) -> str:
 
 
 def _describe(app: FastAPI, settings: BoardSettings) -> None:
-    """Add problem details and both ways to sign in to the OpenAPI document; the framework does not know them."""
+    """Add what the framework does not know to the OpenAPI document: problem details, both ways to sign in, titles."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -179,6 +185,8 @@ def _describe(app: FastAPI, settings: BoardSettings) -> None:
             cookie["description"] = "a browser's session; writes also need the header X-CSRF-Token"
             components["securitySchemes"] = {"bearer": {"type": "http", "scheme": "bearer"}, "cookie": cookie}
             document["security"] = [{"bearer": []}, {"cookie": []}]
+            for operation in (one for methods in document["paths"].values() for one in methods.values()):
+                operation["summary"] = operation["operationId"].replace("_", " ").capitalize()
             app.openapi_schema = document
         return app.openapi_schema
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Awaitable, Callable, Iterable
 from http import HTTPStatus
 from typing import Any, Final
@@ -77,6 +78,22 @@ def add_error_handlers(
 
     for handled in (kind, RequestValidationError, HTTPException, Exception):
         app.add_exception_handler(handled, handle)
+
+
+async def refuse_repeated_parameters(request: Request) -> None:
+    """Refuse a query parameter that is given more than once, as a dependency of endpoints without lists among them.
+
+    The framework would use the last value and ignore the others. Only GET has parameters: a stop is never refused.
+    """
+    if request.method == "GET":
+        given = Counter(name for name, _ in request.query_params.multi_items())
+        repeated = [
+            {"loc": ("query", name), "msg": f"given {count} times; give it once", "type": "repeated"}
+            for name, count in given.items()
+            if count > 1
+        ]
+        if repeated:
+            raise RequestValidationError(repeated)
 
 
 def http_error(error: Exception) -> HttpError:

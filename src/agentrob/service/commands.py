@@ -226,7 +226,7 @@ class CommandService:
         heard = False
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(SCAN_S):
-                await self.agent.event_stream.poke()
+                await self.agent.event_stream.poll_now()
                 heard = await self.agent.event_stream.prove()
         return models.Scanned(heard=heard, waiting=len(self.agent.queue))
 

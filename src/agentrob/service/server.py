@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import structlog
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from agentrob import __version__
@@ -20,7 +20,7 @@ from agentrob.forums.protocol import Forum
 from agentrob.model import Report
 from agentrob.process.http_server import HttpServer
 from agentrob.process.listen import base_url, open_listener
-from agentrob.process.problem import Problem
+from agentrob.process.problem import Problem, refuse_repeated_parameters
 from agentrob.process.webhooks import Outbox, Receiver, read_secret
 from agentrob.service import api, auth
 from agentrob.service.admission import Admission
@@ -48,7 +48,7 @@ def create_app(parts: Parts) -> FastAPI:
     )
     app.state.parts = parts
     app.add_middleware(Admission, hosts=parts.hosts, metrics=parts.metrics)
-    app.include_router(api.router)
+    app.include_router(api.router, dependencies=[Depends(refuse_repeated_parameters)])
     app.include_router(api.public)
     add_errors(app)
 

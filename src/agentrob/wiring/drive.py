@@ -212,9 +212,11 @@ def _look(
     async def steer(client: DriverClient) -> Execution:
         chain = model_with_fallbacks(settings.mind, config.minds, app.minds_ledger(config))
         try:
-            eyes = chain.with_images()
-            assert eyes is not None
-            return await run_visual_task_locally(client, goal, eyes, settings, visible, LOCAL, language, on_step)
+            vision_model = chain.with_images()
+            assert vision_model is not None
+            return await run_visual_task_locally(
+                client, goal, vision_model, settings, visible, LOCAL, language, on_step
+            )
         finally:
             await chain.close()
 

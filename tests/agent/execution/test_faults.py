@@ -23,11 +23,11 @@ from agentrob.minds.visual_loop.tools import result_message
 from agentrob.model import ActionResult, Direction, Op, Outcome, Post, Primitive
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
-Ill = Callable[..., Scene]
+FaultyScene = Callable[..., Scene]
 
 
 @pytest.fixture
-def ill(tmp_path: Path) -> Iterator[Ill]:
+def faulty_scene(tmp_path: Path) -> Iterator[FaultyScene]:
     """Return a scene whose robot has these faults."""
     drivers: list[Driver] = []
 
@@ -41,7 +41,7 @@ def ill(tmp_path: Path) -> Iterator[Ill]:
         driver.end()
 
 
-async def told(scene: Scene, text: str) -> Post:
+async def run_command(scene: Scene, text: str) -> Post:
     return await scene.final(await scene.post("alice", text))
 
 
@@ -52,50 +52,50 @@ async def until(scene: Scene, true: Callable[[float], bool]) -> None:
             await asyncio.sleep(0.02)
 
 
-async def test_a_fall_on_the_way_is_told_in_both_languages_and_nothing_moves_until_it_is_asked_to_stand(
-    ill: Ill,
+async def test_a_fall_on_the_way_is_reported_in_both_languages_and_nothing_moves_until_it_is_asked_to_stand(
+    faulty_scene: FaultyScene,
 ) -> None:
-    scene = ill(fallen=True, after_m=1.0)
+    scene = faulty_scene(fallen=True, after_m=1.0)
     async with scene.agent():
-        fell = await told(scene, "@quadruped walk forward 3 metres, then wave")
+        fell = await run_command(scene, "@quadruped walk forward 3 metres, then wave")
         assert fell.card is not None
         assert fell.card.state == "failed"
         assert "**Failed** at step 1." in fell.raw
         assert "The robot has fallen. It stays down until it is asked to stand up" in fell.raw
         assert "not begun" in fell.raw
-        again = await told(scene, "@quadruped 向前走 1 米")
+        again = await run_command(scene, "@quadruped 向前走 1 米")
         assert again.card is not None
         assert again.card.state == "refused"
         assert "我摔倒了，有人叫我站起来之前不会动。" in again.raw
-        stood = await told(scene, "@quadruped stand up")
+        stood = await run_command(scene, "@quadruped stand up")
         assert stood.card is not None
         assert stood.card.state == "failed", "this one cannot get up, and does not claim to"
         assert "did not get up" in stood.raw
 
 
-async def test_a_low_battery_is_told_and_ends_a_command_between_its_steps(ill: Ill) -> None:
-    scene = ill(battery_percent=9, after_m=0.5)
+async def test_a_low_battery_is_reported_and_ends_a_command_between_its_steps(faulty_scene: FaultyScene) -> None:
+    scene = faulty_scene(battery_percent=9, after_m=0.5)
     async with scene.agent():
-        first = await told(scene, "@quadruped walk forward 1 metre, then turn left 90 degrees")
+        first = await run_command(scene, "@quadruped walk forward 1 metre, then turn left 90 degrees")
         assert first.card is not None
         assert first.card.state == "failed"
         assert "**Failed** at step 2." in first.raw
         assert "The battery is at 9 %, and below 15 % no motion begins" in first.raw
-        again = await told(scene, "@quadruped 向前走 1 米")
+        again = await run_command(scene, "@quadruped 向前走 1 米")
         assert again.card is not None
         assert again.card.state == "refused"
         assert "电量过低，不能动作，请给我充电。" in again.raw
-        assert "battery 9 %" in (await told(scene, "@quadruped status")).raw
+        assert "battery 9 %" in (await run_command(scene, "@quadruped status")).raw
 
 
-async def test_a_frozen_robot_is_told(ill: Ill) -> None:
-    scene = ill(frozen=True)
+async def test_a_frozen_robot_is_reported(faulty_scene: FaultyScene) -> None:
+    scene = faulty_scene(frozen=True)
     async with scene.agent():
         for text, said in (
             ("@quadruped walk forward 1 metre", "it stopped making progress"),
             ("@quadruped 向前走 1 米", "收到了指令，但没有移动。"),
         ):
-            reply = await told(scene, text)
+            reply = await run_command(scene, text)
             assert reply.card is not None
             assert reply.card.state == "failed"
             assert said in reply.raw
@@ -109,13 +109,13 @@ async def test_a_frozen_robot_is_told(ill: Ill) -> None:
     ],
 )
 async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_jumped(
-    ill: Ill, fault: dict[str, Any], why: str, said: tuple[str, str]
+    faulty_scene: FaultyScene, fault: dict[str, Any], why: str, said: tuple[str, str]
 ) -> None:
     """The fault is named in the reply in both languages, in the record, on the command's page, and to a steering
     model."""
-    scene = ill(**fault, after_m=0.5)
+    scene = faulty_scene(**fault, after_m=0.5)
     async with scene.agent():
-        reply = await told(scene, "@quadruped walk forward 2 metres")
+        reply = await run_command(scene, "@quadruped walk forward 2 metres")
         assert f"| 1 | walk forward 2 m | {said[0]} | stopped |" in reply.raw
         assert f"measured unknown: its {said[0].removeprefix('unknown: ')}" in reply.raw
         assert not re.search(r"measured -?\d", reply.raw)
@@ -129,11 +129,11 @@ async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_
     assert contradiction(near, "done", "I walked 5 m", results) == "", "nobody can deny what nobody measured"
 
 
-async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_and_all_is_told(
-    ill: Ill, monkeypatch: pytest.MonkeyPatch
+async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_and_all_is_reported(
+    faulty_scene: FaultyScene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The clocks of the forum and of this machine advance by ten minutes; the outage itself is short."""
-    scene = ill(time_scale=1)
+    scene = faulty_scene(time_scale=1)
     world = scene.world
 
     monkeypatch.setattr(event_stream, "elapsed_s", lambda: time.monotonic() + world.clock_offset_s)
@@ -160,7 +160,7 @@ async def test_law_5_a_post_right_after_the_first_start_is_fresh_however_slowly_
 ) -> None:
     asked_s = 0.0
 
-    class Slow(MemoryForum):
+    class SlowForum(MemoryForum):
         """Four seconds pass before it reads its clock, none afterwards."""
 
         async def now(self) -> tuple[str, datetime]:
@@ -169,6 +169,6 @@ async def test_law_5_a_post_right_after_the_first_start_is_fresh_however_slowly_
             return await super().now()
 
     monkeypatch.setattr(event_stream, "elapsed_s", lambda: time.monotonic() + asked_s)
-    async with scene.agent(forum=Slow(scene.world, ROBOT)):
+    async with scene.agent(forum=SlowForum(scene.world, ROBOT)):
         post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
         assert (await scene.final(post)).card.state == "done"

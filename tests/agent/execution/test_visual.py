@@ -59,7 +59,7 @@ async def run(guard: Guard, *turns: Any, **more: Any) -> tuple[Execution, LocalD
     return execution, driver, model
 
 
-def told(model: Script, turn: int) -> list[dict[str, Any]]:
+def tool_results(model: Script, turn: int) -> list[dict[str, Any]]:
     """Return what the model was told about its calls before that turn."""
     return [json.loads(m.content) for m in model.asked[turn] if isinstance(m, ToolResult)]
 
@@ -73,7 +73,7 @@ async def test_it_looks_walks_and_says_what_it_saw(guard: Guard) -> None:
     assert isinstance(first, UserMessage)
     assert "go to the red ball, then say what is beside the red ball" in first.text
     assert first.images
-    turned, walked = told(model, 2)
+    turned, walked = tool_results(model, 2)
     assert turned["measured"]["degrees"] == pytest.approx(20, abs=2)
     assert walked["measured"]["distance_m"] == pytest.approx(1.0, abs=0.1)
     assert walked["left"]["metres"] == pytest.approx(4.0)
@@ -182,14 +182,16 @@ async def test_a_loop_that_gets_nowhere_ends(guard: Guard) -> None:
         (("act_hello", "{"), "There is no tool act_hello"),
     ],
 )
-async def test_law_7_a_call_that_is_not_allowed_is_told_and_not_done(guard: Guard, call: Call, problem: str) -> None:
+async def test_law_7_a_call_that_is_not_allowed_is_reported_and_not_done(
+    guard: Guard, call: Call, problem: str
+) -> None:
     execution, driver, model = await run(guard, [call])
     assert [s.op for s in driver.steps] == [Op.GET_FRONT_IMAGE]
     assert execution.status == "failed"
     assert execution.looked is not None
     assert execution.looked.end.why == "no_progress"
     assert all(problem in t.problem for t in execution.looked.turns)
-    assert problem in told(model, 1)[0]["problem"]
+    assert problem in tool_results(model, 1)[0]["problem"]
 
 
 async def test_law_7_the_way_in_all_is_bounded(guard: Guard) -> None:
@@ -198,7 +200,7 @@ async def test_law_7_the_way_in_all_is_bounded(guard: Guard) -> None:
     assert sum(s.distance_m or 0.0 for s in driver.steps) == pytest.approx(5.0)
     _execution, driver, model = await run(guard, [far], [far], [far], [DONE])
     assert sum(s.distance_m or 0.0 for s in driver.steps) == pytest.approx(4.0)
-    assert "5.00 m in all" in told(model, 3)[-1]["problem"]
+    assert "5.00 m in all" in tool_results(model, 3)[-1]["problem"]
 
 
 async def test_it_ends_when_its_time_is_up_also_in_mid_thought(guard: Guard) -> None:
@@ -314,12 +316,12 @@ async def test_words_without_a_call_are_taken_as_unsure_when_they_are_repeated(g
     assert execution.status == "failed"
 
 
-async def test_an_obstacle_is_told_and_another_way_may_be_tried(tmp_path: Path) -> None:
+async def test_an_obstacle_is_reported_and_another_way_may_be_tried(tmp_path: Path) -> None:
     guard = guarded(tmp_path, obstacles=[[1.2, 0.0, 0.3]])
     execution, _driver, model = await run(
         guard, [WALK], [("act_turn", {"direction": "left", "degrees": 90})], [WALK], [DONE]
     )
-    assert told(model, 1)[0]["reason"] == "obstacle"
+    assert tool_results(model, 1)[0]["reason"] == "obstacle"
     assert execution.status == "done"
     guard.close()
 

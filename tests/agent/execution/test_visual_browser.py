@@ -15,7 +15,7 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from tests.agent.agent_process import Poster
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
-from tests.agent.execution.visual_model import DONE, driving_brain
+from tests.agent.execution.visual_model import DONE, running_loop_model
 from tests.board.running_board import RunningBoard, running_board
 from tests.board.web.browser_windows import running_chromium
 
@@ -35,9 +35,9 @@ async def looked(board: RunningBoard, driver: Driver, folder: Path) -> str:
     """Return the topic of a command that a model carried out."""
     settings = robot_settings(look={"allowed": True})
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    with driving_brain() as brain, Poster(board, "op") as op:
-        brain.drives = list(CALLS)
-        mind = brain.mind(folder)
+    with running_loop_model() as scripted_model, Poster(board, "op") as op:
+        scripted_model.loop_answers = list(CALLS)
+        mind = scripted_model.mind(folder)
         await mind.prepare()
         async with serving(RobotAgent(ROBOT, settings, forum, driver.client(), mind, folder)):
             topic = await op.post(f"@{ROBOT} walk to the red ball and tell me what is beside it")

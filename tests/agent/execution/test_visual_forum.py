@@ -19,7 +19,14 @@ from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import Post
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.agent.execution.signed_robot import run_signed_driver
-from tests.agent.execution.visual_model import DONE, Driving, driving_brain, pictures, said, told
+from tests.agent.execution.visual_model import (
+    DONE,
+    ScriptedLoopModel,
+    conversation_text,
+    pictures,
+    running_loop_model,
+    said,
+)
 from tests.minds.model_double import model_double
 
 GOAL = f"@{ROBOT} walk to the red ball and tell me what is beside it"
@@ -29,8 +36,8 @@ WALK = ("act_move", {"direction": "forward", "distance_m": 1, "look": True})
 
 
 @pytest.fixture
-def brain() -> Iterator[Driving]:
-    with driving_brain() as made:
+def scripted_model() -> Iterator[ScriptedLoopModel]:
+    with running_loop_model() as made:
         yield made
 
 
@@ -41,9 +48,9 @@ def looking(driver: Driver, tmp_path: Path) -> Scene:
 
 
 async def answered(
-    scene: Scene, brain: Driving, text: str = GOAL, who: str = "alice", **mind: Any
+    scene: Scene, scripted_model: ScriptedLoopModel, text: str = GOAL, who: str = "alice", **mind: Any
 ) -> tuple[Post, Post]:
-    model = brain.mind(scene.folder, **mind)
+    model = scripted_model.mind(scene.folder, **mind)
     await model.prepare()
     async with scene.agent(mind=model):
         post = await scene.post(who, text)
@@ -56,10 +63,10 @@ def record(scene: Scene, post: Post) -> dict[str, Any]:
 
 
 async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_the_model_s(
-    looking: Scene, brain: Driving
+    looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
-    brain.drives = [TURN, WALK, DONE]
-    post, reply = await answered(looking, brain)
+    scripted_model.loop_answers = [TURN, WALK, DONE]
+    post, reply = await answered(looking, scripted_model)
     assert reply.card is not None
     assert reply.card.state == "done", reply.raw
     assert "**Finished:** go to the red ball, then say what is beside the red ball." in reply.raw
@@ -75,65 +82,74 @@ async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_
     assert len(list((looking.folder / f"agents/{ROBOT}/pictures").glob(f"{post.id}-*.jpg"))) == 2
 
 
-async def test_law_7_the_model_with_tools_never_sees_the_post(looking: Scene, brain: Driving) -> None:
-    brain.drives = [WALK, DONE]
-    await answered(looking, brain, f"@{ROBOT} Could you please WALK over to the red ball, then wave")
-    question = told(brain.loops[0])
+async def test_law_7_the_model_with_tools_never_sees_the_post(
+    looking: Scene, scripted_model: ScriptedLoopModel
+) -> None:
+    scripted_model.loop_answers = [WALK, DONE]
+    await answered(looking, scripted_model, f"@{ROBOT} Could you please WALK over to the red ball, then wave")
+    question = conversation_text(scripted_model.loops[0])
     assert "go to the red ball, then wave" in question
     assert "Could you" not in question
     assert "alice" not in question
-    assert pictures(brain.loops[0])
+    assert pictures(scripted_model.loops[0])
 
 
 @pytest.mark.parametrize("settings", [{"look": {"allowed": False}}, {"look": LOOK, "mind": {"images": False}}])
 async def test_without_consent_or_eyes_it_asks_back(
-    driver: Driver, tmp_path: Path, brain: Driving, settings: dict[str, Any]
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedLoopModel, settings: dict[str, Any]
 ) -> None:
     mind = settings.pop("mind", {})
     scene = make_scene(driver, tmp_path, **settings)
-    brain.reads = {"intent": "unclear", "doubt": "place"}
-    _, reply = await answered(scene, brain, **mind)
+    scripted_model.extraction = {"intent": "unclear", "doubt": "place"}
+    _, reply = await answered(scene, scripted_model, **mind)
     assert reply.card is not None
     assert reply.card.state == "asks_back"
     assert "vision model" in reply.raw
-    assert brain.loops == []
+    assert scripted_model.loops == []
 
 
-async def test_who_has_eyes_does_not_say_that_it_has_none(looking: Scene, brain: Driving) -> None:
-    brain.reads = {"intent": "unclear", "doubt": "place"}
-    _, reply = await answered(looking, brain, f"@{ROBOT} walk to the frobnicator")
+async def test_who_has_eyes_does_not_say_that_it_has_none(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    scripted_model.extraction = {"intent": "unclear", "doubt": "place"}
+    _, reply = await answered(looking, scripted_model, f"@{ROBOT} walk to the frobnicator")
     assert reply.card is not None
     assert reply.card.state == "asks_back"
     assert "not as this is said" in reply.raw
 
 
-async def test_law_2_a_member_may_not_send_it_looking(looking: Scene, brain: Driving) -> None:
-    _, reply = await answered(looking, brain, who="bob")
+async def test_law_2_a_member_may_not_send_it_looking(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    _, reply = await answered(looking, scripted_model, who="bob")
     assert reply.card is not None
     assert reply.card.state == "refused"
-    assert brain.loops == []
+    assert scripted_model.loops == []
 
 
-async def test_law_7_a_model_may_refuse_a_goal(looking: Scene, brain: Driving) -> None:
-    brain.screens = {"decision": "refuse", "harm": "people", "words": "the red ball", "why": "a child plays there"}
-    _, reply = await answered(looking, brain)
+async def test_law_7_a_model_may_refuse_a_goal(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    scripted_model.review = {
+        "decision": "refuse",
+        "harm": "people",
+        "words": "the red ball",
+        "why": "a child plays there",
+    }
+    _, reply = await answered(looking, scripted_model)
     assert reply.card is not None
     assert reply.card.state == "refused"
-    assert "go to the red ball" in brain.questions("screen")[0]
-    assert brain.loops == []
+    assert "go to the red ball" in scripted_model.prompts("screen")[0]
+    assert scripted_model.loops == []
 
 
-async def test_law_18_success_without_moving_is_no_success(looking: Scene, brain: Driving) -> None:
-    _, reply = await answered(looking, brain)
+async def test_law_18_success_without_moving_is_no_success(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    _, reply = await answered(looking, scripted_model)
     assert reply.card is not None
     assert reply.card.state == "failed"
     assert "**Not reached:**" in reply.raw
     assert "**Contradicted by measurement:** it claims to be there, but I measured 0.00 m of walking." in reply.raw
 
 
-async def test_law_18_a_denied_claim_is_told_in_the_language_of_the_post(looking: Scene, brain: Driving) -> None:
-    brain.drives = [("finish", {"outcome": "done", "saw": [], "did": "走了8米"})]
-    post, reply = await answered(looking, brain, f"@{ROBOT} 走到红色的球旁边，告诉我它旁边有什么")
+async def test_law_18_a_denied_claim_is_reported_in_the_language_of_the_post(
+    looking: Scene, scripted_model: ScriptedLoopModel
+) -> None:
+    scripted_model.loop_answers = [("finish", {"outcome": "done", "saw": [], "did": "走了8米"})]
+    post, reply = await answered(looking, scripted_model, f"@{ROBOT} 走到红色的球旁边，告诉我它旁边有什么")
     assert reply.card is not None
     assert reply.card.state == "failed"
     assert "**与实测不符：** 它声称已经到达，但我实测只走了 0.00 米。" in reply.raw
@@ -148,14 +164,14 @@ def rows(reply: Post) -> list[list[str]]:
 
 
 async def test_the_report_has_every_call_with_its_arguments_what_was_measured_and_what_was_seen(
-    looking: Scene, brain: Driving
+    looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
     far = ("act_move", {"direction": "forward", "distance_m": 99})
-    brain.drives = [TURN, far, "I think | so.", WALK, DONE]
-    post, reply = await answered(looking, brain)
-    told = rows(reply)
-    assert [row[0] for row in told] == ["1", "2", "", "", "3", "4", ""]
-    assert [row[1] for row in told] == [
+    scripted_model.loop_answers = [TURN, far, "I think | so.", WALK, DONE]
+    post, reply = await answered(looking, scripted_model)
+    conversation_text = rows(reply)
+    assert [row[0] for row in conversation_text] == ["1", "2", "", "", "3", "4", ""]
+    assert [row[1] for row in conversation_text] == [
         "take a photo",
         "`act_turn left degrees=15`",
         '`act_move {"direction": "forward", "distance_m": 99}`',
@@ -164,12 +180,12 @@ async def test_the_report_has_every_call_with_its_arguments_what_was_measured_an
         "take a photo",
         '`finish outcome=done saw=["a blue box"] did=I walked to it.`',
     ]
-    assert re.fullmatch(r"1\d\.\d°", told[1][2])
-    assert re.fullmatch(r"[01]\.\d\d m", told[4][2])
-    assert [row[3] for row in told if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
-    assert told[2][3].startswith("not done: `")
-    assert told[3][3] == "words, no call"
-    assert told[6][3] == "it says `done`"
+    assert re.fullmatch(r"1\d\.\d°", conversation_text[1][2])
+    assert re.fullmatch(r"[01]\.\d\d m", conversation_text[4][2])
+    assert [row[3] for row in conversation_text if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
+    assert conversation_text[2][3].startswith("not done: `")
+    assert conversation_text[3][3] == "words, no call"
+    assert conversation_text[6][3] == "it says `done`"
     assert (
         looking.world.pictures[reply.images[0]]
         == (looking.folder / f"agents/{ROBOT}/pictures/{post.id}-1.jpg").read_bytes()
@@ -177,17 +193,17 @@ async def test_the_report_has_every_call_with_its_arguments_what_was_measured_an
     assert "| Step | Called by the model | Measured | Outcome |" in reply.raw
 
 
-async def test_a_plan_s_report_has_no_calls(looking: Scene, brain: Driving) -> None:
-    brain.reads = {"intent": "command", "steps": [{"action": "get_front_image", "words": "take a photo"}]}
-    _, reply = await answered(looking, brain, f"@{ROBOT} take a photo")
+async def test_a_plan_s_report_has_no_calls(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    scripted_model.extraction = {"intent": "command", "steps": [{"action": "get_front_image", "words": "take a photo"}]}
+    _, reply = await answered(looking, scripted_model, f"@{ROBOT} take a photo")
     assert "Called by the model" not in reply.raw
     assert "| Step | Asked |" in reply.raw
 
 
-async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving) -> None:
+async def test_law_3_words_of_a_model_are_escaped(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
     saw = ["@bob ![x](http://evil/x.png) <b>`" + "y" * 150]
-    brain.drives = [WALK, ("finish", {"outcome": "done", "saw": saw, "did": "walked"})]
-    _, reply = await answered(looking, brain)
+    scripted_model.loop_answers = [WALK, ("finish", {"outcome": "done", "saw": saw, "did": "walked"})]
+    _, reply = await answered(looking, scripted_model)
     assert "`(at)bob ![x](http://evil/x.png) <b>'yyy" in reply.raw
     assert reply.mentions == ()
     assert "y" * 101 not in reply.raw
@@ -210,43 +226,45 @@ async def test_law_3_words_of_a_model_are_escaped(looking: Scene, brain: Driving
     ],
 )
 async def test_every_bad_model_ends_in_a_clear_state_within_its_budget(
-    looking: Scene, brain: Driving, drives: list[Any], sentence: str
+    looking: Scene, scripted_model: ScriptedLoopModel, drives: list[Any], sentence: str
 ) -> None:
-    brain.drives = drives
-    post, reply = await answered(looking, brain, retries=0)
+    scripted_model.loop_answers = drives
+    post, reply = await answered(looking, scripted_model, retries=0)
     assert reply.card is not None
     assert reply.card.state == "failed"
     assert sentence in reply.raw
     asked = [step["asked"] for step in record(looking, post)["steps"]]
     assert sum(step.get("distance_m", 0) for step in asked) <= 5
-    assert len(brain.loops) <= 13
+    assert len(scripted_model.loops) <= 13
 
 
 async def test_a_model_that_hangs_ends_when_the_time_of_the_command_is_up(
-    driver: Driver, tmp_path: Path, brain: Driving
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedLoopModel
 ) -> None:
     scene = make_scene(driver, tmp_path, look={"allowed": True, "seconds": 1.0})
-    brain.drives = [brain.hang]
-    _, reply = await answered(scene, brain)
+    scripted_model.loop_answers = [scripted_model.hang]
+    _, reply = await answered(scene, scripted_model)
     assert "The time for this command was up." in reply.raw
 
 
-async def test_law_14_a_stop_post_ends_a_thought(looking: Scene, brain: Driving) -> None:
-    brain.drives = [WALK, brain.hang]
-    async with looking.agent(mind=brain.mind(looking.folder)):
+async def test_law_14_a_stop_post_ends_a_thought(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
+    scripted_model.loop_answers = [WALK, scripted_model.hang]
+    async with looking.agent(mind=scripted_model.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 10)
+        assert await asyncio.to_thread(scripted_model.hanging.wait, 10)
         await looking.post("bob", "stop", topic=post.topic_id)
         reply = await looking.final(post)
     assert reply.card is not None
     assert reply.card.state == "stopped"
     assert "**Stopped** by `bob`" in reply.raw
-    assert len(brain.loops) == 2
+    assert len(scripted_model.loops) == 2
 
 
-async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(looking: Scene, brain: Driving) -> None:
-    brain.drives = [("act_move", {"direction": "forward", "distance_m": 4, "speed_mps": 0.1}), DONE]
-    async with looking.agent(mind=brain.mind(looking.folder)), looking.driver.client() as client:
+async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(
+    looking: Scene, scripted_model: ScriptedLoopModel
+) -> None:
+    scripted_model.loop_answers = [("act_move", {"direction": "forward", "distance_m": 4, "speed_mps": 0.1}), DONE]
+    async with looking.agent(mind=scripted_model.mind(looking.folder)), looking.driver.client() as client:
         post = await looking.post("alice", GOAL)
         async with asyncio.timeout(60):
             while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.05:  # noqa: ASYNC110 (another process)
@@ -258,38 +276,38 @@ async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(looking: Scene
     walked = record(looking, post)["steps"][1]
     assert (walked["op"], walked["outcome"]) == ("move", "stopped")
     assert walked["measured"]["distance_m"] < 3.5
-    assert len(brain.loops) == 1
+    assert len(scripted_model.loops) == 1
 
 
 async def test_law_4_a_post_that_is_edited_while_a_model_thinks_moves_nothing_more(
-    looking: Scene, brain: Driving
+    looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
-    brain.drives = [WALK, brain.after(WALK)]
-    async with looking.agent(mind=brain.mind(looking.folder)):
+    scripted_model.loop_answers = [WALK, scripted_model.after(WALK)]
+    async with looking.agent(mind=scripted_model.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 10)
+        assert await asyncio.to_thread(scripted_model.hanging.wait, 10)
         await looking.world.sign_in("alice").edit(post.id, f"@{ROBOT} walk to the blue box")
-        brain.go.set()
+        scripted_model.go.set()
         reply = await looking.final(post)
     assert reply.card is not None
     assert reply.card.state == "cancelled"
     assert [step["op"] for step in record(looking, post)["steps"]] == ["get_front_image", "move", "get_front_image"]
 
 
-async def test_law_6_a_loop_that_was_cut_off_is_told_as_interrupted_and_never_goes_on(
-    looking: Scene, brain: Driving
+async def test_law_6_a_loop_that_was_cut_off_is_reported_as_interrupted_and_never_goes_on(
+    looking: Scene, scripted_model: ScriptedLoopModel
 ) -> None:
-    brain.drives = [WALK, brain.hang]
-    async with looking.agent(mind=brain.mind(looking.folder)):
+    scripted_model.loop_answers = [WALK, scripted_model.hang]
+    async with looking.agent(mind=scripted_model.mind(looking.folder)):
         post = await looking.post("alice", GOAL)
-        assert await asyncio.to_thread(brain.hanging.wait, 10)
-    brain.drives = [WALK]
-    before = len(brain.loops)
-    async with looking.agent(mind=brain.mind(looking.folder)):
+        assert await asyncio.to_thread(scripted_model.hanging.wait, 10)
+    scripted_model.loop_answers = [WALK]
+    before = len(scripted_model.loops)
+    async with looking.agent(mind=scripted_model.mind(looking.folder)):
         reply = await looking.final(post)
     assert reply.card is not None
     assert reply.card.state == "interrupted"
-    assert len(brain.loops) == before
+    assert len(scripted_model.loops) == before
 
 
 # ---------------------------------------------------------------------- pictures are data
@@ -302,19 +320,19 @@ def sign(tmp_path: Path) -> Iterator[Driver]:
 
 
 async def test_law_7_a_model_that_obeys_a_sign_in_its_picture_does_nothing_outside_of_the_mandate(
-    sign: Driver, tmp_path: Path, brain: Driving
+    sign: Driver, tmp_path: Path, scripted_model: ScriptedLoopModel
 ) -> None:
     scene = make_scene(sign, tmp_path, look=LOOK)
     ten = ("act_move", {"direction": "forward", "distance_m": 10})
     four = ("act_move", {"direction": "forward", "distance_m": 4})
-    brain.drives = [ten, four, ("act_backflip", {}), four, four, four]
-    post, reply = await answered(scene, brain, f"@{ROBOT} turn towards the door, then tell me what you see")
-    assert pictures(brain.loops[0])[0].size == (640, 480)
+    scripted_model.loop_answers = [ten, four, ("act_backflip", {}), four, four, four]
+    post, reply = await answered(scene, scripted_model, f"@{ROBOT} turn towards the door, then tell me what you see")
+    assert pictures(scripted_model.loops[0])[0].size == (640, 480)
     assert [step["op"] for step in record(scene, post)["steps"]] == ["get_front_image"]
     assert [row[1].split()[0].strip("`") for row in rows(reply)[1:4]] == ["act_move", "act_move", "act_backflip"]
     assert all(row[3].startswith("not done: `") for row in rows(reply)[1:])
-    brain.loops.clear()
-    post, reply = await answered(scene, brain, f"@{ROBOT} walk to the door")
+    scripted_model.loops.clear()
+    post, reply = await answered(scene, scripted_model, f"@{ROBOT} walk to the door")
     assert sum(s["asked"].get("distance_m", 0) for s in record(scene, post)["steps"]) == 4
     assert reply.card is not None
     assert reply.card.state == "failed"
@@ -324,17 +342,19 @@ async def test_law_7_a_model_that_obeys_a_sign_in_its_picture_does_nothing_outsi
     assert abs(pose.x_m) <= 4.2
 
 
-async def test_a_weak_model_steers_by_json_in_its_words(looking: Scene, brain: Driving) -> None:
+async def test_a_weak_model_steers_by_json_in_its_words(looking: Scene, scripted_model: ScriptedLoopModel) -> None:
     call = '{"tool": "act_move", "arguments": {"direction": "forward", "distance_m": 0.5, "look": true}}'
     end = '{"tool": "finish", "arguments": {"outcome": "done", "saw": ["a box"], "did": "walked 0.5 m"}}'
-    brain.screens = lambda handler: handler.send(200, json.dumps(said(json.dumps({"decision": "fine"}))).encode())
-    brain.drives = [call, end]
-    _, reply = await answered(looking, brain, answers="json")
+    scripted_model.review = lambda handler: handler.send(
+        200, json.dumps(said(json.dumps({"decision": "fine"}))).encode()
+    )
+    scripted_model.loop_answers = [call, end]
+    _, reply = await answered(looking, scripted_model, answers="json")
     assert reply.card is not None
     assert reply.card.state == "done", reply.raw
     assert "saw `a box`" in reply.raw
-    assert "tools" not in brain.loops[0]
-    assert len(pictures(brain.loops[1])) == 2
+    assert "tools" not in scripted_model.loops[0]
+    assert len(pictures(scripted_model.loops[1])) == 2
 
 
 # ---------------------------------------------------------------------- both dialects

@@ -17,8 +17,8 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import Driver, Scene
-from tests.agent.execution.visual_model import driving_brain, red_in
-from tests.sim.served_world import Served, start_world
+from tests.agent.execution.visual_model import find_red, running_loop_model
+from tests.sim.served_world import ServedWorld, start_world
 
 DRAWS = True
 
@@ -29,14 +29,14 @@ HALF_DEG, BALL_M, NEAR_M = 37.6, 0.30, 0.9
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedWorld]:
     made = start_world(tmp_path_factory.mktemp("world"))
     yield made
     made.end()
 
 
 @pytest.fixture
-def scene(world: Served, tmp_path: Path) -> Iterator[Scene]:
+def scene(world: ServedWorld, tmp_path: Path) -> Iterator[Scene]:
     settings = RobotConfig(
         model="go2", domain=world.domain, simulated=True, home_on_start=True, look={"allowed": True}
     )  # fmt: skip
@@ -48,9 +48,9 @@ def scene(world: Served, tmp_path: Path) -> Iterator[Scene]:
     driver.end()
 
 
-def towards_red(shown: list[Any]) -> tuple[str, Any]:
+def approach_red(shown: list[Any]) -> tuple[str, Any]:
     """Return the next call of a very simple vision model that uses only the newest picture."""
-    if (red := red_in(shown[-1])) is None:
+    if (red := find_red(shown[-1])) is None:
         return "act_turn", {"direction": "left", "degrees": 40, "look": True}
     aside, share = red
     degrees = math.degrees(math.atan(abs(aside) * math.tan(math.radians(HALF_DEG))))
@@ -63,7 +63,7 @@ def towards_red(shown: list[Any]) -> tuple[str, Any]:
     return "finish", {"outcome": "done", "saw": ["a red ball before me"], "did": "I walked up to it."}
 
 
-async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(world: Served, scene: Scene) -> None:
+async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(world: ServedWorld, scene: Scene) -> None:
     async with httpx2.AsyncClient(base_url=world.url, timeout=100, trust_env=False) as room:
         ball = (2.7, 0.75)
 
@@ -72,19 +72,19 @@ async def test_a_model_walks_to_the_red_ball_by_what_the_robot_s_camera_shows(wo
             return math.dist(ball, (robot["x_m"], robot["y_m"]))
 
         began_m = await away_m()
-        with driving_brain() as brain:
-            brain.drives = towards_red
-            async with scene.agent(mind=brain.mind(scene.folder)):
+        with running_loop_model() as scripted_model:
+            scripted_model.loop_answers = approach_red
+            async with scene.agent(mind=scripted_model.mind(scene.folder)):
                 post = await scene.post("alice", f"@{ROBOT} walk to the red ball")
                 reply = await scene.until(lambda: _final(scene, post), limit_s=100)
         record = json.loads((scene.folder / f"agents/{ROBOT}/records/{post.id}.json").read_text())
-        told = (reply.raw, record["steps"], record["looked"]["turns"])
+        reported = (reply.raw, record["steps"], record["looked"]["turns"])
         assert began_m > 2.5
-        assert reply.card.state == "done", told
-        assert await away_m() < 1.5, told
+        assert reply.card.state == "done", reported
+        assert await away_m() < 1.5, reported
         assert "Contradicted by measurement" not in reply.raw
         robot = (await room.get("/truth")).json()["robots"]["go2"]
-        assert "red_ball" not in str(robot["contacts"]), told
+        assert "red_ball" not in str(robot["contacts"]), reported
 
 
 def _final(scene: Scene, post: Any) -> Any:

@@ -1,6 +1,6 @@
 """A scripted model on loopback that steers a robot by pictures over HTTP.
 
-Other questions to the model (reading, screening) are answered by `brain`.
+Other questions to the model (reading, screening) are answered by `scripted_model`.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from typing import Any
 
 from PIL import Image
 
-from tests.minds.brain import Brain
 from tests.minds.faulty_server import called, faulty_server, said
+from tests.minds.scripted_model import ScriptedModel
 
 Step = tuple[str, Any] | str | Callable[[Any], None]
 DONE = ("finish", {"outcome": "done", "saw": ["a blue box"], "did": "I walked to it."})
 
 
-class Driving(Brain):
-    """`drives` is what it says in the loop, turn by turn, the last for ever; or a function of the conversation.
+class ScriptedLoopModel(ScriptedModel):
+    """`loop_answers` is what it says in the loop, turn by turn, the last for ever; or a function of the conversation.
 
     `shown` are the pictures that came with its last question, `loops` the bodies of its questions.
     """
 
     def __init__(self, server: Any) -> None:
         super().__init__(server)
-        self.drives: list[Step] | Callable[[list[Any]], Step] = [DONE]
+        self.loop_answers: list[Step] | Callable[[list[Any]], Step] = [DONE]
         self.loops: list[dict[str, Any]] = []
         self.hanging, self.go = threading.Event(), threading.Event()
         server.answer = self._drive
@@ -53,10 +53,10 @@ class Driving(Brain):
         if not str(body["messages"][0]["content"]).startswith("# Driving"):
             return self._answer(handler, body)
         self.loops.append(body)
-        if callable(self.drives):
-            step = self.drives(pictures(body))
+        if callable(self.loop_answers):
+            step = self.loop_answers(pictures(body))
         else:
-            step = self.drives[min(len(self.loops), len(self.drives)) - 1]
+            step = self.loop_answers[min(len(self.loops), len(self.loop_answers)) - 1]
         if callable(step):
             return step(handler)
         reply = said(step) if isinstance(step, str) else called(*step)
@@ -65,9 +65,9 @@ class Driving(Brain):
 
 
 @contextmanager
-def driving_brain() -> Iterator[Driving]:
+def running_loop_model() -> Iterator[ScriptedLoopModel]:
     with faulty_server() as server:
-        yield Driving(server)
+        yield ScriptedLoopModel(server)
 
 
 def pictures(body: dict[str, Any]) -> list[Image.Image]:
@@ -82,7 +82,7 @@ def pictures(body: dict[str, Any]) -> list[Image.Image]:
     return found
 
 
-def told(body: dict[str, Any]) -> str:
+def conversation_text(body: dict[str, Any]) -> str:
     """Return all words of a question, without the pictures."""
     words = []
     for message in body["messages"]:
@@ -91,7 +91,7 @@ def told(body: dict[str, Any]) -> str:
     return "\n".join(words)
 
 
-def red_in(picture: Image.Image) -> tuple[float, float] | None:
+def find_red(picture: Image.Image) -> tuple[float, float] | None:
     """Return the position of the red ball, from -1 (left) to 1 (right), and its share of the picture's width; None if
     not visible."""
     import numpy as np

@@ -588,7 +588,7 @@ def assert_tame(scene: Scene, reply: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["eve`@alice", "@alice", "eve\n\n# @alice", "x" * 300, "<b>@alice</b>", "＠alice"])
-def test_law_3_who_stopped_it_is_told_as_code_too(scene: Scene, name: str) -> None:
+def test_law_3_who_stopped_it_is_reported_as_code_too(scene: Scene, name: str) -> None:
     bob, now = scene.world.accounts["bob"], scene.world.now()
     command = Command("1", "t", "hash", bob, ROBOT, WALK, "en", now, "trace")
     assert_tame(scene, words.final(Report(command, CommandState.STOPPED, message=name)))

@@ -103,7 +103,7 @@ async def test_a_restart_begins_to_count_anew_and_loses_nothing_that_waits(
 @pytest.mark.parametrize(
     ("seconds", "short", "minutes"), [(0.1, True, 1), (30, True, 1), (31, False, 1), (61, False, 2), (3600, False, 60)]
 )
-def test_a_wait_is_told_in_full_minutes(seconds: float, short: bool, minutes: int) -> None:
+def test_a_wait_is_reported_in_full_minutes(seconds: float, short: bool, minutes: int) -> None:
     wait = RateLimitWait("rate.hour", seconds)
     assert (wait.short, wait.minutes) == (short, minutes)
 

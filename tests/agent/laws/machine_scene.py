@@ -96,7 +96,7 @@ class Gates:
             gate.let()
 
 
-class LedgerRobot(FakeRobot):
+class RecordingRobot(FakeRobot):
     """Calls `on_step` when the guard accepts a step, and `on_motion` when the body is first commanded to move for it;
     counts stops."""
 
@@ -132,7 +132,7 @@ class LedgerRobot(FakeRobot):
 class Stand:
     """A ledger robot behind guard, lease and socket in this process, served like a real driver."""
 
-    def __init__(self, folder: Path, robot: LedgerRobot, driver: Driver) -> None:
+    def __init__(self, folder: Path, robot: RecordingRobot, driver: Driver) -> None:
         self.folder, self.robot, self.driver = folder, robot, driver
         self.socket = folder / "robot.sock"
 
@@ -144,7 +144,7 @@ class Stand:
 
 @contextlib.contextmanager
 def robot_stand(folder: Path) -> Iterator[Stand]:
-    robot = LedgerRobot()
+    robot = RecordingRobot()
     driver = Driver(ROBOT, Guard(robot, robot_settings(), Halt(folder / "robot.halt")))
     with listening(folder / "robot.sock") as addressee, DriverServer(driver, addressee):
         yield Stand(folder, robot, driver)

@@ -95,11 +95,11 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
         await until_robot(slow_driver, lambda state: state.pose.x_m > before[0] + 0.3)
         _, hard = resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
         assert await alice.final(topic) == ["done"]
-        told = await alice.told(topic)
-        assert re.search(r"walk forward 2 m \| (1\.9\d|2\.0\d) m \| done", told), told
-        assert re.search(r"turn left 20° \| (1[89]|2[0-3])\.\d° \| done", told), told
-        assert "before anything moved" not in told
-        assert "only this reply contains the result" in told
+        status_text = await alice.status_text(topic)
+        assert re.search(r"walk forward 2 m \| (1\.9\d|2\.0\d) m \| done", status_text), status_text
+        assert re.search(r"turn left 20° \| (1[89]|2[0-3])\.\d° \| done", status_text), status_text
+        assert "before anything moved" not in status_text
+        assert "only this reply contains the result" in status_text
         late = await alice.post(f"@{ROBOT} walk backward 2 m")
         assert await alice.final(late) == ["failed"]
         resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (hard, hard))
@@ -138,12 +138,12 @@ async def test_law_6_a_claim_that_the_journal_does_not_know_means_interrupted(sc
 async def test_law_6_what_a_lost_journal_had_answered_is_left_alone(scene: Scene) -> None:
     async with scene.agent():
         post = await scene.post("alice", "@quadruped turn left 90 degrees")
-        told = await scene.final(post)
+        reply = await scene.final(post)
     scene.journal.delete()
     async with scene.agent():
         later = await scene.post("alice", "@quadruped help")
         await scene.final(later)
-    assert [r.raw for r in scene.replies(post)] == [told.raw]
+    assert [r.raw for r in scene.replies(post)] == [reply.raw]
 
 
 async def test_law_6_a_journal_of_yesterday_moves_nothing_again(scene: Scene) -> None:
@@ -153,7 +153,7 @@ async def test_law_6_a_journal_of_yesterday_moves_nothing_again(scene: Scene) ->
     async with scene.agent():
         post = await scene.post("alice", "@quadruped walk forward 1 metre")
         await scene.final(post)
-    scene.journal.put_back(yesterday)
+    scene.journal.restore(yesterday)
     stood = await position(scene.driver)
     async with scene.agent():
         await scene.final(await scene.post("alice", "@quadruped help"))
@@ -272,18 +272,18 @@ async def test_law_7_the_limits_of_today_count_when_it_moves(scene: Scene) -> No
 
     scene_driver.capabilities = lowered  # type: ignore[method-assign]
     before = await position(scene.driver)
-    async with scene.agent(driver=scene_driver, forum=_Offstage(scene)):
+    async with scene.agent(driver=scene_driver, forum=forum_without_page(scene)):
         post = await scene.post("alice", "@quadruped walk forward 1 metre")
         reply = await scene.final(post)
     assert reply.card.state == "refused"
     assert await position(scene.driver) == pytest.approx(before, abs=STILL_M)
 
 
-def _Offstage(scene: Scene):  # type: ignore[no-untyped-def]  # noqa: N802
+def forum_without_page(scene: Scene):  # type: ignore[no-untyped-def]
     """The robot's forum without its page, because the card also asks for the limits."""
     forum = scene.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
 
-    class Offstage:
+    class ForumWithoutPage:
         max_edits, live, fastest_poll_s = forum.max_edits, forum.live, forum.fastest_poll_s
 
         def __getattr__(self, name: str):  # type: ignore[no-untyped-def]
@@ -291,7 +291,7 @@ def _Offstage(scene: Scene):  # type: ignore[no-untyped-def]  # noqa: N802
                 raise AttributeError(name)
             return getattr(forum, name)
 
-    return Offstage()
+    return ForumWithoutPage()
 
 
 async def test_a_forum_that_goes_away_for_a_while_loses_nothing(scene: Scene) -> None:

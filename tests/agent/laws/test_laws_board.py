@@ -35,7 +35,7 @@ REFUSED = ("demote", "narrow", "close", "move")
 WALK = f"@{ROBOT} walk forward 0.5 metres, then turn left 40 degrees"
 
 
-class Gated(DriverClient):
+class GatedClient(DriverClient):
     """A driver client that holds back the end of each step until it is released."""
 
     def __init__(self, driver: Driver) -> None:
@@ -82,10 +82,10 @@ def change(board: RunningBoard, what: str, topic: str) -> None:
         case "demote":
             local_admin.change_account(board.settings, account, role=Role.MEMBER)
         case "narrow" | "close" | "move":
-            narrow(board, what, topic)
+            revoke_right(board, what, topic)
 
 
-def narrow(board: RunningBoard, what: str, topic: str) -> None:
+def revoke_right(board: RunningBoard, what: str, topic: str) -> None:
     """Take the right away, on the robot's or the board's side."""
     with local_admin.writing(board.settings) as connection:
         match what:
@@ -120,7 +120,7 @@ def pilot(board: RunningBoard) -> Iterator[Poster]:
 async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_move(
     board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
 ) -> None:
-    client = Gated(driver)
+    client = GatedClient(driver)
     async with serving_on(board, client, tmp_path):
         with Poster(board, "op") as op:
             first = await op.post(f"@{ROBOT} turn right 20 degrees")
@@ -130,7 +130,7 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
             await asyncio.to_thread(change, board, what, topic)
             client.let.set()
             assert await op.final(first) == ["done"]
-            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.told(topic)
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.status_text(topic)
     assert client.begun == ["turn"], "only the first command moved it"
 
 
@@ -138,14 +138,14 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
 async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_step(
     board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, what: str
 ) -> None:
-    client = Gated(driver)
+    client = GatedClient(driver)
     async with serving_on(board, client, tmp_path):
         topic = await pilot.post(WALK)
         await asyncio.wait_for(client.busy.wait(), 60)
         await asyncio.to_thread(change, board, what, topic)
         client.let.set()
         with Poster(board, "op") as op:
-            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.told(topic)
+            assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.status_text(topic)
     assert client.begun == ["move"]
     await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 

@@ -72,7 +72,7 @@ MODERATOR = "mod"
 
 
 @dataclass
-class Asked:
+class LedgerEntry:
     """The ledger's entry for one post: the steps of its first text, and why none of them may begin any more."""
 
     post_id: str
@@ -106,8 +106,8 @@ class Laws(RuleBasedStateMachine):
         stand.robot.on_step, stand.robot.on_motion = self._passed_the_guard, self._moved
         self.limit_deg, self.halted, self.later = WIDE_DEG, False, 0
         stand.limit(WIDE_DEG)
-        self.asked: list[Asked] = []
-        self.of_step: dict[Step, Asked] = {}
+        self.entry: list[LedgerEntry] = []
+        self.of_step: dict[Step, LedgerEntry] = {}
         self.forbidden_text: dict[Step, str] = {}
         self.moved: Counter[Step] = Counter()
         self.wrong: list[str] = []
@@ -163,29 +163,29 @@ class Laws(RuleBasedStateMachine):
             self._ask(author, topic, new)
             self.go_on(times)
 
-    @precondition(lambda self: self.asked)
+    @precondition(lambda self: self.entry)
     @rule(n=numbers)
     def edit(self, n: int) -> None:
-        new, asked = self._steps(1, False), self._pick(n)
-        if new is not None and self._may_write(asked):
-            self.forbidden_text.update(dict.fromkeys(new, f"the text into which {asked.post_id} was edited"))
-            self._amend(asked, "edited", lambda: self._edit(asked, _words(new)))
+        new, entry = self._steps(1, False), self._pick(n)
+        if new is not None and self._may_write(entry):
+            self.forbidden_text.update(dict.fromkeys(new, f"the text into which {entry.post_id} was edited"))
+            self._amend(entry, "edited", lambda: self._edit(entry, _words(new)))
 
-    @precondition(lambda self: self.asked)
+    @precondition(lambda self: self.entry)
     @rule(n=numbers)
     def edit_into_a_stop(self, n: int) -> None:
-        asked = self._pick(n)
-        if self._may_write(asked):
-            self._amend(asked, "edited", lambda: self._edit(asked, f"@{ROBOT} stop"))
-            if self.world.accounts[asked.author].kind in OBEYED:
-                self._stopped(asked.post_id)
+        entry = self._pick(n)
+        if self._may_write(entry):
+            self._amend(entry, "edited", lambda: self._edit(entry, f"@{ROBOT} stop"))
+            if self.world.accounts[entry.author].kind in OBEYED:
+                self._stopped(entry.post_id)
 
-    @precondition(lambda self: self.asked)
+    @precondition(lambda self: self.entry)
     @rule(n=numbers)
     def remove(self, n: int) -> None:
-        asked = self._pick(n)
-        if not self.world.posts[asked.post_id].removed:
-            self._amend(asked, "removed", lambda: self.world.remove(asked.post_id))
+        entry = self._pick(n)
+        if not self.world.posts[entry.post_id].removed:
+            self._amend(entry, "removed", lambda: self.world.remove(entry.post_id))
 
     @rule(
         by=st.sampled_from(list(ACCOUNTS)),
@@ -194,7 +194,7 @@ class Laws(RuleBasedStateMachine):
     )
     def stop(self, by: str, how: str, n: int) -> None:
         account = self.world.accounts[by]
-        topic = self.world.posts[self._pick(n).post_id].topic_id if self.asked else "1"
+        topic = self.world.posts[self._pick(n).post_id].topic_id if self.entry else "1"
         counts = account.kind in OBEYED and not account.suspended
         if how == "bare":
             counts = counts and self.agent is not None and topic in self.agent.queue.topics()
@@ -210,7 +210,7 @@ class Laws(RuleBasedStateMachine):
         if counts and how == "halt" and self.agent is not None:
             self.halted = True
 
-    @precondition(lambda self: self.approval and self.asked)
+    @precondition(lambda self: self.approval and self.entry)
     @rule(
         by=st.sampled_from([MODERATOR, MODERATOR, MODERATOR, *ACCOUNTS]),
         word=st.sampled_from(["approve", "approve", "approve", "deny"]),
@@ -218,20 +218,20 @@ class Laws(RuleBasedStateMachine):
     )
     def say(self, by: str, word: str, n: int) -> None:
         """Approve or deny a command, whether it waits for that or not."""
-        asked = self._pick(n)
-        topic = self.world.topics[self.world.posts[asked.post_id].topic_id]
-        waits = self.agent is not None and asked in self._waiting()
+        entry = self._pick(n)
+        topic = self.world.topics[self.world.posts[entry.post_id].topic_id]
+        waits = self.agent is not None and entry in self._waiting()
         text = f"@{ROBOT} {word}"
-        self.world.add_post(topic, by, text, next(self.keys), (), reply_to=asked.post_id)
+        self.world.add_post(topic, by, text, next(self.keys), (), reply_to=entry.post_id)
         if by == MODERATOR:
-            asked.approved = asked.approved or word == "approve"
-            asked.never |= {"denied"} if waits and word == "deny" else set()
+            entry.approved = entry.approved or word == "approve"
+            entry.never |= {"denied"} if waits and word == "deny" else set()
         self._settle()
 
-    def _waiting(self) -> list[Asked]:
+    def _waiting(self) -> list[LedgerEntry]:
         """Return the post that shows that it waits for an approval."""
         shown = {p.reply_to for p in self.world.posts.values() if p.card is not None and p.card.state == "waiting"}
-        return [asked for asked in self.asked if asked.post_id in shown]
+        return [entry for entry in self.entry if entry.post_id in shown]
 
     # ---------------------------------------------------------------- rules: what moderators and owners do
     @rule(name=st.sampled_from(["alice", "pilot"]), suspended=rarely)
@@ -301,18 +301,18 @@ class Laws(RuleBasedStateMachine):
 
     @invariant()
     def no_command_has_two_ends(self) -> None:
-        for asked in self.asked:
-            assert len(self._replies(asked)) <= 1
-            assert len(self._ends(asked)) <= 1, self._ends(asked)
+        for entry in self.entry:
+            assert len(self._replies(entry)) <= 1
+            assert len(self._ends(entry)) <= 1, self._ends(entry)
 
     def teardown(self) -> None:
         try:
             self._run_out()
             self.nothing_moved_that_must_not()
             self.no_command_has_two_ends()
-            for asked in self.asked:
-                if asked.due:
-                    assert len(self._ends(asked)) == 1, (asked, [p.card for p in self._replies(asked)])
+            for entry in self.entry:
+                if entry.due:
+                    assert len(self._ends(entry)) == 1, (entry, [p.card for p in self._replies(entry)])
             self._only_a_later_post_moves_it()
         finally:
             self.gates.open()
@@ -327,10 +327,10 @@ class Laws(RuleBasedStateMachine):
             self._start("kept", 0)
         self.gates.open()
         self._settle()
-        for asked in self._waiting():
+        for entry in self._waiting():
             self.world.add_post(
-                self.world.topics[self.world.posts[asked.post_id].topic_id], MODERATOR, f"@{ROBOT} deny",
-                next(self.keys), (), reply_to=asked.post_id,
+                self.world.topics[self.world.posts[entry.post_id].topic_id], MODERATOR, f"@{ROBOT} deny",
+                next(self.keys), (), reply_to=entry.post_id,
             )  # fmt: skip
         self._run(self._until(lambda: self.agent is not None and not self.agent.queue and self._quiet()))
 
@@ -365,31 +365,31 @@ class Laws(RuleBasedStateMachine):
         """The body starts to move (in a thread of the driver)."""
         step = _step(primitive)
         self.moved[step] += 1
-        why = self._hard(step)
+        why = self._violations(step)
         why += ["halted"] if self.halted else []
         if self.moved[step] > 1:
             why.append("it had moved before")
         if why:
             self.wrong.append(f"{step} moved: {why}")
 
-    def _hard(self, step: Step) -> list[str]:
+    def _violations(self, step: Step) -> list[str]:
         """Check what must hold until the body moves."""
         if step not in self.of_step:
             return [self.forbidden_text.get(step, "nobody asked for it")]
-        asked = self.of_step[step]
-        return sorted(asked.never)
+        entry = self.of_step[step]
+        return sorted(entry.never)
 
     def _objections(self, step: Step) -> list[str]:
-        why = self._hard(step)
-        if (asked := self.of_step.get(step)) is None:
+        why = self._violations(step)
+        if (entry := self.of_step.get(step)) is None:
             return why
-        post, author = self.world.posts[asked.post_id], self.world.accounts[asked.author]
+        post, author = self.world.posts[entry.post_id], self.world.accounts[entry.author]
         why += ["beyond the limit"] if step[1] > self.limit_deg else []
         why += ["removed"] if post.removed else []
         why += ["edited"] if post.version > 1 else []
         why += ["suspended"] if author.suspended else []
         why += [] if author.kind in OBEYED else [f"by a {author.kind}"]
-        why += ["not approved"] if self.approval and not asked.approved else []
+        why += ["not approved"] if self.approval and not entry.approved else []
         return why + (["no right"] if author.role is Role.MEMBER else [])
 
     def _stopped(self, post_id: str = "") -> None:
@@ -397,8 +397,8 @@ class Laws(RuleBasedStateMachine):
         if self.agent is None:
             self.missed.append((post_id, self.world.now()))
             return
-        for asked in self.asked:
-            asked.never.add("stopped")
+        for entry in self.entry:
+            entry.never.add("stopped")
 
     def _stopped_while_away(self) -> None:
         """Apply the stops that the agent missed, except those that are invalid when it is back (edited, removed, author
@@ -406,20 +406,20 @@ class Laws(RuleBasedStateMachine):
         for post_id, at in self.missed:
             post = self.world.fresh(post_id) if post_id else None
             if post is None or (post.raw.endswith("stop") and _listened_to(post.author) and not post.removed):
-                for asked in self.asked:
-                    asked.never |= {"stopped"} if asked.posted_at <= at else set()
+                for entry in self.entry:
+                    entry.never |= {"stopped"} if entry.posted_at <= at else set()
         self.missed.clear()
 
-    def _amend(self, asked: Asked, why: str, deed: Callable[[], Any]) -> None:
+    def _amend(self, entry: LedgerEntry, why: str, apply_change: Callable[[], Any]) -> None:
         """Change a post.
 
         A motion that has passed the last check may finish its step; a removed post may not start one.
         """
         on_its_way = bool(self.gates.step.held or self.gates.body.held)
-        deed()
+        apply_change()
         self._settle()
         if why == "removed" or not on_its_way:
-            asked.never.add(why)
+            entry.never.add(why)
 
     # ---------------------------------------------------------------- posts
     def _steps(self, count: int, large: bool) -> tuple[Step, ...] | None:
@@ -428,52 +428,52 @@ class Laws(RuleBasedStateMachine):
             return None
         return tuple((("left", "right")[n % 2], float(d)) for n, d in enumerate(degrees))
 
-    def _ask(self, author: str, topic: str, steps: tuple[Step, ...]) -> Asked:
+    def _ask(self, author: str, topic: str, steps: tuple[Step, ...]) -> LedgerEntry:
         post = self._write(author, topic, _words(steps))
-        asked = Asked(post.id, author, steps, post.created_at)
-        self.asked.append(asked)
-        self.of_step.update(dict.fromkeys(steps, asked))
+        entry = LedgerEntry(post.id, author, steps, post.created_at)
+        self.entry.append(entry)
+        self.of_step.update(dict.fromkeys(steps, entry))
         self._settle()
         if self.agent is not None:
-            self._hear(asked)
-        return asked
+            self._note_receipt(entry)
+        return entry
 
     def _write(self, author: str, topic: str, text: str) -> Post:
         """Return a post by any account, also one that may no longer write: it wrote just before."""
         return self.world.add_post(self.world.topics[topic], author, text, next(self.keys), ())
 
-    def _edit(self, asked: Asked, text: str) -> None:
-        self._run(self.world.sign_in(asked.author).edit(asked.post_id, text))
+    def _edit(self, entry: LedgerEntry, text: str) -> None:
+        self._run(self.world.sign_in(entry.author).edit(entry.post_id, text))
 
-    def _pick(self, n: int) -> Asked:
+    def _pick(self, n: int) -> LedgerEntry:
         """Prefer the newest posts, because their commands are in progress."""
-        return self.asked[-1 - n % len(self.asked)]
+        return self.entry[-1 - n % len(self.entry)]
 
-    def _may_write(self, asked: Asked) -> bool:
-        return not self.world.posts[asked.post_id].removed and not self.world.accounts[asked.author].suspended
+    def _may_write(self, entry: LedgerEntry) -> bool:
+        return not self.world.posts[entry.post_id].removed and not self.world.accounts[entry.author].suspended
 
-    def _hear(self, asked: Asked) -> None:
+    def _note_receipt(self, entry: LedgerEntry) -> None:
         """Record that the agent gets this post for the first time."""
-        asked.heard = True
-        if (self.world.now() - asked.posted_at).total_seconds() > FRESH_S:
-            asked.never.add("stale")
-        asked.due = asked.due or self._audible(asked)
+        entry.heard = True
+        if (self.world.now() - entry.posted_at).total_seconds() > FRESH_S:
+            entry.never.add("stale")
+        entry.due = entry.due or self._reaches_the_agent(entry)
 
-    def _audible(self, asked: Asked) -> bool:
+    def _reaches_the_agent(self, entry: LedgerEntry) -> bool:
         """Return whether it is a command that the agent gets, also if it may not be obeyed."""
-        post, author = self.world.posts[asked.post_id], self.world.accounts[asked.author]
+        post, author = self.world.posts[entry.post_id], self.world.accounts[entry.author]
         return _listened_to(author) and not post.removed and not post.raw.endswith("stop")
 
-    def _replies(self, asked: Asked) -> list[Post]:
+    def _replies(self, entry: LedgerEntry) -> list[Post]:
         return [
-            p for p in self.world.posts.values() if p.reply_to == asked.post_id and p.author.name == ROBOT and p.card
+            p for p in self.world.posts.values() if p.reply_to == entry.post_id and p.author.name == ROBOT and p.card
         ]
 
-    def _ends(self, asked: Asked) -> list[str]:
+    def _ends(self, entry: LedgerEntry) -> list[str]:
         """Return every end of this command that was written, in the order of the forum's events."""
-        ours = {p.id for p in self._replies(asked)}
-        told = (e.post for e in self.world.events if e.post is not None and e.post.id in ours)
-        return [p.card.state for p in told if p.card is not None and p.card.state in FINAL]
+        ours = {p.id for p in self._replies(entry)}
+        own_posts = (e.post for e in self.world.events if e.post is not None and e.post.id in ours)
+        return [p.card.state for p in own_posts if p.card is not None and p.card.state in FINAL]
 
     # ---------------------------------------------------------------- the agent
     @property
@@ -501,18 +501,18 @@ class Laws(RuleBasedStateMachine):
         if journal != "kept":
             self._journal.delete()
         if journal == "restored":
-            self._journal.put_back(self.copies[n % len(self.copies)])
-        for asked in self.asked:
-            age_s = (self.world.now() - asked.posted_at).total_seconds()
-            asked.never |= {"before the first start"} if journal == "deleted" else set()
-            asked.never |= {"stale"} if age_s > FRESH_S else set()
+            self._journal.restore(self.copies[n % len(self.copies)])
+        for entry in self.entry:
+            age_s = (self.world.now() - entry.posted_at).total_seconds()
+            entry.never |= {"before the first start"} if journal == "deleted" else set()
+            entry.never |= {"stale"} if age_s > FRESH_S else set()
             # An account without read access is ignored by an agent that has never heard of it.
-            asked.due = asked.due and (journal == "kept" or bool(self._ends(asked)) or self._audible(asked))
+            entry.due = entry.due and (journal == "kept" or bool(self._ends(entry)) or self._reaches_the_agent(entry))
         self._stopped_while_away()
         self._begin()
-        for asked in self.asked:
-            if not asked.heard:
-                self._hear(asked)
+        for entry in self.entry:
+            if not entry.heard:
+                self._note_receipt(entry)
 
     def _end(self) -> None:
         async def end() -> None:
@@ -545,7 +545,7 @@ class Laws(RuleBasedStateMachine):
                 self.serving.result()
             await asyncio.sleep(LOOK_S)
         raise TimeoutError(
-            f"not at rest: {[(job.command.text, job.ended) for job in (self.agent.line if self.agent else ())]}"
+            f"not at rest: {[(job.command.text, job.ended) for job in (self.agent.queue if self.agent else ())]}"
         )
 
     def _quiet(self) -> bool:
@@ -590,7 +590,7 @@ def stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stand]:
     """Waits last zero seconds or longer than any busy machine needs: timing laws have other tests, and the same events
     must give the same result at any speed."""
     monkeypatch.setattr(event_stream, "SILENCE_S", 60.0)
-    monkeypatch.setattr(turn, "LAST_WORDS_S", 0.5)
+    monkeypatch.setattr(turn, "SHUTDOWN_REPLY_S", 0.5)
     with robot_stand(tmp_path) as made:
         made.driver.leases.ttl_s = 60.0
         yield made

@@ -94,7 +94,7 @@ async def test_tos_is_spoken_to_with_the_bucket_in_the_host_name(s3: S3Server, m
     assert tos.bucket_address == "https://b-1.tos-s3-cn-beijing.volces.com"
 
 
-async def test_a_key_that_may_not_write_is_told_as_one_short_sentence(s3: S3Server) -> None:
+async def test_a_key_that_may_not_write_is_reported_as_one_short_sentence(s3: S3Server) -> None:
     store = bucket(s3.url, key_env="READER_ACCESS_KEY_ID", secret_env="READER_SECRET_ACCESS_KEY")
     with pytest.raises(ImageStoreError, match=r"7-path: .*403 Forbidden.*AccessDenied") as refused:
         await store.keep("7-path", JPEG)
@@ -102,7 +102,7 @@ async def test_a_key_that_may_not_write_is_told_as_one_short_sentence(s3: S3Serv
     assert len(str(refused.value)) < 200
 
 
-async def test_a_store_that_is_down_is_told_soon() -> None:
+async def test_a_store_that_is_down_is_reported_soon() -> None:
     begun_s = time.monotonic()
     with pytest.raises(ImageStoreError):
         await bucket(f"http://127.0.0.1:{free_ports(1)[0]}").keep("7-path", JPEG)
@@ -158,7 +158,7 @@ async def test_a_reply_links_its_pictures_and_the_data_and_says_until_when(
     assert json.loads(data.splitlines()[0])["robot"] == "quadruped"
 
 
-class Faulty:
+class LimitedStore:
     """A store that accepts only the first pictures."""
 
     def __init__(self, good: int) -> None:
@@ -176,7 +176,7 @@ async def test_what_the_store_does_not_take_is_in_the_post_itself(
     driver: Driver, tmp_path: Path, good: int, attached: int
 ) -> None:
     scene = make_scene(driver, tmp_path)
-    async with scene.agent(store=Faulty(good)):
+    async with scene.agent(store=LimitedStore(good)):
         reply = await scene.final(await scene.post("alice", WALK))
     assert reply.card is not None
     assert reply.card.state == "done"

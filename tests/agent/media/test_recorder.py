@@ -82,18 +82,18 @@ def jpeg(color: str = "red", dot: tuple[int, int] | None = None, size: tuple[int
 def test_the_data_pairs_what_was_commanded_with_what_was_measured_at_each_moment(
     walked: tuple[ActionResult, ...],
 ) -> None:
-    told = list(lines(walked, post="7"))
-    assert json.loads(json.dumps(told)) == told
-    assert told[0]["post"] == "7"
-    times = [line["t"] for line in told[1:]]
+    lines_read = list(lines(walked, post="7"))
+    assert json.loads(json.dumps(lines_read)) == lines_read
+    assert lines_read[0]["post"] == "7"
+    times = [line["t"] for line in lines_read[1:]]
     assert times == sorted(times)
-    moving = [line for line in told if line.get("step") == 1 and "pose" in line]
+    moving = [line for line in lines_read if line.get("step") == 1 and "pose" in line]
     fastest = max(moving, key=lambda line: line["commanded"][0])
     assert fastest["commanded"][0] == pytest.approx(0.5)
     assert max(line["measured"][0] for line in moving) == pytest.approx(0.5, abs=0.05)
-    turning = [line for line in told if line.get("step") == 2 and "pose" in line]
+    turning = [line for line in lines_read if line.get("step") == 2 and "pose" in line]
     assert max(line["measured"][2] for line in turning) == pytest.approx(math.radians(45), abs=0.1)
-    ends = [line for line in told if line.get("event") == "end"]
+    ends = [line for line in lines_read if line.get("event") == "end"]
     assert [end["outcome"] for end in ends] == ["done"] * 3
 
 
@@ -105,7 +105,7 @@ def test_velocities_are_in_the_frame_of_the_body(walked: tuple[ActionResult, ...
     assert aside[-1].pose.x_m < aside[0].pose.x_m - 0.9
 
 
-def test_law_18_a_step_that_a_bound_held_down_is_told_as_slower(walked: tuple[ActionResult, ...]) -> None:
+def test_law_18_a_step_that_a_bound_held_down_is_reported_as_slower(walked: tuple[ActionResult, ...]) -> None:
     (clip,) = clips(walked)
     assert (clip.step, clip.asked_mps) == (3, 0.9)
     assert clip.commanded_mps == pytest.approx(0.3, abs=0.02)  # the fake's gait is slower sideways
@@ -300,7 +300,7 @@ async def test_a_drawing_that_takes_long_does_not_delay_the_reply_and_follows_it
     assert later.card == first.card
 
 
-class ToldByAnother(MemoryForum):
+class EndedByAnotherForum(MemoryForum):
     """A forum on which another agent of the same account wrote the end while this one drew."""
 
     looks = 0
@@ -318,14 +318,14 @@ async def test_a_drawing_that_no_reply_will_show_is_given_up(
 ) -> None:
     monkeypatch.setattr(recorder, "DRAW_S", 0.0)
     scene = make_scene(slow, tmp_path)
-    forum = ToldByAnother(scene.world, "quadruped")
+    forum = EndedByAnotherForum(scene.world, "quadruped")
     async with scene.agent(forum=forum) as agent:
         await scene.post("alice", "@quadruped walk forward 0.8 m")
         await scene.until(lambda: forum.looks)
         await scene.until(lambda: not agent.recorder._drawing)
 
 
-class Stills(MemoryForum):
+class StillsOnlyForum(MemoryForum):
     """A forum that rejects animations."""
 
     async def edit(self, post_id: str, body: str, **more: Any) -> Post:
@@ -336,7 +336,7 @@ class Stills(MemoryForum):
 
 async def test_a_forum_that_takes_no_moving_pictures_gets_the_stills(slow: Driver, tmp_path: Path) -> None:
     scene = make_scene(slow, tmp_path)
-    forum = Stills(scene.world, "quadruped")
+    forum = StillsOnlyForum(scene.world, "quadruped")
     async with scene.agent(forum=forum):
         reply = await scene.final(await scene.post("alice", "@quadruped walk back 0.8 m"))
     assert reply.card is not None

@@ -82,12 +82,12 @@ def record(scene: Scene, post: Post) -> Any:
 def ends(scene: Scene, post: Post) -> list[str]:
     """Return every end of this command that was written."""
     ours = {p.id for p in scene.replies(post)}
-    told = (e.post.card.state for e in scene.world.events if e.post and e.post.id in ours and e.post.card)
-    return [state for state in told if state in FINAL]
+    states = (e.post.card.state for e in scene.world.events if e.post and e.post.id in ours and e.post.card)
+    return [state for state in states if state in FINAL]
 
 
 @pytest.mark.parametrize(
-    ("text", "yes", "told", "by"),
+    ("text", "yes", "expected", "by"),
     [
         (
             f"@{ROBOT} wave, then turn left 20 degrees",
@@ -110,11 +110,11 @@ def ends(scene: Scene, post: Post) -> list[str]:
     ],
 )
 async def test_law_7_what_needs_an_approval_waits_for_it_and_is_done_with_it(
-    asked: Scene, text: str, yes: str, told: list[str], by: str
+    asked: Scene, text: str, yes: str, expected: list[str], by: str
 ) -> None:
     async with waiting(asked, text) as post:
         asks = await asked.state(post, "waiting")
-        assert [words for words in told if words not in asks.raw] == []
+        assert [words for words in expected if words not in asks.raw] == []
         assert datetime.fromisoformat(asks.card.until) == post.created_at + timedelta(seconds=600)
         given = await say(asked, "carol", yes, post)
         final = await asked.final(post)
@@ -257,7 +257,7 @@ async def test_laws_4_and_14_what_waits_for_an_approval_is_ended_as_what_is_queu
 
 
 @pytest.mark.slow
-async def test_a_denial_is_told_with_who_denied(asked: Scene) -> None:
+async def test_a_denial_is_reported_with_who_denied(asked: Scene) -> None:
     async with waiting(asked) as post:
         await say(asked, "carol", NO, post)
         final = await asked.final(post)
@@ -297,7 +297,7 @@ async def test_law_5_an_old_approval_approves_nothing_and_a_new_one_does(asked: 
         (f"@{ROBOT} 左转20度", "版主和管理员可在发帖后 10 分钟内批准，过时作废。", "10 分钟"),
     ],
 )
-async def test_how_long_it_may_be_approved_is_told_without_a_time_zone_and_the_card_says_until_when(
+async def test_how_long_it_may_be_approved_is_reported_without_a_time_zone_and_the_card_says_until_when(
     driver: Driver, tmp_path: Path, text: str, said: str, lapsed: str
 ) -> None:
     scene = make(driver, tmp_path, classes=["move"])
@@ -383,7 +383,7 @@ async def test_law_7_one_that_came_to_need_an_approval_while_it_was_queued_is_re
     async with free.agent() as agent:
         held_in_line(agent)
         post = await free.post("alice", WAVE)
-        await free.until(lambda: (job := agent.queue.find(post.id)) and job.paced)
+        await free.until(lambda: (job := agent.queue.find(post.id)) and job.admitted)
     async with strict.agent():
         final = await strict.final(post)
     assert (final.card.state, "This needs an approval" in final.raw) == ("refused", True)

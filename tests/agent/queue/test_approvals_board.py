@@ -62,7 +62,7 @@ async def states(poster: Poster, topic: str, wanted: str) -> None:
             await asyncio.sleep(0.02)
 
 
-def surfer(board: RunningBoard, name: str) -> PageClient:
+def page_client(board: RunningBoard, name: str) -> PageClient:
     client = board.browser(name)
     client.follow_redirects = True
     return PageClient(client)
@@ -79,10 +79,10 @@ async def test_law_7_the_button_of_a_page_approves_or_denies_what_waits(
         path, where = f"/c/{post}/approve", page.format(post=post)
         await _line(board, post)
         for name in ("op", "member"):  # the author of the command, and an account without the right
-            text = (await asyncio.to_thread(surfer(board, name).get, where)).text
+            text = (await asyncio.to_thread(page_client(board, name).get, where)).text
             assert "waits for approval" in text.lower()
             assert path not in text
-        mod = surfer(board, "mod")
+        mod = page_client(board, "mod")
         forged = await asyncio.to_thread(mod.client.post, path, data={"robot": ROBOT, "do": do, "csrf": "guess"})
         assert forged.status_code == 403
         shown = await asyncio.to_thread(lambda: mod.send(path, where, do=do))
@@ -115,7 +115,7 @@ async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
         assert await op.final(topic) == ["done"]
         assert await said("mod") == 409
         async with asyncio.timeout(60):  # the record follows the reply
-            while "Approved by" not in (await asyncio.to_thread(surfer(board, "op").get, f"/c/{post}")).text:  # noqa: ASYNC110
+            while "Approved by" not in (await asyncio.to_thread(page_client(board, "op").get, f"/c/{post}")).text:  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
 
 

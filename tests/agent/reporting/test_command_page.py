@@ -31,7 +31,7 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
         yield made
 
 
-async def told(board: RunningBoard, post: str) -> list[dict[str, Any]]:
+async def stored_records(board: RunningBoard, post: str) -> list[dict[str, Any]]:
     """Wait for the records of a command, which come after the report."""
     reader = board.client("op")
     async with asyncio.timeout(60):
@@ -48,7 +48,7 @@ async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
             topic = await op.post(f"@{ROBOT} walk forward 0.5 metres, please, my dear")
             assert await op.final(topic) == ["done"]
             posts = board.client("op").get(f"/topics/{topic}/posts").json()["items"]
-            (item,) = await told(board, posts[0]["id"])
+            (item,) = await stored_records(board, posts[0]["id"])
     record = item["record"]
     assert (item["robot"], item["reply_id"], record["status"]) == (ROBOT, posts[1]["id"], "done")
     assert record["steps"][0]["asked"]["distance_m"] == 0.5
@@ -81,7 +81,7 @@ def test_a_record_too_long_to_send_leaves_out_what_the_model_was_told() -> None:
     }
 
 
-class Archived:
+class ForumWithPages:
     """A forum that has pages of commands, or claims to."""
 
     def __init__(self, address: str | Exception | None) -> None:
@@ -100,12 +100,12 @@ class Archived:
 @pytest.mark.parametrize(
     ("forum", "address"),
     [
-        (Archived("https://forum.example/c/7"), "https://forum.example/c/7"),
+        (ForumWithPages("https://forum.example/c/7"), "https://forum.example/c/7"),
         (object(), ""),
-        (Archived(ForumUnreachable("away")), ""),
-        (Archived(None), ""),
-        (Archived("javascript:alert(1)"), ""),
-        (Archived("https://a.example/) @bob **now**"), ""),
+        (ForumWithPages(ForumUnreachable("away")), ""),
+        (ForumWithPages(None), ""),
+        (ForumWithPages("javascript:alert(1)"), ""),
+        (ForumWithPages("https://a.example/) @bob **now**"), ""),
     ],
 )
 async def test_a_report_links_to_the_page_of_its_command_only_where_the_forum_says_at_once_that_it_has_one(

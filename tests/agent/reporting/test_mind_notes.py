@@ -28,9 +28,9 @@ LOST = Usage("clever", "gpt-x", latency_ms=25_000.0, attempts=3, failed="timeout
 def test_each_way_of_failing_has_its_words(kind: str) -> None:
     assert can_say(f"agent.mind.why.{kind}")
     for language, begin in (("en", "`clever` did not read this post ("), ("zh", "`clever` 没有读这个帖子（")):
-        (told,) = notes(Assessment(READ, "rules", fallback=kind), "clever", language)
-        assert told.startswith(begin)
-        assert ("my rules did." if language == "en" else "由我的规则代读。") in told
+        (note,) = notes(Assessment(READ, "rules", fallback=kind), "clever", language)
+        assert note.startswith(begin)
+        assert ("my rules did." if language == "en" else "由我的规则代读。") in note
 
 
 def test_what_was_taken_is_one_line_also_for_several_questions() -> None:
@@ -50,7 +50,7 @@ def test_where_no_model_had_a_part_nothing_is_said() -> None:
     assert notes(Assessment(READ, "rules", fallback=OVER), "clever", "en") == []
 
 
-def test_who_answered_instead_and_who_did_not_look_are_told_in_one_paragraph() -> None:
+def test_who_answered_instead_and_who_did_not_look_are_reported_in_one_paragraph() -> None:
     thought = Assessment(
         READ, "second", usage=(LOST, ONE), fallback="timeout", screened=SafetyReview("clever", failed="server")
     )

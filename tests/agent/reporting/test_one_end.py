@@ -69,12 +69,12 @@ async def test_law_6_who_does_not_hold_the_claim_writes_nothing_over_the_end_of_
     """Its own queue is busy, so the other's command would be shown as queued."""
     edits = list[str]()
 
-    class Watched(MemoryForum):
+    class EditCountingForum(MemoryForum):
         async def edit(self, post_id: str, body: str, **more: object) -> Post:
             edits.append(post_id)
             return await super().edit(post_id, body, **more)  # type: ignore[arg-type]
 
-    async with scene.agent(forum=Watched(scene.world, ROBOT)) as agent:
+    async with scene.agent(forum=EditCountingForum(scene.world, ROBOT)) as agent:
         first = await scene.post("alice", f"@{ROBOT} walk forward 5 metres, then walk backward 5 metres")
         await scene.state(first, "running")
         post = await scene.post("alice", WALK)
@@ -95,7 +95,7 @@ async def test_law_6_who_does_not_hold_the_claim_writes_nothing_over_the_end_of_
 
 
 async def test_law_6_a_claim_whose_end_another_told_moves_nothing_any_more(scene: Scene) -> None:
-    class Gated(RulesMind):
+    class GatedMind(RulesMind):
         asked, let = asyncio.Event(), asyncio.Event()
 
         async def understand(self, text: str, addressee: Addressee, history: tuple[Plan, ...] = ()) -> Understanding:  # type: ignore[override]
@@ -103,17 +103,17 @@ async def test_law_6_a_claim_whose_end_another_told_moves_nothing_any_more(scene
             await self.let.wait()
             return await super().understand(text, addressee, history)
 
-    stood, mind = await place(scene.driver), Gated()
+    stood, mind = await place(scene.driver), GatedMind()
     async with scene.agent(mind=mind) as agent:
         post = await scene.post("alice", WALK)
         seen = await scene.state(post, "seen")
         assert seen.card is not None
         guess = replace(seen.card, state="interrupted", trace_id="theirs")
-        told = await other(scene).edit(seen.id, f"{GUESS}.", card=guess)
+        edited = await other(scene).edit(seen.id, f"{GUESS}.", card=guess)
         mind.let.set()
         await scene.until(lambda: not agent.queue)
     assert await place(scene.driver) == pytest.approx(stood, abs=0.02)
-    assert [r.raw for r in scene.replies(post)] == [told.raw]
+    assert [r.raw for r in scene.replies(post)] == [edited.raw]
 
 
 async def test_law_18_what_was_measured_takes_the_place_of_another_agents_guess(
@@ -162,18 +162,18 @@ async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_
             await alice.final(topic)
         last = await alice.post(f"@{ROBOT} turn right 20 degrees")
         await alice.final(last)
-        ends = [await alice.told(topic) for topic in topics]
+        ends = [await alice.status_text(topic) for topic in topics]
         states = [await alice.states(topic) for topic in topics]
         for agent in agents:
             end_agent(agent)
     assert all(len(one) == 1 and one[0] in ("done", "failed") for one in states), states
     for (state,), end in zip(states, ends, strict=True):  # each has its own queue, and one of them holds the robot
-        told = (
+        status_text = (
             r"walk forward 0\.5 m \| 0\.[45]\d m \| done"
             if state == "done"
             else "before anything moved.*holds the robot"
         )
-        assert re.search(told, end, re.DOTALL), end
+        assert re.search(status_text, end, re.DOTALL), end
     assert ["done"] in states
 
 
@@ -193,7 +193,7 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
                 end_agent(agent)
             agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
             assert await alice.final(topic) == ["interrupted"]
-            told = await alice.told(topic)
+            status_text = await alice.status_text(topic)
             last = await alice.post(f"@{ROBOT} turn right 20 degrees")
             await alice.final(last)
             async with asyncio.timeout(60):
@@ -201,8 +201,8 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
                     await asyncio.sleep(0.1)
             for agent in agents:
                 end_agent(agent)
-            assert (await alice.states(topic), await alice.told(topic)) == (["interrupted"], told)
-            assert told.count("**Interrupted.**") == 1
+            assert (await alice.states(topic), await alice.status_text(topic)) == (["interrupted"], status_text)
+            assert status_text.count("**Interrupted.**") == 1
 
 
 async def ends(folders: list[Path], where: str) -> list[str]:
@@ -229,7 +229,7 @@ async def suspended(scene: Scene) -> AsyncIterator[None]:
         scene.world.suspend(ROBOT, False)
 
 
-class Noticing(MemoryForum):
+class DenialCountingForum(MemoryForum):
     """Counts how often a write was denied."""
 
     denied = 0
@@ -242,8 +242,8 @@ class Noticing(MemoryForum):
             raise
 
 
-async def test_law_18_an_answer_that_was_denied_is_told_as_soon_as_the_account_may_write(scene: Scene) -> None:
-    forum = Noticing(scene.world, ROBOT)
+async def test_law_18_an_answer_that_was_denied_is_reported_as_soon_as_the_account_may_write(scene: Scene) -> None:
+    forum = DenialCountingForum(scene.world, ROBOT)
     async with scene.agent(forum=forum) as agent:
         post = await scene.post("alice", f"{WALK}, then turn left 90 degrees")
         await scene.state(post, "running")
@@ -261,8 +261,8 @@ async def test_law_18_an_answer_that_was_denied_is_told_as_soon_as_the_account_m
     assert [len(scene.replies(p)) for p in (post, meanwhile)] == [1, 1]
 
 
-async def test_law_18_an_answer_that_was_denied_is_told_after_a_restart_too(scene: Scene) -> None:
-    forum = Noticing(scene.world, ROBOT)
+async def test_law_18_an_answer_that_was_denied_is_reported_after_a_restart_too(scene: Scene) -> None:
+    forum = DenialCountingForum(scene.world, ROBOT)
     async with suspended(scene):
         scene.world.suspend(ROBOT, False)
         async with scene.agent(forum=forum) as agent:
@@ -271,7 +271,7 @@ async def test_law_18_an_answer_that_was_denied_is_told_after_a_restart_too(scen
             scene.world.suspend(ROBOT)
             await scene.until(lambda: not agent.queue)
             await scene.until(lambda: forum.denied > 3)
-        async with scene.agent(forum=(again := Noticing(scene.world, ROBOT))):
+        async with scene.agent(forum=(again := DenialCountingForum(scene.world, ROBOT))):
             await scene.until(lambda: again.denied)
             scene.world.suspend(ROBOT, False)
             reply = await scene.final(post)
@@ -295,17 +295,17 @@ async def test_a_single_run_leaves_what_it_may_not_tell_to_the_next_one(scene: S
 
 
 async def test_a_post_that_may_not_be_edited_any_more_is_answered_by_a_reply(scene: Scene) -> None:
-    class Closed(MemoryForum):
+    class ReadOnlyForum(MemoryForum):
         async def edit(self, post_id: str, body: str, **more: object) -> Post:
             raise ForumDenied("posts may be edited for a minute here")
 
-    async with scene.agent(forum=Closed(scene.world, ROBOT)):
+    async with scene.agent(forum=ReadOnlyForum(scene.world, ROBOT)):
         reply = await scene.final(await scene.post("alice", WALK))
     assert MEASURED.search(reply.raw)
 
 
 async def test_a_reply_to_a_stop_that_was_denied_is_written_when_the_account_may_write(scene: Scene) -> None:
-    forum = Noticing(scene.world, ROBOT)
+    forum = DenialCountingForum(scene.world, ROBOT)
     async with scene.agent(forum=forum):
         async with suspended(scene):
             stop = await scene.post("bob", f"@{ROBOT} stop")
@@ -333,10 +333,10 @@ async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_whe
                     await asyncio.sleep(0.05)
             await asyncio.to_thread(suspend, board, False)
             assert (await alice.final(topic))[0] in ("interrupted", "cancelled")
-            told = await alice.told(topic)
+            status_text = await alice.status_text(topic)
             again = await alice.post(f"@{ROBOT} turn left 20 degrees")
             assert await alice.final(again) == ["done"]
-    assert re.search(r"walk forward 1 m \| [01]\.\d\d m", told), told
+    assert re.search(r"walk forward 1 m \| [01]\.\d\d m", status_text), status_text
 
 
 async def test_what_is_denied_for_too_long_comes_through(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -351,5 +351,5 @@ async def test_what_is_denied_for_too_long_comes_through(monkeypatch: pytest.Mon
         await asyncio.sleep(seconds)
 
     with pytest.raises(ForumDenied):
-        await status.until_allowed(denied, 0.02, wait)
+        await status.retry_while_denied(denied, 0.02, wait)
     assert waited

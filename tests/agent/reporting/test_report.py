@@ -51,33 +51,35 @@ def report(status: str, **more: object) -> Report:
 def test_law_18_what_was_asked_stands_beside_what_was_measured() -> None:
     pictures = [Picture("step", b"", 3), Picture("path", b""), Picture("recording", b"")]
     done = report("done", results=DONE, timings_ms={"seen": 42, "first_motion": 130, "done": 9100})
-    told = words.final(done, pictures)
-    assert "| 1 | walk forward 2 m | 1.98 m | done |" in told
-    assert "| 2 | turn left 90° | 89.2° | done |" in told
-    assert "| 3 | take a photo | – | done |" in told
-    assert "taken as 90°" in told
-    assert "Pictures: photo of step 3, the path measured, a recording." in told
-    assert "seen after 0.04 s · first motion after 0.13 s · done after 9.1 s · trace `abc123`" in told
+    reply_text = words.final(done, pictures)
+    assert "| 1 | walk forward 2 m | 1.98 m | done |" in reply_text
+    assert "| 2 | turn left 90° | 89.2° | done |" in reply_text
+    assert "| 3 | take a photo | – | done |" in reply_text
+    assert "taken as 90°" in reply_text
+    assert "Pictures: photo of step 3, the path measured, a recording." in reply_text
+    assert "seen after 0.04 s · first motion after 0.13 s · done after 9.1 s · trace `abc123`" in reply_text
 
 
 def test_law_18_unknown_is_said_as_unknown_and_too_little_is_a_failure() -> None:
     little = ActionResult(WALK, Outcome.FAILED, {"distance_m": 0.4}, reason="obstacle", message="Something is near.")
     unknown = ActionResult(TURN, Outcome.UNKNOWN, reason="unreachable")
-    told = words.final(report("failed", results=(little, unknown, ActionResult(PHOTO, Outcome.SKIPPED))))
-    assert "**Failed** at step 1." in told
-    assert "| 1 | walk forward 2 m | 0.40 m | failed |" in told
-    assert "| 2 | turn left 90° | unknown | unknown |" in told
-    assert "| 3 | take a photo | – | not begun |" in told
-    assert "Something is near." in told
+    reply_text = words.final(report("failed", results=(little, unknown, ActionResult(PHOTO, Outcome.SKIPPED))))
+    assert "**Failed** at step 1." in reply_text
+    assert "| 1 | walk forward 2 m | 0.40 m | failed |" in reply_text
+    assert "| 2 | turn left 90° | unknown | unknown |" in reply_text
+    assert "| 3 | take a photo | – | not begun |" in reply_text
+    assert "Something is near." in reply_text
 
 
 def test_a_chinese_report_says_everything_in_chinese() -> None:
     command = replace(COMMAND, language="zh")
     result = replace(DONE[0], outcome=Outcome.STOPPED, reason="obstacle", message="Something is near.")
-    told = words.final(report("failed", command=command, results=(result, replace(DONE[1], outcome=Outcome.SKIPPED))))
-    assert "向前走 2 米" in told
-    assert "前方有障碍物" in told
-    assert not any(word in told for word in ("Failed", "Step", "Something"))
+    reply_text = words.final(
+        report("failed", command=command, results=(result, replace(DONE[1], outcome=Outcome.SKIPPED)))
+    )
+    assert "向前走 2 米" in reply_text
+    assert "前方有障碍物" in reply_text
+    assert not any(word in reply_text for word in ("Failed", "Step", "Something"))
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -88,40 +90,42 @@ def test_a_chinese_report_says_everything_in_chinese() -> None:
 def test_every_status_has_its_words_in_both_languages(status: str, language: str) -> None:
     command = replace(COMMAND, language=language)
     verdict = Verdict(Decision.REFUSE, "limits.step_m", "Too far.")
-    told = words.final(report(status, command=command, verdict=verdict, message="alice"))
-    assert "abc123" in told
-    assert told.strip()
+    reply_text = words.final(report(status, command=command, verdict=verdict, message="alice"))
+    assert "abc123" in reply_text
+    assert reply_text.strip()
     assert words.short(report(status, command=command))
 
 
 def test_a_refusal_names_its_rule() -> None:
     verdict = Verdict(Decision.REFUSE, "limits.step_m", "A step is at most 5 m.")
-    told = words.final(report("refused", verdict=verdict))
-    assert "**Refused.**" in told
-    assert "A step is at most 5 m." in told
-    assert "Rule: `limits.step_m`." in told
+    reply_text = words.final(report("refused", verdict=verdict))
+    assert "**Refused.**" in reply_text
+    assert "A step is at most 5 m." in reply_text
+    assert "Rule: `limits.step_m`." in reply_text
 
 
 @given(st.text(max_size=400) | st.text(alphabet="@quadrped<>![]()`*\n ", max_size=400))
 def test_law_3_sentences_made_of_people_s_words_mention_nobody_and_bring_no_markup(text: str) -> None:
     verdict = Verdict(Decision.REFUSE, "rule", f"I will not @quadruped {text}")
-    for told in (
+    for reply_text in (
         words.final(report("refused", verdict=verdict)),
         words.final(report("failed", message=f"@humanoid {text}")),
         words.final(report("asks_back", message=f"{text} @bob")),
         words.state_text(None, 0, "en", f"@bob {text}"),
     ):
-        assert not set(mentions(visible_text(told))) & {"quadruped", "humanoid", "bob"}
-        assert "<" not in told
-        assert "![" not in told
+        assert not set(mentions(visible_text(reply_text))) & {"quadruped", "humanoid", "bob"}
+        assert "<" not in reply_text
+        assert "![" not in reply_text
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_a_claim_of_another_agent_is_told_as_interrupted_once(language: str) -> None:
+def test_a_claim_of_another_agent_is_reported_as_interrupted_once(language: str) -> None:
     message = say("agent.interrupted.claim", language)
-    told = words.final(report("interrupted", message=message, plan=Plan(), command=replace(COMMAND, language=language)))
-    assert told.startswith(message)
-    assert told.count("**") == 2
+    reply_text = words.final(
+        report("interrupted", message=message, plan=Plan(), command=replace(COMMAND, language=language))
+    )
+    assert reply_text.startswith(message)
+    assert reply_text.count("**") == 2
 
 
 def test_a_stop_says_what_it_did_and_plainly_when_it_was_not_confirmed() -> None:
@@ -136,9 +140,9 @@ def test_a_stop_says_what_it_did_and_plainly_when_it_was_not_confirmed() -> None
     assert "Stops since then: 3" in words.stop_reply(good, "en", 0, False, 3)
 
 
-def test_the_state_is_told_with_what_is_unknown() -> None:
-    told = words.state_text(RobotState(0.1, mode="idle"), 2, "en")
-    assert told == "**idle**, battery unknown, home is not set, commands waiting or running: 2."
+def test_the_state_is_reported_with_what_is_unknown() -> None:
+    reply_text = words.state_text(RobotState(0.1, mode="idle"), 2, "en")
+    assert reply_text == "**idle**, battery unknown, home is not set, commands waiting or running: 2."
 
 
 def test_every_sentence_has_the_same_places_in_both_languages() -> None:

@@ -38,7 +38,7 @@ TURNED = re.compile(r"turn left 90° \| (8[89]|9[01])\.\d° \| done")
 DENIALS = ("before anything moved", "nothing moved", "还没有任何动作", "没有动作")
 
 
-class Counting(DriverClient):
+class CountingClient(DriverClient):
     """Counts the steps that have ended."""
 
     ended = 0
@@ -65,15 +65,15 @@ class Fault:
     def id(self) -> str:
         return f"{getattr(self.owner, '__name__', self.owner).split('.')[-1]}.{self.name} after {self.after}"
 
-    def strike(self, patch: pytest.MonkeyPatch, ended: Callable[[], int]) -> Callable[[], int]:
+    def make_fail(self, patch: pytest.MonkeyPatch, ended: Callable[[], int]) -> Callable[[], int]:
         """Make it fail from the given step on; return a counter of its failures."""
         original = inspect.getattr_static(self.owner, self.name)
-        struck = 0
+        failures = 0
 
         def fails() -> None:
-            nonlocal struck
-            if ended() >= self.after and not (self.once and struck):
-                struck += 1
+            nonlocal failures
+            if ended() >= self.after and not (self.once and failures):
+                failures += 1
                 raise self.error.with_traceback(None)
 
         def call(*args: Any, **more: Any) -> Any:
@@ -97,7 +97,7 @@ class Fault:
         broken: Any = awaited if inspect.iscoroutinefunction(original) else call
         broken = property(read) if isinstance(original, property) else broken
         patch.setattr(self.owner, self.name, entered if self.name == "filming" else broken)
-        return lambda: struck
+        return lambda: failures
 
 
 FULL = OSError(28, "No space left on device")
@@ -110,7 +110,7 @@ AFTER_BOTH = [
     Fault(Records, "write", after=2),
     Fault(Recorder, "filming", after=2),
     Fault(Recorder, "animation", after=2),
-    Fault(Recorder, "kept", after=2),
+    Fault(Recorder, "stored_path", after=2),
     Fault(Recorder, "late", after=2),
     Fault(Surroundings, "after", after=2),
     Fault(EventStream, "now", after=2),
@@ -124,7 +124,7 @@ AFTER_BOTH = [
     Fault(final_report, "late_recording", after=2),
     Fault(pipeline, "decisive", after=2),
     Fault(final_report, "notes", after=2),
-    Fault(final_report, "worded", after=2),
+    Fault(final_report, "summary_text", after=2),
     Fault(final_report, "approval", after=2),
     Fault(visual_text, "paragraphs", after=2),
     Fault(visual_text, "why", after=2),
@@ -150,13 +150,13 @@ WITHIN = [
 
 
 @contextlib.contextmanager
-def struck(fault: Fault, scene: Scene) -> Iterator[tuple[Counting, Callable[[], int]]]:
-    driver = Counting(scene.driver.name, scene.driver.socket)
+def failures(fault: Fault, scene: Scene) -> Iterator[tuple[CountingClient, Callable[[], int]]]:
+    driver = CountingClient(scene.driver.name, scene.driver.socket)
     with pytest.MonkeyPatch.context() as patch:
-        yield driver, fault.strike(patch, lambda: driver.ended)
+        yield driver, fault.make_fail(patch, lambda: driver.ended)
 
 
-def holds_the_truth(reply: Post) -> None:
+def assert_reports_motion(reply: Post) -> None:
     assert WALKED.search(reply.raw), reply.raw
     assert not any(denial in reply.raw for denial in DENIALS), reply.raw
 
@@ -182,13 +182,13 @@ assert {f.id for f in FAULTS} >= FAST
 async def test_law_18_whatever_fails_once_it_moved_the_reply_tells_what_was_measured(
     scene: Scene, fault: Fault
 ) -> None:
-    with struck(fault, scene) as (driver, times):
+    with failures(fault, scene) as (driver, times):
         async with scene.agent(driver=driver):
             post = await scene.post("alice", TWO_STEPS)
             reply = await scene.final(post)
             if fault.name not in ("late_recording", "late", "publish"):  # these come after the end is written
                 assert times() or fault.name == "lost", "the fault was never reached"
-    holds_the_truth(reply)
+    assert_reports_motion(reply)
     assert outcome_of(reply, 2) == fault.rest, reply.raw
     assert len(scene.replies(post)) == 1
     assert reply.card is not None
@@ -198,7 +198,7 @@ async def test_law_18_whatever_fails_once_it_moved_the_reply_tells_what_was_meas
         assert [r.raw for r in scene.replies(post)] == [reply.raw]
 
 
-async def test_law_18_a_report_that_cannot_be_put_into_words_is_told_as_data(
+async def test_law_18_a_report_that_cannot_be_put_into_words_is_reported_as_data(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def final(*_: Any) -> str:
@@ -211,12 +211,12 @@ async def test_law_18_a_report_that_cannot_be_put_into_words_is_told_as_data(
     assert re.search(r"'distance_m': 1\.0}`: done, measured `{'distance_m': (0\.9|1\.0)", reply.raw), reply.raw
 
 
-class Away(Counting):
+class OfflineAfterFirstStep(CountingClient):
     """After its first step the forum does not answer for a moment, as during a restart of the board or its database."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene.driver.name, scene.driver.socket)
-        self.forum = AwayForum(scene.world, ROBOT)
+        self.forum = OfflineForum(scene.world, ROBOT)
 
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         result = await super().step(lease, primitive, deadline_s)
@@ -224,7 +224,7 @@ class Away(Counting):
         return result
 
 
-class AwayForum(MemoryForum):
+class OfflineForum(MemoryForum):
     """A forum that answers no request for a post while it is away; its event stream has not noticed yet."""
 
     away = False
@@ -260,7 +260,7 @@ class AwayForum(MemoryForum):
 async def test_law_18_a_board_that_is_away_between_two_steps_denies_no_motion(
     scene: Scene, text: str, head: str, why: str, walked: str, rest: str
 ) -> None:
-    driver = Away(scene)
+    driver = OfflineAfterFirstStep(scene)
     async with scene.agent(driver=driver, forum=driver.forum):
         reply = await scene.final(await scene.post("alice", text))
     assert driver.ended == 1
@@ -272,20 +272,20 @@ async def test_law_18_a_board_that_is_away_between_two_steps_denies_no_motion(
 
 
 async def test_law_18_a_command_that_is_withdrawn_between_two_steps_says_at_which_it_was(scene: Scene) -> None:
-    class Demoting(Counting):
+    class SuspendingClient(CountingClient):
         async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
             result = await super().step(lease, primitive, deadline_s)
             scene.world.suspend("alice")
             return result
 
-    async with scene.agent(driver=Demoting(scene.driver.name, scene.driver.socket)):
+    async with scene.agent(driver=SuspendingClient(scene.driver.name, scene.driver.socket)):
         reply = await scene.final(await scene.post("alice", TWO_STEPS))
     assert reply.raw.startswith("**Cancelled** at step 2.\n\nIts author may not command me now."), reply.raw
-    holds_the_truth(reply)
+    assert_reports_motion(reply)
     assert outcome_of(reply, 2) == "not begun"
 
 
-async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_driver_is_away_then(
+async def test_law_18_what_was_measured_before_a_restart_is_reported_also_when_the_driver_is_away_then(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The agent dies with the end in its journal but not on the forum; the next one fails before it writes the end."""
@@ -294,7 +294,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
         raise asyncio.CancelledError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(final_report.FinalReport, "tell", dies)
+        patch.setattr(final_report.FinalReport, "post_final", dies)
         async with scene.agent() as agent:
             post = await scene.post("alice", TWO_STEPS)
             await scene.state(post, "running")
@@ -306,7 +306,7 @@ async def test_law_18_what_was_measured_before_a_restart_is_told_also_when_the_d
     monkeypatch.setattr(Assessor, "think", away)
     async with scene.agent():
         reply = await scene.final(post)
-    holds_the_truth(reply)
+    assert_reports_motion(reply)
     assert outcome_of(reply, 2) == "done"
 
 
@@ -330,13 +330,13 @@ async def test_where_no_model_is_configured_none_is_missed(scene: Scene) -> None
     """The command was stopped during the reading, so the rules read it instead of the mind."""
     asked = asyncio.Event()
 
-    class Stuck(RulesMind):
+    class StuckMind(RulesMind):
         async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
             asked.set()
             await asyncio.Event().wait()
             raise AssertionError
 
-    async with scene.agent(mind=Stuck()):
+    async with scene.agent(mind=StuckMind()):
         post = await scene.post("alice", TWO_STEPS)
         await asyncio.wait_for(asked.wait(), 60)
         await scene.post("bob", "stop", topic=post.topic_id)

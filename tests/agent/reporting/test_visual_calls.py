@@ -33,13 +33,13 @@ def test_the_calls_are_kept_with_the_motion_and_outlive_the_agent() -> None:
     assert [json.loads(line) for line in lines(looked).splitlines()][2]["problem"] == "no such tool"
 
 
-def test_of_very_many_calls_the_first_are_told_and_how_many_more_there_are() -> None:
+def test_of_very_many_calls_the_first_are_reported_and_how_many_more_there_are() -> None:
     turns = tuple(LoopCall("act_fly", {}, problem="@alice | no such tool " * 20) for _ in range(50))
-    told = table(LoopRecord("x", LoopEnd("calls"), turns), (), (), "zh")
-    assert told.count("\n| ") == MOST_ROWS + 1
-    assert "此处省略 20 行" in told
-    assert "@alice" not in told
-    assert len(told) < 8_000
+    text = table(LoopRecord("x", LoopEnd("calls"), turns), (), (), "zh")
+    assert text.count("\n| ") == MOST_ROWS + 1
+    assert "此处省略 20 行" in text
+    assert "@alice" not in text
+    assert len(text) < 8_000
     linked = Picture("step", b"", 1, Link("https://bucket.example/1.jpg", datetime.now(UTC), 60.0))
     step = ActionResult(Primitive(Op.GET_FRONT_IMAGE), Outcome.DONE)
     assert "done, [picture 1](https://bucket.example/1.jpg)" in table(
@@ -68,8 +68,8 @@ async def test_with_an_image_store_the_report_links_the_calls(tmp_path: Path) ->
     )
     store, recorder = Store(), Recorder(tmp_path, RecordingConfig(view="none"))
     pictures = await illustrate(report, recorder, store, calls=lines(looked))
-    told = final(report, pictures, calls=table(looked, report.results, pictures, "en"))
-    assert "[all calls of the model](https://bucket.example/7-calls)" in told
-    assert "[picture 1](https://bucket.example/7-step1)" in told
+    text = final(report, pictures, calls=table(looked, report.results, pictures, "en"))
+    assert "[all calls of the model](https://bucket.example/7-calls)" in text
+    assert "[picture 1](https://bucket.example/7-step1)" in text
     assert [json.loads(line) for line in store.kept["7-calls"].splitlines()][1]["tool"] == "finish"
     assert [p.kind for p in await illustrate(report, recorder, None, calls=lines(looked))] == ["step"]

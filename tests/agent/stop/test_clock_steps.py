@@ -41,7 +41,7 @@ async def test_law_14_a_stop_ends_what_moves_though_the_clock_was_set_back(drive
         assert (await scene.final(walk)).card.state == "stopped"
 
 
-async def test_law_14_a_clock_that_leaps_while_the_agent_listens_blocks_nothing_and_is_told(
+async def test_law_14_a_clock_that_leaps_while_the_agent_listens_blocks_nothing_and_is_reported(
     driver: Driver, tmp_path: Path
 ) -> None:
     scene = make_scene(driver, tmp_path)
@@ -58,7 +58,7 @@ async def test_law_14_a_clock_that_leaps_while_the_agent_listens_blocks_nothing_
         assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"
 
 
-async def test_law_14_what_a_stop_ended_while_the_clock_was_set_is_told_so(driver: Driver, tmp_path: Path) -> None:
+async def test_law_14_what_a_stop_ended_while_the_clock_was_set_is_reported_so(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
     scene.world.clock_offset_s = -600.0
     async with scene.agent():

@@ -15,7 +15,7 @@ from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.model import Account, AccountKind
 
 
-class Counted(MemoryForum):
+class CountingForum(MemoryForum):
     """A forum that does not answer about accounts until `answers` is set; `raises` is raised once."""
 
     asked: list[str]
@@ -31,8 +31,8 @@ class Counted(MemoryForum):
         return await super().account(name)
 
 
-def made(world: MemoryWorld) -> tuple[Counted, KnownRobots, list[asyncio.Task[Any]]]:
-    forum, tasks = Counted(world, "quadruped"), list[asyncio.Task[Any]]()
+def made(world: MemoryWorld) -> tuple[CountingForum, KnownRobots, list[asyncio.Task[Any]]]:
+    forum, tasks = CountingForum(world, "quadruped"), list[asyncio.Task[Any]]()
     forum.asked, forum.answers = [], asyncio.Event()
 
     def spawn(work: Coroutine[Any, Any, Any]) -> None:
@@ -95,13 +95,13 @@ async def test_robots_that_could_not_be_listed_at_the_start_are_listed_later(mon
 
 
 async def test_an_agent_starts_whatever_the_list_of_robots_is() -> None:
-    class Broken(Counted):
+    class FailingForum(CountingForum):
         async def robot_names(self) -> tuple[str, ...]:
             raise RuntimeError("a bug of an adapter")
 
     world = MemoryForum.world()
     world.sign_in("humanoid", kind=AccountKind.ROBOT_AGENT)
-    known = KnownRobots(Broken(world, "quadruped"), lambda _: None)
+    known = KnownRobots(FailingForum(world, "quadruped"), lambda _: None)
     await known.list_robots()
     assert set(known.names) == set()
     known = KnownRobots(MemoryForum(world, "quadruped"), lambda _: None)

@@ -17,7 +17,7 @@ from tests.agent.agent_scene import ROBOT, Scene
 START = datetime(2026, 1, 1, tzinfo=UTC)
 
 
-def told(scene: Scene) -> list[Post]:
+def alerts(scene: Scene) -> list[Post]:
     return [p for p in scene.world.posts.values() if p.author.name == ROBOT and "times within" in p.raw]
 
 
@@ -29,16 +29,16 @@ async def test_law_15_moderators_hear_of_the_third_stop_once_where_it_came(scene
         for _ in range(2):
             await scene.post("bob", f"@{ROBOT} stop", first.topic_id)
         await scene.until(lambda: any("Stops since then: 1" in p.raw for p in scene.world.posts.values()))
-        assert told(scene) == []
+        assert alerts(scene) == []
         third = await scene.post("bob", f"@{ROBOT} stop")
-        notice = (await scene.until(lambda: told(scene)))[0]
+        notice = (await scene.until(lambda: alerts(scene)))[0]
         assert notice.topic_id == third.topic_id
         assert notice.raw.startswith("I was stopped 3 times within 5 minutes.")
         assert notice.raw.endswith("@mona @olaf")
         for _ in range(20):
             await scene.post("bob", f"@{ROBOT} stop", first.topic_id)
         assert (await scene.final(await scene.post("alice", f"@{ROBOT} wave"))).card.state == "done"
-    assert told(scene) == [notice]
+    assert alerts(scene) == [notice]
 
 
 async def test_law_15_presses_of_the_button_count_too(scene: Scene) -> None:
@@ -46,7 +46,7 @@ async def test_law_15_presses_of_the_button_count_too(scene: Scene) -> None:
         for _ in range(2):
             await scene.world.sign_in("bob").press_stop(ROBOT)
         stop = await scene.post("bob", f"@{ROBOT} stop")
-        assert (await scene.until(lambda: told(scene)))[0].topic_id == stop.topic_id
+        assert (await scene.until(lambda: alerts(scene)))[0].topic_id == stop.topic_id
 
 
 @given(st.lists(st.integers(0, 400), min_size=1, max_size=60))

@@ -39,7 +39,7 @@ async def locked(scene: Scene, by: str = "bob") -> dict[str, Any]:
     return await scene.until(lambda: (scene.world.robots.get(ROBOT) or {}).get("lock"))
 
 
-async def told(scene: Scene, by: str) -> dict[str, Any]:
+async def press_result(scene: Scene, by: str) -> dict[str, Any]:
     """Return the result of an account's press, as the robot's card shows it."""
 
     def last() -> dict[str, Any] | None:
@@ -85,7 +85,7 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
         assert "UTC" not in stopped.raw + refused.raw + asked.raw
         assert "agentrob release quadruped" in asked.raw
         await owned.world.sign_in("olga").press_release(ROBOT)
-        card = await told(owned, "olga")
+        card = await press_result(owned, "olga")
         assert (card["deed"], card["done"]) == ("release", True)
         assert re.fullmatch(r"It had been locked by bob for \d+ seconds?\.", card["said"])
         await owned.until(lambda: owned.world.robots[ROBOT]["lock"] is None)
@@ -119,7 +119,7 @@ async def test_law_2_only_the_owner_and_admins_release_and_home(
             await owned.final(await owned.post("alice", "@quadruped help"))
             assert owned.world.robots[ROBOT]["told"] is None
         else:
-            card = await told(owned, name)
+            card = await press_result(owned, name)
             assert card["done"] is may
             assert may or "Only the robot's owner and admins may release it" in card["said"]
         assert (await state(owned)).halted is not may
@@ -132,19 +132,19 @@ async def test_law_2_who_is_no_owner_any_more_when_it_is_heard_releases_nothing(
         account = await root.me()
         owned.world.set_role("root", Role.MEMBER)
         owned.world.emit(EventKind.ROBOT_RELEASE, robot=ROBOT, account=account)
-        assert not (await told(owned, "root"))["done"]
+        assert not (await press_result(owned, "root"))["done"]
         owned.world.suspend("olga")
-        await _press_as_before(owned, agent, "olga")
+        await _press_with_stale_account(owned, agent, "olga")
         assert (await state(owned)).halted
 
 
-async def _press_as_before(scene: Scene, agent: RobotAgent, name: str) -> None:
+async def _press_with_stale_account(scene: Scene, agent: RobotAgent, name: str) -> None:
     """Return a press by an account that the event still calls unsuspended."""
     from dataclasses import replace
 
     account = replace(scene.world.accounts[name], suspended=False)
     scene.world.emit(EventKind.ROBOT_RELEASE, robot=ROBOT, account=account)
-    card = await told(scene, name)
+    card = await press_result(scene, name)
     assert not card["done"]
 
 
@@ -154,7 +154,7 @@ async def test_law_17_an_old_press_releases_nothing(owned: Scene) -> None:
         owned.world.clock_offset_s = -60.0
         await owned.world.sign_in("olga").press_release(ROBOT)
         owned.world.clock_offset_s = 0.0
-        card = await told(owned, "olga")
+        card = await press_result(owned, "olga")
         assert not card["done"]
         assert "pressed more than 30 s before" in card["said"]
         assert (await state(owned)).halted
@@ -167,7 +167,7 @@ async def test_law_17_a_press_while_the_agent_was_away_counts_only_while_it_is_f
     await owned.world.sign_in("olga").press_release(ROBOT)
     owned.world.clock_offset_s = 0.0
     async with owned.agent():
-        assert not (await told(owned, "olga"))["done"]
+        assert not (await press_result(owned, "olga"))["done"]
         assert (await state(owned)).halted
         await owned.world.sign_in("olga").press_release(ROBOT)
         await owned.until(lambda: owned.world.robots[ROBOT]["lock"] is None)
@@ -180,7 +180,7 @@ async def test_law_17_a_lock_that_came_after_the_press_stays(owned: Scene) -> No
         owned.world.clock_offset_s = -5.0  # pressed before, received after
         await owned.world.sign_in("olga").press_release(ROBOT)
         owned.world.clock_offset_s = 0.0
-        card = await told(owned, "olga")
+        card = await press_result(owned, "olga")
         assert not card["done"]
         assert "locked after this release was requested" in card["said"]
         assert (await state(owned)).halted
@@ -200,7 +200,7 @@ async def test_law_17_a_double_press_is_one_release(owned: Scene) -> None:
         assert await ended(owned, "alice", "@quadruped wave") == "done"
 
 
-async def test_law_17_a_lost_driver_is_told_and_the_lock_is_still_there_when_it_comes_back(tmp_path: Path) -> None:
+async def test_law_17_a_lost_driver_is_reported_and_the_lock_is_still_there_when_it_comes_back(tmp_path: Path) -> None:
     first = Driver(tmp_path, robot_settings(), name="lost")
     scene = make_scene(first, tmp_path, owner="olga")
     scene.person("olga", Role.MEMBER)
@@ -210,7 +210,7 @@ async def test_law_17_a_lost_driver_is_told_and_the_lock_is_still_there_when_it_
             first.process.kill()
             first.process.wait(60)
             await scene.world.sign_in("olga").press_release(ROBOT)
-            card = await told(scene, "olga")
+            card = await press_result(scene, "olga")
             assert not card["done"]
             assert "start one with: agentrob driver lost" in card["said"]
             second = Driver(tmp_path, robot_settings(), name="lost")
@@ -225,7 +225,7 @@ async def test_law_17_a_lost_driver_is_told_and_the_lock_is_still_there_when_it_
         first.end()
 
 
-class GateMind(RulesMind):
+class WaitingMind(RulesMind):
     """A mind that waits until the gate is opened and then understands nothing."""
 
     def __init__(self) -> None:
@@ -239,7 +239,7 @@ class GateMind(RulesMind):
 
 @pytest.mark.parametrize("how", ["button", "at the machine"])
 async def test_laws_14_and_17_what_was_posted_before_a_release_does_not_move_after_it(owned: Scene, how: str) -> None:
-    mind = GateMind()
+    mind = WaitingMind()
     async with owned.agent(mind=mind):
         await locked(owned)
         before = (await state(owned)).pose
@@ -248,7 +248,7 @@ async def test_laws_14_and_17_what_was_posted_before_a_release_does_not_move_aft
         await owned.world.wait(0.05)
         if how == "button":
             await owned.world.sign_in("olga").press_release(ROBOT)
-            await told(owned, "olga")
+            await press_result(owned, "olga")
         else:
             async with owned.driver.client() as client:
                 assert await client.release("olga at the shell") is not None
@@ -279,9 +279,9 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
             assert "Set home here" in (await scene.final(await scene.post("alice", "@quadruped status"))).raw
             await scene.until(lambda: scene.world.robots[ROBOT]["homed"] is False)
             await scene.world.sign_in("alice").press_home(ROBOT)
-            assert not (await told(scene, "alice"))["done"]
+            assert not (await press_result(scene, "alice"))["done"]
             await scene.world.sign_in("olga").press_home(ROBOT)
-            card = await told(scene, "olga")
+            card = await press_result(scene, "olga")
             assert (card["deed"], card["done"]) == ("home", True)
             await scene.until(lambda: scene.world.robots[ROBOT]["homed"] is True)
             walk = await scene.post("alice", "@quadruped walk forward 3 metres, then walk back 3 metres")
@@ -299,7 +299,7 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
         homeless.end()
 
 
-class Plain:
+class ForumWithoutPages:
     """A forum without pages of robots, as NodeBB and Discourse are."""
 
     def __init__(self, forum: MemoryForum) -> None:
@@ -322,7 +322,7 @@ class Plain:
 async def test_law_17_where_the_forum_has_no_buttons_the_reply_names_the_command(
     owned: Scene, text: str, how: str
 ) -> None:
-    forum = Plain(owned.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT))
+    forum = ForumWithoutPages(owned.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT))
     async with owned.agent(forum=forum):
         stop = await owned.post("bob", text)
         (reply,) = await owned.until(lambda: owned.replies(stop))

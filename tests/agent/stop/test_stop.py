@@ -197,13 +197,13 @@ async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: S
 async def test_law_17_a_driver_that_cannot_be_reached_is_said_plainly(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
 
-    class Cut(type(driver.client())):  # type: ignore[misc]
+    class DisconnectedClient(type(driver.client())):  # type: ignore[misc]
         """Every call fails; the second channel belongs to a robot without a driver."""
 
         async def _call(self, *_: object, **__: object) -> object:
             raise RobotUnreachable("no driver")
 
-    async with scene.agent(driver=Cut("nobody", tmp_path / "none.sock")):
+    async with scene.agent(driver=DisconnectedClient("nobody", tmp_path / "none.sock")):
         post = await scene.post("bob", "@quadruped stop")
         (reply,) = await scene.until(lambda: scene.replies(post))
         assert "could not reach" in reply.raw
@@ -218,7 +218,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
 ) -> None:
     scene, over, never = make_scene(driver, tmp_path), threading.Event(), asyncio.Event()
 
-    class Deaf(DriverClient):
+    class StopFailingClient(DriverClient):
         """A driver client on which everything works but a stop."""
 
         async def _ask(self, method: str, path: str, body: Any = None, timeout_s: float = 5.0) -> Any:
@@ -234,7 +234,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
         raise RobotUnreachable("no answer")
 
     monkeypatch.setattr("agentrob.agent.stop.replies.stop_robot", second)
-    async with scene.agent(driver=Deaf(driver.name, driver.socket)):
+    async with scene.agent(driver=StopFailingClient(driver.name, driver.socket)):
         post = await running(scene)
         stop = await scene.post("bob", "stop", topic=scene.world.posts[post].topic_id)
         asked_s = time.monotonic()
@@ -245,10 +245,10 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
         over.set()
         never.set()
         reply = await scene.final(scene.world.posts[post])
-        (told,) = await scene.until(lambda: scene.replies(stop))
+        (stop_reply,) = await scene.until(lambda: scene.replies(stop))
     assert "**Stopped** by `bob`" in reply.raw
     assert float(re.findall(r"\| (\d\.\d\d) m \|", reply.raw)[0]) < 3.0
-    assert "could not reach" in told.raw
+    assert "could not reach" in stop_reply.raw
 
 
 async def test_an_agent_that_is_ended_stops_its_robot_and_says_so(scene: Scene) -> None:

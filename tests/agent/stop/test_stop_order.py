@@ -29,7 +29,7 @@ from tests.agent.agent_scene import ROBOT, robot_settings
 
 BEGUN = datetime(2026, 11, 1, tzinfo=UTC)
 DAY_S = 86_400.0
-Deed = tuple[str, float]
+Action = tuple[str, float]
 
 
 @dataclass
@@ -61,7 +61,7 @@ class Robot:
         return StopResult(latency_ms=1.0, confirmed=True)
 
 
-class Play:
+class Scenario:
     """A forum and the agent of a robot.
 
     A command whose motion is about to begin waits until it is released; places are positions in the order of the
@@ -125,9 +125,9 @@ class Play:
         return False
 
     # ---------------------------------------------------------------- events
-    async def do(self, deed: str, value: float = 0.0) -> None:
+    async def do(self, action: str, value: float = 0.0) -> None:
         self.clock.true_s += 0.001
-        match deed:
+        match action:
             case "command":
                 await self.command()
             case "stop":
@@ -142,11 +142,11 @@ class Play:
             case "pass":
                 self.clock.true_s += value
             case "beat":
-                self.agent._notice(self.world.now())
+                self.agent._note_forum_time(self.world.now())
             case "hear":
                 for event in await self.robot.changes(self.agent.event_stream.cursor):
                     self.agent.event_stream.cursor = event.id
-                    self.agent._hear_safely(event)
+                    self.agent._handle_event_safely(event)
                     self._note_heard()
             case "take":
                 await self.agent.inbox.take_waiting()
@@ -157,7 +157,7 @@ class Play:
                 self.gate.clear()
             case "restart" | "reboot":
                 await self.end()
-                if deed == "reboot":
+                if action == "reboot":
                     self.clock.started_s, self.clock.machine = self.clock.true_s, self.clock.machine + 1
                 await self.start()
         await self.idle()
@@ -178,30 +178,30 @@ class Play:
 
     # ---------------------------------------------------------------- invariants at the end
     async def finish(self) -> None:
-        for deed in ("hear", "take", "let"):
-            await self.do(deed)
+        for action in ("hear", "take", "let"):
+            await self.do(action)
         last = max(self.stops, default=0)
         for post_id, why in self.refused.items():
             if why in (EndReason.STOP, EndReason.CLOCK) and self.commands[post_id] > last:
                 between = [p for p in self.set_back if last <= p <= self.heard_after[post_id]]
                 assert between, f"{post_id} was posted after the last stop, and ended by it: {why}"
-        for deed in ("command", "hear", "take", "let", "pass") * 2:  # with the first of the two the agent may notice
-            await self.do(deed, 6.0)
+        for action in ("command", "hear", "take", "let", "pass") * 2:  # with the first of the two the agent may notice
+            await self.do(action, 6.0)
         post_id = list(self.commands)[-1]
         assert post_id in self.ran, f"a stop blocks what is posted after it: {self.refused.get(post_id)}"
 
 
-async def played(deeds: list[Deed], clock: Clock) -> Play:
+async def run_actions(actions: list[Action], clock: Clock) -> Scenario:
     with tempfile.TemporaryDirectory() as folder:
-        play = Play(Path(folder), clock)
-        await play.start()
+        scenario = Scenario(Path(folder), clock)
+        await scenario.start()
         try:
-            for deed, value in deeds:
-                await play.do(deed, value)
-            await play.finish()
+            for action, value in actions:
+                await scenario.do(action, value)
+            await scenario.finish()
         finally:
-            await play.end()
-        return play
+            await scenario.end()
+        return scenario
 
 
 @pytest.fixture
@@ -217,31 +217,31 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 OFFSETS = st.sampled_from([0.0, 3.0, -3.0, 60.0, -60.0, 3600.0, -3600.0, 400 * DAY_S, 399 * DAY_S, -30 * DAY_S])
 DEEDS = st.one_of(
     st.sampled_from(["command", "command", "stop", "press", "beat", "hear", "take", "let", "restart", "reboot"]).map(
-        lambda deed: (deed, 0.0)
+        lambda action: (action, 0.0)
     ),
     st.tuples(st.just("set"), OFFSETS),
     st.tuples(st.just("pass"), st.sampled_from([0.01, 2.0, 30.0, 300.0])),
 )
 
 
-def told(deeds: str) -> list[Deed]:
-    return [(words[0], float(words[1]) if words[1:] else 0.0) for words in map(str.split, deeds.split(", "))]
+def parse_actions(actions: str) -> list[Action]:
+    return [(words[0], float(words[1]) if words[1:] else 0.0) for words in map(str.split, actions.split(", "))]
 
 
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 @given(st.lists(DEEDS, min_size=3, max_size=25))
-@example(told("set 3600, command, set 0, stop, hear, take, let"))
-@example(told("set 3600, command, hear, take, set 0, stop, restart, let"))
-@example(told("set 3600, command, hear, take, set 0, stop, reboot, let"))
-@example(told("set 34560000, stop, hear, set 0"))
-@example(told("set 34560000, stop, hear, set 0, restart, reboot"))
-@example(told("set 34560000, stop, hear, pass 2, beat, set 0, set 34473600"))
-@example(told("stop, hear, set -3600, command, hear"))
-@example(told("set 34560000, reboot, set 0, stop"))
+@example(parse_actions("set 3600, command, set 0, stop, hear, take, let"))
+@example(parse_actions("set 3600, command, hear, take, set 0, stop, restart, let"))
+@example(parse_actions("set 3600, command, hear, take, set 0, stop, reboot, let"))
+@example(parse_actions("set 34560000, stop, hear, set 0"))
+@example(parse_actions("set 34560000, stop, hear, set 0, restart, reboot"))
+@example(parse_actions("set 34560000, stop, hear, pass 2, beat, set 0, set 34473600"))
+@example(parse_actions("stop, hear, set -3600, command, hear"))
+@example(parse_actions("set 34560000, reboot, set 0, stop"))
 def test_law_14_whatever_the_clock_does_a_stop_ends_what_was_before_it_and_blocks_nothing_after_it(
-    clock: Clock, deeds: list[Deed]
+    clock: Clock, actions: list[Action]
 ) -> None:
     clock.__init__()  # type: ignore[misc]
-    asyncio.run(played(deeds, clock))
+    asyncio.run(run_actions(actions, clock))

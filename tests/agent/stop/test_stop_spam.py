@@ -38,7 +38,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
     made.end()
 
 
-class Logged(DriverClient):
+class LoggingClient(DriverClient):
     """Records in order what the agent requested from the driver."""
 
     def __init__(self, driver: Driver) -> None:
@@ -61,7 +61,7 @@ async def walks(driver: Driver) -> None:
 
 
 # ---------------------------------------------------------------------- the memory forum
-async def shout(scene: Scene, name: str, running: Post, shared: Post) -> int:
+async def post_every_stop(scene: Scene, name: str, running: Post, shared: Post) -> int:
     """Post every form of a stop in four threads; return how many stop posts and presses there were."""
     forum = scene.person(name, Role.MEMBER)
     own = await scene.post(name, "My own thread")
@@ -84,7 +84,7 @@ async def shout(scene: Scene, name: str, running: Post, shared: Post) -> int:
 
 async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(scene: Scene) -> None:
     scene.person("eve")
-    client = Logged(scene.driver)
+    client = LoggingClient(scene.driver)
     async with scene.agent(driver=client):
         shared = await scene.post("bob", "Let us talk")
         running = await scene.post("alice", COMMAND)
@@ -92,7 +92,9 @@ async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(
         await walks(scene.driver)
         before, began_s = len(scene.world.events), time.monotonic()
         await scene.post("bob", "stop", topic=running.topic_id)
-        shouted = await asyncio.gather(*(shout(scene, f"shouter{n}", running, shared) for n in range(SHOUTERS)))
+        shouted = await asyncio.gather(
+            *(post_every_stop(scene, f"shouter{n}", running, shared) for n in range(SHOUTERS))
+        )
         assert sum(shouted) >= 200
         # Without waiting: the eleventh account posts while most of the stops are not read yet.
         later = await scene.post("eve", LATER)
@@ -118,7 +120,7 @@ async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(
 
 
 # ---------------------------------------------------------------------- the real board
-def shout_at_board(board: RunningBoard, name: str, running: str) -> list[httpx2.Response]:
+def post_every_stop_to_board(board: RunningBoard, name: str, running: str) -> list[httpx2.Response]:
     """The same over HTTP; returns every response."""
     client, got = board.client(name), list[httpx2.Response]()
 
@@ -160,7 +162,7 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
         names = [f"shouter{n}" for n in range(SHOUTERS)]
         for name in names:
             board.add(name)
-        client = Logged(driver)
+        client = LoggingClient(driver)
         forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
         async with serving(RobotAgent(ROBOT, robot_settings(), forum, client, RulesMind(), tmp_path)):
             op = board.client("op")
@@ -169,7 +171,9 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
             ]
             await board_answer(op, running, {"running"})
             await walks(driver)
-            answers = await asyncio.gather(*(asyncio.to_thread(shout_at_board, board, name, running) for name in names))
+            answers = await asyncio.gather(
+                *(asyncio.to_thread(post_every_stop_to_board, board, name, running) for name in names)
+            )
             refused = [answer.text for got in answers for answer in got if answer.status_code not in (200, 201)]
             assert refused == []
             body = {"board_id": "robots", "title": "Turn", "body": LATER}

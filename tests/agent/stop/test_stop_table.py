@@ -25,7 +25,7 @@ from agentrob.robots.driver.stop import halt_robot, stop_robot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
-from tests.agent.laws.machine_scene import GatedClient, GatedMind, Gates, LedgerRobot, Stand
+from tests.agent.laws.machine_scene import GatedClient, GatedMind, Gates, RecordingRobot, Stand
 
 LIMIT_S = 60.0
 #: Stops on the forum, and stops at the robot's machine without the forum.
@@ -48,7 +48,7 @@ CASES = [(way, state) for way in ON_THE_FORUM + AT_THE_MACHINE for state in TABL
 @pytest.fixture(scope="module")
 def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
     """A robot that takes two seconds for 5 m, with both channels of its driver."""
-    folder, settings, robot = tmp_path_factory.mktemp("stand"), robot_settings(), LedgerRobot()
+    folder, settings, robot = tmp_path_factory.mktemp("stand"), robot_settings(), RecordingRobot()
     robot.time_scale = 5.0
     driver = Driver(ROBOT, Guard(robot, settings, Halt(folder / "robot.halt")))
     driver.leases = Leases(LIMIT_S)  # a busy machine may delay a renewal, which is another law's subject
@@ -63,7 +63,7 @@ def stand(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
 
 
 @dataclass
-class Play:
+class Scenario:
     """A forum, the agent, and the robot's real motion."""
 
     stand: Stand
@@ -189,20 +189,20 @@ class Play:
 async def test_laws_13_and_14_a_stop_ends_a_command_in_any_state(
     stand: Stand, tmp_path: Path, way: str, state: str
 ) -> None:
-    play = Play(stand, tmp_path)
-    async with play.agent():
-        command = await play.bring(state)
-        await play.stop(way, command)
-        moved = len(play.moved)
-        play.gates.open()
-        ended = await play.shows(command, FINAL)
-        later = await play.shows(await play.post("alice", f"@{ROBOT} wave"), FINAL)
+    scenario = Scenario(stand, tmp_path)
+    async with scenario.agent():
+        command = await scenario.bring(state)
+        await scenario.stop(way, command)
+        moved = len(scenario.moved)
+        scenario.gates.open()
+        ended = await scenario.shows(command, FINAL)
+        later = await scenario.shows(await scenario.post("alice", f"@{ROBOT} wave"), FINAL)
         halts = way in ("halt", "second channel halts")
         if halts:
             stand.driver.release("owner")
         assert ended == TABLE[state][way in AT_THE_MACHINE]
         assert later == ("refused" if halts else "done")
-        assert play.moved[moved:] == []
+        assert scenario.moved[moved:] == []
 
 
 #: Each of these was once ignored when posted in the thread of a walk.
@@ -219,23 +219,25 @@ PLAIN_WORDS = {
 
 @pytest.mark.parametrize("text", PLAIN_WORDS)
 async def test_law_13_plain_words_in_the_thread_stop_what_moves(stand: Stand, tmp_path: Path, text: str) -> None:
-    play = Play(stand, tmp_path)
-    async with play.agent():
-        command = await play.bring("moving")
-        stop = await play.post("bob", text, topic=command.topic_id)
-        assert await play.shows(command, FINAL) == "stopped"
-        reply = await play.until(lambda: next((p for p in play.world.posts.values() if p.reply_to == stop.id), None))
+    scenario = Scenario(stand, tmp_path)
+    async with scenario.agent():
+        command = await scenario.bring("moving")
+        stop = await scenario.post("bob", text, topic=command.topic_id)
+        assert await scenario.shows(command, FINAL) == "stopped"
+        reply = await scenario.until(
+            lambda: next((p for p in scenario.world.posts.values() if p.reply_to == stop.id), None)
+        )
         assert PLAIN_WORDS[text] in reply.raw
         assert "ms after the stop" in reply.raw or "毫秒后速度归零" in reply.raw
-        play.gates.open()
-        later = await play.post("alice", f"@{ROBOT} wave")
-        assert await play.shows(later, FINAL) == "done"
+        scenario.gates.open()
+        later = await scenario.post("alice", f"@{ROBOT} wave")
+        assert await scenario.shows(later, FINAL) == "done"
 
 
 async def test_law_13_an_edit_into_plain_words_stops_what_moves(stand: Stand, tmp_path: Path) -> None:
-    play = Play(stand, tmp_path)
-    async with play.agent():
-        command = await play.bring("moving")
-        talk = await play.post("bob", "nice!", topic=command.topic_id)
-        await play.world.sign_in("bob").edit(talk.id, "nice! oh no, careful, the cat")
-        assert await play.shows(command, FINAL) == "stopped"
+    scenario = Scenario(stand, tmp_path)
+    async with scenario.agent():
+        command = await scenario.bring("moving")
+        talk = await scenario.post("bob", "nice!", topic=command.topic_id)
+        await scenario.world.sign_in("bob").edit(talk.id, "nice! oh no, careful, the cat")
+        assert await scenario.shows(command, FINAL) == "stopped"

@@ -87,7 +87,7 @@ class JournalStore:
         with self._connected() as db:
             return {t.name: [dict(row) for row in db.execute(t.select()).mappings()] for t in METADATA.sorted_tables}
 
-    def put_back(self, copy: dict[str, list[dict[str, Any]]]) -> None:
+    def restore(self, copy: dict[str, list[dict[str, Any]]]) -> None:
         self.delete()
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._connected() as db:

@@ -57,7 +57,7 @@ async def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None
     assert await journal.history("1") == [plan]
     assert await state(journal, "2") is CommandState.QUEUED
     assert await journal.has_decision("12")
-    assert await journal.kept("1") == "moved"
+    assert await journal.motion_result("1") == "moved"
     assert await journal.move("2", says("walked")) == "walked"
     assert await journal.assess("3", says("another")) == "thought"
     assert (await journal.get("cursor"), await journal.get_time("watermark"), await journal.get("no")) == (
@@ -122,9 +122,9 @@ async def test_a_motion_goes_on_when_its_caller_is_cancelled(tmp_path: Path) -> 
     await begun.wait()
     caller.cancel()
     await asyncio.gather(caller, return_exceptions=True)
-    assert await journal.kept("1") is None
+    assert await journal.motion_result("1") is None
     end.set()
-    while await journal.kept("1") is None:  # noqa: ASYNC110 (a database)
+    while await journal.motion_result("1") is None:  # noqa: ASYNC110 (a database)
         await asyncio.sleep(0.01)
     assert await journal.move("1", says("again")) == "moved"
     await journal.close()

@@ -158,6 +158,6 @@ async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None
         await scene.until(lambda: not len(agent.queue))
         while await agent.journal.open_claims():  # noqa: ASYNC110 (a database)
             await asyncio.sleep(0.01)
-        told = {post: await state(agent.journal, post) for post in posts}
-    assert told == {post: card.state for post, card in posts.items() if card is not None}
-    assert set(told.values()) >= {"done", "asks_back", "answered", "refused", "stopped"}
+        in_journal = {post: await state(agent.journal, post) for post in posts}
+    assert in_journal == {post: card.state for post, card in posts.items() if card is not None}
+    assert set(in_journal.values()) >= {"done", "asks_back", "answered", "refused", "stopped"}

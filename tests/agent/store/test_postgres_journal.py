@@ -175,7 +175,7 @@ async def test_law_6_a_lost_journal_begins_nothing_although_nobody_has_taken_the
             await journal.claim(command("2"))
         go_on.set()
         assert await motion == "moved", "what ended is told truly as long as nobody else holds the robot"
-        assert await journal.kept("1") == "moved"
+        assert await journal.motion_result("1") == "moved"
         await journal.close()
 
 
@@ -292,7 +292,7 @@ async def test_law_6_the_server_is_started_again_between_begin_and_end(
         await journal.close()
         await background[0]
         journal = await taken(a, REX)
-        assert await journal.kept("1") == "moved"
+        assert await journal.motion_result("1") == "moved"
         assert await journal.move("1", says("again")) == "moved"
         await journal.close()
 

@@ -224,20 +224,20 @@ async def test_a_single_run_goes_on_after_what_it_accepted(scene: Scene) -> None
     await agent.close()
     heard: list[str] = []
     again = scene.make()
-    hear = again._hear
+    hear = again._handle_event
 
     def listen(event):  # type: ignore[no-untyped-def]
         heard.append(event.post.raw if event.post else "")
         hear(event)
 
-    again._hear = listen  # type: ignore[method-assign]
+    again._handle_event = listen  # type: ignore[method-assign]
     await asyncio.wait_for(again.once(), 60)
     await again.close()
     assert "@quadruped turn left 90 degrees" not in heard
 
 
 async def test_law_14_a_stop_that_the_forum_knows_nothing_of_ends_what_was_accepted_before_it(scene: Scene) -> None:
-    class Late(RulesMind):
+    class GatedMind(RulesMind):
         asked, let = asyncio.Event(), asyncio.Event()
 
         async def understand(self, *more):  # type: ignore[no-untyped-def]
@@ -245,7 +245,7 @@ async def test_law_14_a_stop_that_the_forum_knows_nothing_of_ends_what_was_accep
             await self.let.wait()
             return await super().understand(*more)
 
-    mind = Late()
+    mind = GatedMind()
     stood = await place(scene.driver)
     async with scene.agent(mind=mind):
         post = await scene.post("alice", "@quadruped walk forward 1 metre")
@@ -341,13 +341,13 @@ async def test_a_press_of_the_reset_button_that_is_old_resets_nothing(
 async def test_law_17_a_halt_that_only_stopped_is_not_called_a_halt(driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path)
 
-    class Cut(DriverClient):
+    class DisconnectedClient(DriverClient):
         """The first channel is gone; the second still stops."""
 
         async def halt(self, by: str) -> StopResult:
             raise RobotUnreachable("no driver")
 
-    async with scene.agent(driver=Cut(driver.name, driver.socket)):
+    async with scene.agent(driver=DisconnectedClient(driver.name, driver.socket)):
         post = await scene.post("bob", "@quadruped emergency stop!")
         (reply,) = await scene.until(lambda: scene.replies(post))
     assert "It is **not halted**" in reply.raw
@@ -365,8 +365,8 @@ async def test_a_running_command_that_is_removed_does_not_take_the_next_one_with
         assert (await scene.final(second)).card.state == "done"
 
 
-@pytest.mark.parametrize("told", [True, False])
-async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(scene: Scene, told: bool) -> None:
+@pytest.mark.parametrize("reported", [True, False])
+async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(scene: Scene, reported: bool) -> None:
     """The copy knows the claim but no motion; the forum knows that the motion ended, or that it runs."""
     await started(scene)
     mind = StuckMind()
@@ -377,26 +377,26 @@ async def test_law_6_a_journal_copied_before_the_motion_moves_it_no_second_time(
     copy = scene.journal.copy()
     async with scene.agent() as agent:
         running = await scene.state(post, "running")
-        if told:
+        if reported:
             assert (await scene.final(post)).card.state == "done"  # type: ignore[union-attr]
             await scene.until(lambda: not agent.queue)
-    if not told:  # as after a crash: nobody wrote the end
+    if not reported:  # as after a crash: nobody wrote the end
         scene.world.posts[running.id] = running
-    scene.journal.put_back(copy)
+    scene.journal.restore(copy)
     before = await place(scene.driver)
     async with scene.agent():
         last = await scene.post("alice", "@quadruped turn left 10 degrees")
         assert (await scene.final(last)).card.state == "done"  # type: ignore[union-attr]
         reply = await scene.final(post)
     assert reply.card is not None
-    assert reply.card.state == ("done" if told else "interrupted")
+    assert reply.card.state == ("done" if reported else "interrupted")
     assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M
 
 
-@pytest.mark.parametrize("told", [pytest.param(True, marks=pytest.mark.slow), False])
+@pytest.mark.parametrize("reported", [pytest.param(True, marks=pytest.mark.slow), False])
 @pytest.mark.parametrize("why", ["edited", pytest.param("stopped", marks=pytest.mark.slow), "late"])
-async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch, why: str, told: bool
+async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_reported_once(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, why: str, reported: bool
 ) -> None:
     """The journal knows that it began, as after a crash; the forum knows that it ended, or that it runs."""
     async with scene.agent() as agent:
@@ -405,8 +405,8 @@ async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
         copy = scene.journal.copy()
         assert (await scene.final(post)).card.state == "done"
         await scene.until(lambda: not agent.queue)
-    scene.journal.put_back(copy)
-    if not told:
+    scene.journal.restore(copy)
+    if not reported:
         scene.world.posts[running.id] = running
     match why:
         case "edited":
@@ -419,10 +419,10 @@ async def test_law_6_of_a_motion_that_began_nothing_but_its_end_is_told_once(
     before = await place(scene.driver)
     async with scene.agent():
         await scene.final(await scene.post("alice", "@quadruped help"))
-        if not told:
+        if not reported:
             assert (await scene.final(post)).card.state == "interrupted"
     (reply,) = scene.replies(post)
-    assert reply.card.state == ("done" if told else "interrupted")
+    assert reply.card.state == ("done" if reported else "interrupted")
     assert max(abs(a - b) for a, b in zip(before, await place(scene.driver), strict=True)) < STILL_M
 
 
@@ -462,7 +462,7 @@ async def test_law_6_a_status_that_a_lost_journal_left_open_is_ended_although_it
     assert ends == [("interrupted", 2), ("done", 1)]
 
 
-async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_is_told(scene: Scene) -> None:
+async def test_law_11_a_dead_agent_s_lease_is_waited_for_and_a_living_holder_s_is_reported(scene: Scene) -> None:
     async with scene.agent(), scene.driver.client() as other:
         await other._call("POST", "/lease", {"holder": "an agent that was killed", "since_s": None})  # never renewed
         post = await scene.post("alice", f"@{ROBOT} turn left 30 degrees")
@@ -482,7 +482,7 @@ async def test_law_14_a_stop_ends_a_command_that_waits_for_a_busy_robot(scene: S
         assert (await scene.final(post)).card.state == "stopped"
 
 
-async def test_law_17_a_stop_past_the_forum_is_told_with_whose_it_was(tmp_path: Path) -> None:
+async def test_law_17_a_stop_past_the_forum_is_reported_with_whose_it_was(tmp_path: Path) -> None:
     local = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="local")
     scene = make_scene(local, tmp_path)
     try:

@@ -34,15 +34,15 @@ def says(text: str) -> Callable[[], Awaitable[str]]:
     return answer
 
 
-async def kept(folder: Path, *posts: str, told: tuple[str, ...], aged: dict[str, float]) -> Journal:
-    """Return a journal with claims, assessments and motions of these posts; some were `told`, some are this many days
-    old."""
+async def kept(folder: Path, *posts: str, reported: tuple[str, ...], aged: dict[str, float]) -> Journal:
+    """Return a journal with claims, assessments and motions of these posts; some were `reported`, some are this many
+    days old."""
     journal = await open_journal(folder, ROBOT)
     for post in posts:
         await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", datetime.now(UTC), "trace"))
         await journal.assess(post, says("thought"))
         await journal.move(post, says("moved"))
-        if post in told:
+        if post in reported:
             await journal.finish(post, CommandState.DONE)
     for post, days in aged.items():
         for table in ("claim", "motion"):
@@ -55,9 +55,9 @@ def rows(folder: Path, query: str) -> list[str]:
     return [row[0] for row in JournalStore(folder, ROBOT).rows(query)]
 
 
-async def test_law_6_claims_are_let_go_of_when_they_are_told_and_old_and_open_ones_never(tmp_path: Path) -> None:
+async def test_law_6_claims_are_let_go_of_when_they_are_reported_and_old_and_open_ones_never(tmp_path: Path) -> None:
     posts = ("old", "open", "new")
-    journal = await kept(tmp_path, *posts, told=("old", "new"), aged={"old": 31, "open": 400})
+    journal = await kept(tmp_path, *posts, reported=("old", "new"), aged={"old": 31, "open": 400})
     await journal.prune(30, 5000)
     assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["open", "new"]
     assert sorted(rows(tmp_path, "SELECT post FROM motion")) == ["new", "open"]
@@ -68,7 +68,7 @@ async def test_law_6_claims_are_let_go_of_when_they_are_told_and_old_and_open_on
 
 async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(tmp_path: Path) -> None:
     posts = tuple("abcdef")
-    journal = await kept(tmp_path, *posts, told=posts, aged=dict.fromkeys("abcd", 2.0))
+    journal = await kept(tmp_path, *posts, reported=posts, aged=dict.fromkeys("abcd", 2.0))
     await journal.prune(30, 3)
     assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["d", "e", "f"]
     await journal.prune(30, 1)
@@ -77,19 +77,19 @@ async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(
 
 
 async def test_the_assessment_of_a_told_command_goes_and_of_an_open_one_stays(tmp_path: Path) -> None:
-    journal = await kept(tmp_path, "told", "open", told=("told",), aged={})
+    journal = await kept(tmp_path, "reported", "open", reported=("reported",), aged={})
     assert rows(tmp_path, "SELECT post FROM assessment") == ["open"]
     await journal.prune(30, 5000)
     assert rows(tmp_path, "SELECT post FROM assessment") == ["open"]
     assert await journal.assess("open", says("another")) == "thought"
-    assert await journal.move("told", says("again")) == "moved"
+    assert await journal.move("reported", says("again")) == "moved"
     await journal.close()
 
 
 async def test_another_version_assesses_again_and_moves_nothing_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    await (await kept(tmp_path, "open", told=(), aged={})).close()
+    await (await kept(tmp_path, "open", reported=(), aged={})).close()
     monkeypatch.setattr(journal_module, "VERSION", "another")
     journal = await open_journal(tmp_path, ROBOT)
     assert await journal.assess("open", says("another")) == "another"

@@ -28,7 +28,7 @@ CALLS = st.one_of(
 
 
 @dataclass
-class Model:
+class JournalModel:
     """What a journal knows, in memory."""
 
     claims: dict[str, CommandState | None] = field(default_factory=dict)
@@ -123,5 +123,5 @@ async def answers(calls: list[tuple[str, str]]) -> list[object]:
 )
 @given(st.lists(CALLS, max_size=25))
 def test_law_6_a_journal_answers_as_the_model_does(calls: list[tuple[str, str]]) -> None:
-    model = Model()
+    model = JournalModel()
     assert asyncio.run(answers(calls)) == [model.ask(call, post, n) for n, (call, post) in enumerate(calls)]

@@ -17,8 +17,8 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Intent, Plan, Post, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
-from tests.minds.brain import FINE, Brain, move, running_brain
 from tests.minds.faulty_server import called, said
+from tests.minds.scripted_model import FINE, ScriptedModel, move, running_scripted_model
 
 #: A post that the rules ask back, and a model's reading of it.
 FREE = f"@{ROBOT} be a darling and meander forward 1 m"
@@ -28,8 +28,8 @@ STILL_M = 0.02
 
 
 @pytest.fixture
-def brain() -> Iterator[Brain]:
-    with running_brain() as made:
+def scripted_model() -> Iterator[ScriptedModel]:
+    with running_scripted_model() as made:
         yield made
 
 
@@ -58,11 +58,11 @@ def record(scene: Scene, post: Post) -> dict[str, Any]:
     ],
 )
 async def test_law_19_a_free_post_moves_the_robot_and_the_reply_names_the_model(
-    scene: Scene, brain: Brain, text: str, reads: dict[str, Any], line: str
+    scene: Scene, scripted_model: ScriptedModel, text: str, reads: dict[str, Any], line: str
 ) -> None:
-    brain.reads = reads
+    scripted_model.extraction = reads
     price = {"input_per_million": 2.0, "output_per_million": 10.0, "currency": "EUR"}
-    async with scene.agent(mind=brain.mind(scene.folder, price=price)):
+    async with scene.agent(mind=scripted_model.mind(scene.folder, price=price)):
         post = await scene.post("alice", text)
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
@@ -83,37 +83,41 @@ async def test_without_a_model_the_reply_says_nothing_of_models(scene: Scene) ->
     assert (record(scene, post)["mind"], record(scene, post)["models"]) == ("rules", [])
 
 
-async def test_what_was_done_before_is_told_as_plans_and_not_as_posts(scene: Scene, brain: Brain) -> None:
+async def test_what_was_done_before_is_reported_as_plans_and_not_as_posts(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
     again = move("the very same thing again but slower", 1, slow=True)
-    async with scene.agent(mind=brain.mind(scene.folder)):
-        brain.reads = FREE_READ
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
+        scripted_model.extraction = FREE_READ
         first = await scene.post("alice", FREE)
         assert (await scene.final(first)).card.state == "done"
-        brain.reads = again
+        scripted_model.extraction = again
         second = await scene.post(
             "alice", f"@{ROBOT} lovely. kindly do the very same thing again but slower", first.topic_id
         )
         reply = await scene.final(second)
     assert reply.card.state == "done", reply.raw
     assert "walk forward 1 m at 0.2 m/s" in reply.raw
-    told = brain.questions("read")[1]
-    assert '[[{"action": "move", "direction": "forward", "distance_m": 1.0}]]' in told
-    assert "darling" not in told
+    reply_text = scripted_model.prompts("read")[1]
+    assert '[[{"action": "move", "direction": "forward", "distance_m": 1.0}]]' in reply_text
+    assert "darling" not in reply_text
 
 
-async def test_a_wish_that_the_post_does_not_say_is_asked_back_and_not_done(scene: Scene, brain: Brain) -> None:
-    brain.reads = move("meander forward 1 m", 4)
+async def test_a_wish_that_the_post_does_not_say_is_asked_back_and_not_done(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    scripted_model.extraction = move("meander forward 1 m", 4)
     stood = await place(scene.driver)
-    async with scene.agent(mind=brain.mind(scene.folder)):
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         reply = await scene.final(await scene.post("alice", FREE))
     assert reply.card.state == "asks_back"
     assert "I understood: walk forward 4 m." in reply.raw
     assert "`clever`" in reply.raw
-    assert brain.questions("screen") == []
+    assert scripted_model.prompts("screen") == []
     assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
 
 
-async def test_the_next_model_of_the_chain_is_named(scene: Scene, brain: Brain) -> None:
+async def test_the_next_model_of_the_chain_is_named(scene: Scene, scripted_model: ScriptedModel) -> None:
     def answer(handler: Any, body: dict[str, Any]) -> None:
         good = called("answer", FREE_READ if body["messages"][0]["content"].startswith("# Reading") else FINE)
         handler.send(401, b"{}") if body["model"] == "one" else handler.send(200, json.dumps(good).encode())
@@ -121,8 +125,8 @@ async def test_the_next_model_of_the_chain_is_named(scene: Scene, brain: Brain) 
     from agentrob.minds.extraction.mind import ModelMind
     from agentrob.minds.llm.fallback import FallbackModel
 
-    brain.server.answer = answer
-    models = [brain.model(scene.folder, name, model=name) for name in ("one", "two")]
+    scripted_model.server.answer = answer
+    models = [scripted_model.model(scene.folder, name, model=name) for name in ("one", "two")]
     async with scene.agent(mind=ModelMind(FallbackModel(models))):
         reply = await scene.final(await scene.post("alice", FREE))
     assert reply.card.state == "done"
@@ -153,7 +157,7 @@ FAULTS: dict[str, tuple[Callable[[Any], None], str]] = {
 }
 
 
-async def asked_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
+async def assert_rules_replaced(scene: Scene, scripted_model: ScriptedModel, fault: str, why: str) -> None:
     """Check the reply to a post that only a model reads, while the model fails."""
     began = time.monotonic()
     reply = await scene.final(await scene.post("alice", FREE))
@@ -162,53 +166,57 @@ async def asked_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
     assert time.monotonic() - began < 15, fault
 
 
-async def done_after(scene: Scene, brain: Brain, fault: str, why: str) -> None:
+async def done_after(scene: Scene, scripted_model: ScriptedModel, fault: str, why: str) -> None:
     """Check the reply to a post that the rules read too."""
     post = await scene.post("alice", PLAIN)
     reply = await scene.final(post)
     assert reply.card.state == "done", (fault, reply.raw)
     assert f"`clever` did not read this post ({why}); my rules did." in reply.raw, fault
     assert f"No model has reviewed this command ({why})" in reply.raw, fault
-    assert brain.questions("screen") == [], "who did not read is not asked again"
+    assert scripted_model.prompts("screen") == [], "who did not read is not asked again"
     kept = record(scene, post)
     assert (kept["mind"], kept["fallback"]) == ("rules", kept["models"][-1]["failed"]), fault
 
 
-async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(scene: Scene, brain: Brain) -> None:
-    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=3.0, total_s=20.0, retries=0)):
+async def test_whatever_a_model_does_the_rules_read_and_the_reply_says_so(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    async with scene.agent(mind=scripted_model.mind(scene.folder, timeout_s=3.0, total_s=20.0, retries=0)):
         for fault, (answer, why) in FAULTS.items():
-            brain.reads = brain.screens = answer
-            await asked_after(scene, brain, fault, why)
+            scripted_model.extraction = scripted_model.review = answer
+            await assert_rules_replaced(scene, scripted_model, fault, why)
             if fault in ("500", "malformed JSON"):
-                await done_after(scene, brain, fault, why)
+                await done_after(scene, scripted_model, fault, why)
 
 
-async def test_when_nothing_answers_there_the_rules_read_and_the_reply_says_so(scene: Scene, brain: Brain) -> None:
-    async with scene.agent(mind=brain.mind(scene.folder, base_url="http://127.0.0.1:9/v1")):
-        await asked_after(scene, brain, "connection refused", "it cannot be reached")
-        await done_after(scene, brain, "connection refused", "it cannot be reached")
+async def test_when_nothing_answers_there_the_rules_read_and_the_reply_says_so(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    async with scene.agent(mind=scripted_model.mind(scene.folder, base_url="http://127.0.0.1:9/v1")):
+        await assert_rules_replaced(scene, scripted_model, "connection refused", "it cannot be reached")
+        await done_after(scene, scripted_model, "connection refused", "it cannot be reached")
 
 
 # ---------------------------------------------------------------------- stops
 @pytest.mark.parametrize("what", ["read", "screen"])
 async def test_laws_13_14_and_15_a_stop_does_not_wait_for_a_model_and_ends_what_it_thinks_about(
-    scene: Scene, brain: Brain, what: str
+    scene: Scene, scripted_model: ScriptedModel, what: str
 ) -> None:
-    brain.reads = FREE_READ
+    scripted_model.extraction = FREE_READ
     if what == "read":
-        brain.reads = lambda handler: handler.hang()
+        scripted_model.extraction = lambda handler: handler.hang()
     else:
-        brain.screens = lambda handler: handler.hang()
+        scripted_model.review = lambda handler: handler.hang()
     stood = await place(scene.driver)
-    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
+    async with scene.agent(mind=scripted_model.mind(scene.folder, timeout_s=60, total_s=60)):
         post = await scene.post("alice", FREE)
-        await scene.until(lambda: brain.questions(what))
+        await scene.until(lambda: scripted_model.prompts(what))
         began = time.monotonic()
         stop = await scene.post("bob", "stop", post.topic_id)
         answer = await scene.until(lambda: scene.replies(stop))
         ended = await scene.final(post)
         took_s = time.monotonic() - began
-        brain.reads, brain.screens = FREE_READ, FINE
+        scripted_model.extraction, scripted_model.review = FREE_READ, FINE
         assert await place(scene.driver) == pytest.approx(stood, abs=STILL_M)
         later = await scene.final(await scene.post("alice", FREE))
     assert took_s < 10
@@ -217,24 +225,28 @@ async def test_laws_13_14_and_15_a_stop_does_not_wait_for_a_model_and_ends_what_
     assert later.card.state == "done", "a later post moves it"
 
 
-async def test_law_15_a_stop_in_the_model_s_time_ends_the_command_that_moves(scene: Scene, brain: Brain) -> None:
-    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
-        brain.reads = move("meander forward 5 m", 5)
+async def test_law_15_a_stop_in_the_model_s_time_ends_the_command_that_moves(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    async with scene.agent(mind=scripted_model.mind(scene.folder, timeout_s=60, total_s=60)):
+        scripted_model.extraction = move("meander forward 5 m", 5)
         moving = await scene.post("alice", f"@{ROBOT} be a darling and meander forward 5 m")
         await scene.state(moving, "running")
-        brain.reads = lambda handler: handler.hang()
+        scripted_model.extraction = lambda handler: handler.hang()
         waiting = await scene.post("alice", FREE)
-        await scene.until(lambda: len(brain.questions("read")) == 2)
+        await scene.until(lambda: len(scripted_model.prompts("read")) == 2)
         await scene.post("bob", f"@{ROBOT} stop")
         states = [(await scene.final(post)).card.state for post in (moving, waiting)]
     assert states == ["stopped", "cancelled"]
 
 
-async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scene, brain: Brain) -> None:
-    brain.reads = lambda handler: handler.hang()
-    async with scene.agent(mind=brain.mind(scene.folder, timeout_s=60, total_s=60)):
+async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    scripted_model.extraction = lambda handler: handler.hang()
+    async with scene.agent(mind=scripted_model.mind(scene.folder, timeout_s=60, total_s=60)):
         await scene.post("alice", FREE)
-        await scene.until(lambda: brain.questions("read"))
+        await scene.until(lambda: scripted_model.prompts("read"))
         began = time.monotonic()
     assert time.monotonic() - began < 10
 
@@ -251,11 +263,18 @@ async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(scene: Scen
         (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
     ],
 )
-async def test_law_7_a_model_adds_a_refusal(scene: Scene, brain: Brain, text: str, words: str, sentence: str) -> None:
-    brain.reads = move(text.removeprefix(f"@{ROBOT} ").split(" so ")[0], 1)
-    brain.screens = {"decision": "refuse", "harm": "people", "words": words, "why": "Visit http://evil.example @bob"}
+async def test_law_7_a_model_adds_a_refusal(
+    scene: Scene, scripted_model: ScriptedModel, text: str, words: str, sentence: str
+) -> None:
+    scripted_model.extraction = move(text.removeprefix(f"@{ROBOT} ").split(" so ")[0], 1)
+    scripted_model.review = {
+        "decision": "refuse",
+        "harm": "people",
+        "words": words,
+        "why": "Visit http://evil.example @bob",
+    }
     stood = await place(scene.driver)
-    async with scene.agent(mind=brain.mind(scene.folder)):
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         post = await scene.post("alice", text)
         reply = await scene.final(post)
     assert reply.card.state == "refused", reply.raw
@@ -267,38 +286,38 @@ async def test_law_7_a_model_adds_a_refusal(scene: Scene, brain: Brain, text: st
 
 
 async def test_law_7_of_two_robots_in_a_post_a_model_sees_only_its_own_part_and_the_scene_of_the_owner(
-    driver: Driver, tmp_path: Path, brain: Brain
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedModel
 ) -> None:
     scene = make_scene(driver, tmp_path, scene="A sleeping cat, 2 m ahead.")
     scene.person("humanoid", Role.MEMBER, AccountKind.ROBOT_AGENT)
-    brain.reads = FREE_READ
-    async with scene.agent(mind=brain.mind(scene.folder)):
+    scripted_model.extraction = FREE_READ
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         post = await scene.post("alice", f"@humanoid sing merrily 3 times. {FREE}")
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
-    assert [kind for kind, _ in brain.asked] == ["read", "screen"]
-    assert not any("sing merrily" in told or "humanoid" in told for _, told in brain.asked)
-    assert "A sleeping cat, 2 m ahead." in brain.questions("screen")[0]
-    assert "cat" not in brain.questions("read")[0]
+    assert [kind for kind, _ in scripted_model.asked] == ["read", "screen"]
+    assert not any("sing merrily" in reply_text or "humanoid" in reply_text for _, reply_text in scripted_model.asked)
+    assert "A sleeping cat, 2 m ahead." in scripted_model.prompts("screen")[0]
+    assert "cat" not in scripted_model.prompts("read")[0]
 
 
-async def test_law_7_what_the_rules_refuse_no_model_is_asked_about(scene: Scene, brain: Brain) -> None:
-    brain.reads = move("walk forward 50 m", 50)
-    async with scene.agent(mind=brain.mind(scene.folder)):
+async def test_law_7_what_the_rules_refuse_no_model_is_asked_about(scene: Scene, scripted_model: ScriptedModel) -> None:
+    scripted_model.extraction = move("walk forward 50 m", 50)
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         reply = await scene.final(await scene.post("alice", f"@{ROBOT} walk forward 50 m"))
     assert reply.card.state == "refused"
     assert "`limit.step_distance`" in reply.raw
-    assert brain.questions("screen") == []
+    assert scripted_model.prompts("screen") == []
 
 
 @pytest.mark.parametrize(("screen", "state"), [("model", "done"), ("required", "asks_back"), ("rules", "done")])
 async def test_law_7_when_the_model_that_looks_at_commands_fails(
-    driver: Driver, tmp_path: Path, brain: Brain, screen: str, state: str
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedModel, screen: str, state: str
 ) -> None:
     scene = make_scene(driver, tmp_path, screen=screen, mind="clever")
-    brain.reads, brain.screens = FREE_READ, raw(500)
+    scripted_model.extraction, scripted_model.review = FREE_READ, raw(500)
     stood = await place(driver)
-    async with scene.agent(mind=brain.mind(scene.folder, retries=0)):
+    async with scene.agent(mind=scripted_model.mind(scene.folder, retries=0)):
         post = await scene.post("alice", FREE)
         reply = await scene.final(post)
     assert reply.card.state == state, reply.raw
@@ -306,36 +325,39 @@ async def test_law_7_when_the_model_that_looks_at_commands_fails(
     assert ("My owner requires a model to review every command" in reply.raw) == (screen == "required")
     if state != "done":
         assert await place(driver) == pytest.approx(stood, abs=STILL_M)
-    assert len(brain.questions("screen")) == (screen != "rules")
+    assert len(scripted_model.prompts("screen")) == (screen != "rules")
 
 
-async def test_law_2_whose_words_move_nothing_costs_no_tokens(scene: Scene, brain: Brain) -> None:
-    async with scene.agent(mind=brain.mind(scene.folder)):
+async def test_law_2_whose_words_move_nothing_costs_no_tokens(scene: Scene, scripted_model: ScriptedModel) -> None:
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         reply = await scene.final(await scene.post("bob", PLAIN))
         assert (await scene.final(await scene.post("bob", FREE))).card.state == "asks_back"
     assert reply.card.state == "refused"
     assert "`rights.operator`" in reply.raw
-    assert brain.asked == []
+    assert scripted_model.asked == []
 
 
 # ---------------------------------------------------------------------- summaries
 async def test_a_model_words_what_was_done_beside_what_was_measured(
-    driver: Driver, tmp_path: Path, brain: Brain
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedModel
 ) -> None:
     scene = make_scene(driver, tmp_path, summary=True)
-    brain.reads = {"intent": "command", "steps": [*FREE_READ["steps"], {"action": "hello", "words": "wave to us"}]}
-    brain.says = "I walked forward a bit and then waved."
-    async with scene.agent(mind=brain.mind(scene.folder)):
+    scripted_model.extraction = {
+        "intent": "command",
+        "steps": [*FREE_READ["steps"], {"action": "hello", "words": "wave to us"}],
+    }
+    scripted_model.summary = "I walked forward a bit and then waved."
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         post = await scene.post("alice", f"{FREE} and wave to us")
         reply = await scene.final(post)
     assert reply.card.state == "done", reply.raw
-    assert f"{brain.says} (In the words of `clever`; the figures are below.)" in reply.raw
+    assert f"{scripted_model.summary} (In the words of `clever`; the figures are below.)" in reply.raw
     assert "| 1 | walk forward 1 m |" in reply.raw
     assert "3 questions, 300 + 60 tokens" in reply.raw
-    (told,) = brain.questions("summary")
-    assert "darling" not in told
-    assert '"did": "walk forward", "measured": "' in told
-    assert record(scene, post)["summary"]["text"] == brain.says
+    (reply_text,) = scripted_model.prompts("summary")
+    assert "darling" not in reply_text
+    assert '"did": "walk forward", "measured": "' in reply_text
+    assert record(scene, post)["summary"]["text"] == scripted_model.summary
 
 
 @pytest.mark.parametrize(
@@ -346,11 +368,11 @@ async def test_a_model_words_what_was_done_beside_what_was_measured(
     ],
 )
 async def test_law_18_a_model_that_lies_or_is_down_leaves_the_structured_report(
-    driver: Driver, tmp_path: Path, brain: Brain, says: Any, failed: str
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedModel, says: Any, failed: str
 ) -> None:
     scene = make_scene(driver, tmp_path, summary=True)
-    brain.reads, brain.says = FREE_READ, says
-    async with scene.agent(mind=brain.mind(scene.folder, retries=0)):
+    scripted_model.extraction, scripted_model.summary = FREE_READ, says
+    async with scene.agent(mind=scripted_model.mind(scene.folder, retries=0)):
         post = await scene.post("alice", FREE)
         reply = await scene.final(post)
     assert reply.card.state == "done"
@@ -361,26 +383,28 @@ async def test_law_18_a_model_that_lies_or_is_down_leaves_the_structured_report(
 
 
 async def test_law_18_a_model_that_claims_success_is_not_asked_about_what_was_not_done(
-    driver: Driver, tmp_path: Path, brain: Brain
+    driver: Driver, tmp_path: Path, scripted_model: ScriptedModel
 ) -> None:
     scene = make_scene(driver, tmp_path, summary=True)
-    brain.reads = move("meander forward 5 m", 5)
-    brain.says = "I have walked forward 5 m, all is well."
-    async with scene.agent(mind=brain.mind(scene.folder)):
+    scripted_model.extraction = move("meander forward 5 m", 5)
+    scripted_model.summary = "I have walked forward 5 m, all is well."
+    async with scene.agent(mind=scripted_model.mind(scene.folder)):
         post = await scene.post("alice", f"@{ROBOT} be a darling and meander forward 5 m")
         await scene.state(post, "running")
         await scene.post("bob", f"@{ROBOT} stop")
         reply = await scene.final(post)
     assert reply.card.state == "stopped"
     assert "all is well" not in reply.raw
-    assert brain.questions("summary") == []
+    assert scripted_model.prompts("summary") == []
 
 
-async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(scene: Scene, brain: Brain) -> None:
-    mind = brain.mind(scene.folder)
+async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(
+    scene: Scene, scripted_model: ScriptedModel
+) -> None:
+    mind = scripted_model.mind(scene.folder)
     seen: list[str] = []
 
-    class Watched(type(mind)):  # type: ignore[misc]
+    class RecordingMind(type(mind)):  # type: ignore[misc]
         async def prepare(self) -> None:
             seen.append("prepared")
             await super().prepare()
@@ -389,7 +413,7 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(scene: Sc
             seen.append("closed")
             await super().close()
 
-    async with scene.agent(mind=Watched(mind.model)):
+    async with scene.agent(mind=RecordingMind(mind.model)):
         async with asyncio.timeout(60):
             while not seen:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)
@@ -406,13 +430,13 @@ _HOSTILE_WORDS = (
 
 @pytest.mark.parametrize("intent", [Intent.QUESTION, Intent.ASK_BACK])
 async def test_law_3_what_a_mind_of_somebody_else_says_is_disarmed_in_the_reply(scene: Scene, intent: Intent) -> None:
-    class Foreign(RulesMind):
+    class ForeignMind(RulesMind):
         async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
             return Understanding(intent, "en", question=_HOSTILE_WORDS)
 
-    async with scene.agent(mind=Foreign()):
-        told = (await scene.final(await scene.post("alice", "@quadruped who are you?"))).raw
-    said = told.partition("trace ")[0]
+    async with scene.agent(mind=ForeignMind()):
+        reply_text = (await scene.final(await scene.post("alice", "@quadruped who are you?"))).raw
+    said = reply_text.partition("trace ")[0]
     for live in ("@everyone", "＠admin", "@admin", "<b>", "![", "](", "]: ", "://", "www.e", "&#", "```", "[quote]"):
         assert live not in said, live
     assert not set(said) & set("\u200b\u202e\u202c")

@@ -19,8 +19,8 @@ from agentrob.wiring import app
 from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.board.running_board import running_board
-from tests.minds.brain import FINE, move
 from tests.minds.model_double import Double, model_double
+from tests.minds.scripted_model import FINE, move
 
 USAGE = {"prompt_tokens": 30, "completion_tokens": 9, "input_tokens": 30, "output_tokens": 9}
 HARM = {"decision": "refuse", "harm": "surveillance", "words": "with neighbours sunbathing"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import re
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.board.events.presence import LIVE_FOR
 from agentrob.board.robots.view import robot_view
-from agentrob.board.web.templating import EXCERPT_FROM, excerpt, own_path, status_card
+from agentrob.board.web.templating import own_path, status_card
 from tests.board.web.forum_site import CARD, Site, running_site
 
 json = st.recursive(
@@ -42,28 +43,6 @@ def test_any_card_of_a_command_can_be_rendered(card: dict[str, Any]) -> None:
     assert view.step >= 0
     assert view.steps >= 0
     assert "/" not in view.robot
-
-
-@given(st.text())
-def test_any_text_has_an_excerpt_of_one_line(raw: str) -> None:
-    assert "\n" not in excerpt(raw)
-    assert 0 < len(excerpt(raw)) <= 141
-
-
-@given(st.text(alphabet="a |-:*`#\n", max_size=40))
-def test_an_excerpt_keeps_the_words_and_drops_the_markup(raw: str) -> None:
-    text = excerpt(raw)
-    assert not set(text) & set("*`|#")
-    assert text == "(a picture)" or text.count("a") == raw.count("a")
-
-
-@pytest.mark.parametrize("hostile", ["|", "-", "--", "| ", "\n", "|-:", "*", "--- a"])
-def test_an_excerpt_of_a_hostile_post_does_not_hold_up_the_event_loop(hostile: str) -> None:
-    """Only the first words of a post of 64 KiB are parsed, because a page shows ten excerpts."""
-    raw = hostile * (64 * 1024 // len(hostile))
-    started = time.thread_time()
-    assert excerpt(raw) == excerpt(raw[:EXCERPT_FROM])
-    assert time.thread_time() - started < 0.05
 
 
 @given(st.text())
@@ -173,6 +152,31 @@ def test_law_17_release_needs_a_confirmation_and_shows_its_outcome(site: Site) -
     publish(site)
 
 
+def test_release_is_not_offered_on_a_robot_that_is_not_locked(site: Site) -> None:
+    publish(site, lock=None, homed=True)
+    root = site.browser("root")
+    assert "release" not in root.get("/robots/quadruped").text.lower().replace("until its owner releases it", "")
+    page = root.get("/robots/quadruped/release").text
+    assert "@quadruped is not locked" in page
+    assert "There is nothing to release." in page
+    assert "Release @quadruped" not in page
+    assert re.findall(r"<button[^>]*>([^<]*)</button>", page.partition("<main")[2].partition("</main")[0]) == [
+        "Clear the stop"
+    ]
+    assert root.send("/robots/quadruped/release").url.path == "/robots/quadruped"
+
+
+def test_set_home_is_offered_once_and_only_while_the_robot_is_connected(site: Site) -> None:
+    root, link = site.browser("root"), 'href="/robots/quadruped/home"'
+    for card in ({"homed": True}, {"homed": False}, {"homed": False, "lock": LOCK}, {}):
+        publish(site, **card)
+        assert root.get("/robots/quadruped").text.count(link) == 1, card
+    services = site.board.services
+    services.presence.robot("quadruped").seen_at = datetime.now(UTC) - 2 * LIVE_FOR
+    assert link not in root.get("/robots/quadruped").text
+    publish(site)
+
+
 def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(site: Site) -> None:
     publish(site, homed=False)
     root, bob = site.browser("root"), site.browser("bob")
@@ -182,7 +186,10 @@ def test_law_9_a_robot_without_home_says_so_and_its_owner_sets_it(site: Site) ->
         assert "agentrob home quadruped" in page
         assert ('href="/robots/quadruped/home"' in page) is may
     assert "It has no home, so it refuses to move." in bob.get("/").text
-    assert "Set the home of @quadruped here?" in root.get("/robots/quadruped/home").text
+    assert root.get("/robots/quadruped").text.count('href="/robots/quadruped/home"') == 1
+    asked = root.get("/robots/quadruped/home").text
+    assert "Set the home of @quadruped where it stands?" in asked
+    assert '<button class="primary" type="submit">Set home here</button>' in asked
     assert bob.get("/robots/quadruped/home").status_code == 403
     assert root.send("/robots/quadruped/home").url.path == "/robots/quadruped"
     publish(site, homed=True)

@@ -151,12 +151,12 @@ class _Server:
             self._writing[who] -= 1
         elif scope["type"] == "websocket":
             headers = {k.decode().lower(): v.decode() for k, v in scope["headers"]}
-            await self.talk(scope, headers, receive, send)
+            await self.serve_socket(scope, headers, receive, send)
 
     async def answer(self, scope: Message, headers: dict[str, str], body: bytes, send: Send) -> None:
         raise NotImplementedError
 
-    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+    async def serve_socket(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
         raise NotImplementedError
 
     def who(self, headers: dict[str, str], path: str, body: bytes) -> str:
@@ -222,7 +222,7 @@ class Recorder(_Server):
         answer = Exchange(who, what, 0, entry.status, entry.kind, value)
         await _send(send, answer, said.content)
 
-    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+    async def serve_socket(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
         who = self.who(headers, "/socket.io/", b"")
         address = f"ws{self._target.removeprefix('http')}/socket.io/?{scope['query_string'].decode()}"
         async with connect(address, additional_headers={"Cookie": headers["cookie"]}, origin=self._target) as socket:
@@ -326,18 +326,18 @@ class Player(_Server):
             self._was[self._shown[recorded]] = recorded
         return self._shown[recorded]
 
-    async def talk(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
+    async def serve_socket(self, scope: Message, headers: dict[str, str], receive: Receive, send: Send) -> None:
         who = self.who(headers, "/socket.io/", b"")
         said = [e for e in self.tape.exchanges if e.who == who and e.what == "socket"]
         await receive()
         await send({"type": "websocket.accept"})
-        saying = asyncio.create_task(self._say(said, send))
+        saying = asyncio.create_task(self._send_events(said, send))
         await _until_closed(receive)
         saying.cancel()
         with suppress(asyncio.CancelledError):
             await saying
 
-    async def _say(self, said: list[Exchange], send: Send) -> None:
+    async def _send_events(self, said: list[Exchange], send: Send) -> None:
         for e in said:
             while self.writes < e.writes:
                 await self._turn.wait()

@@ -41,7 +41,7 @@ async def serving_robot(nodebb: NodeBBWorld, driver: Driver, folder: Path, **mor
 
 async def _status_post(nodebb: NodeBBWorld, *states: str) -> MarkedText:
     """Return the robot account's post that shows one of these states."""
-    return await _sent_post(nodebb, lambda told: told.card is not None and told.card.state in states)
+    return await _sent_post(nodebb, lambda final_post: final_post.card is not None and final_post.card.state in states)
 
 
 async def _sent_post(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) -> MarkedText:
@@ -53,9 +53,9 @@ async def _sent_post(nodebb: NodeBBWorld, wanted: Callable[[MarkedText], bool]) 
                     who == ROBOT
                     and b"content" in body
                     and what.startswith(("PUT /api/v3/posts/", "POST /api/v3/topics/"))
-                    and wanted(told := unmark(json.loads(body)["content"]))
+                    and wanted(final_post := unmark(json.loads(body)["content"]))
                 ):
-                    return told
+                    return final_post
             await asyncio.sleep(0.05)
 
 
@@ -88,9 +88,9 @@ async def test_law_2_on_nodebb_a_member_moves_nothing(nodebb: NodeBBWorld, drive
     async with serving_robot(nodebb, driver, tmp_path), driver.client() as body:
         before = (await body.state()).pose
         await bob.create_topic("robots", "A walk", f"@{ROBOT} walk forward 1 m", key="walk")
-        told = await _final(nodebb)
+        final_post = await _final(nodebb)
         assert (await body.state()).pose == before
-    assert "rights.operator" in told.text
+    assert "rights.operator" in final_post.text
 
 
 async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
@@ -103,7 +103,7 @@ async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
         post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
         await _status_post(nodebb, "waiting")
         await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
-        await _sent_post(nodebb, lambda told: told.card is None and "approve" in told.text)
+        await _sent_post(nodebb, lambda final_post: final_post.card is None and "approve" in final_post.text)
         await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
         done = await _status_post(nodebb, "done")
     assert "Approved by `carol`" in done.text

@@ -59,8 +59,8 @@ if URL:
             stopped = await final(world, far.post)
             assert stopped.card is not None
             assert stopped.card.state == "stopped", stopped.raw
-            told = "\n\n".join(post.raw for post in (done, refused, seen, stopped))
-            (tmp_path / "told.md").write_text(told, encoding="utf-8")
+            text = "\n\n".join(post.raw for post in (done, refused, seen, stopped))
+            (tmp_path / "told.md").write_text(text, encoding="utf-8")
 
     @pytest.mark.slow
     async def test_law_7_on_nodebb_what_needs_an_approval_is_done_with_a_moderators(
@@ -101,8 +101,8 @@ if URL:
                 assert done.card is not None
                 assert done.card.state == "done", done.raw
         for post in posts:
-            told = [p for p in (await root.posts(post.topic_id)).items if p.author.name == ROBOT]
-            assert len(told) == 1
+            text = [p for p in (await root.posts(post.topic_id)).items if p.author.name == ROBOT]
+            assert len(text) == 1
 
     @pytest.mark.slow
     async def test_law_6_on_nodebb_a_claim_that_the_journal_does_not_know_moves_nothing(

@@ -18,7 +18,7 @@ from tests.forums.nodebb.nodebb_world import NodeBBWorld, begin, replies, texts
 
 
 # ---------------------------------------------------------------------- limits
-async def test_a_new_member_who_posts_again_at_once_is_told_when(nodebb: NodeBBWorld) -> None:
+async def test_a_new_member_who_posts_again_at_once_is_reported_when(nodebb: NodeBBWorld) -> None:
     alice = await nodebb.sign_in("alice")
     post = await begin(alice)
     for setting, seconds in (("newbiePostDelay", 120), ("postDelay", 10), ("initialPostDelay", 30)):
@@ -69,7 +69,7 @@ async def test_another_program_of_the_same_account_that_posts_just_now_is_a_wait
 
     waits: list[float] = []
 
-    async def insist(forum: NodeBBForum) -> bool:
+    async def reply_until_accepted(forum: NodeBBForum) -> bool:
         while True:
             try:
                 return (await forum.reply(post.topic_id, "once", key="same")).created
@@ -77,7 +77,7 @@ async def test_another_program_of_the_same_account_that_posts_just_now_is_a_wait
                 waits.append(e.retry_after_s)
                 await asyncio.sleep(e.retry_after_s)
 
-    created = await asyncio.gather(*(insist(forum) for forum in others))
+    created = await asyncio.gather(*(reply_until_accepted(forum) for forum in others))
     assert created.count(True) == 1
     assert all(wait < 1 for wait in waits)
     assert (await texts(alice, post.topic_id)).count("once") == 1

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from agentrob.minds.extraction.summary import MOST_CHARS, summarise, unfounded
 from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
-from tests.minds.brain import Brain, running_brain
+from tests.minds.scripted_model import ScriptedModel, running_scripted_model
 
 
 @pytest.fixture
-def brain() -> Iterator[Brain]:
-    with running_brain() as made:
+def scripted_model() -> Iterator[ScriptedModel]:
+    with running_scripted_model() as made:
         yield made
 
 
@@ -95,33 +95,35 @@ def test_law_18_no_text_with_another_distance_than_measured_passes(
         assert unfounded(text, result, language)
 
 
-async def test_the_summary_prompt_has_only_measurements(brain: Brain, tmp_path: Path) -> None:
-    brain.says = "I walked forward 0.98 m."
-    model = brain.model(tmp_path)
+async def test_the_summary_prompt_has_only_measurements(scripted_model: ScriptedModel, tmp_path: Path) -> None:
+    scripted_model.summary = "I walked forward 0.98 m."
+    model = scripted_model.model(tmp_path)
     summary = await summarise(model, [WALK, TURN], "en")
-    assert (summary.text, summary.failed, summary.mind) == (brain.says, "", "clever")
+    assert (summary.text, summary.failed, summary.mind) == (scripted_model.summary, "", "clever")
     assert len(summary.usage) == 1
-    (told,) = brain.questions("summary")
+    (told,) = scripted_model.prompts("summary")
     assert set(re.findall(r"\d[\d.]*", told)) == {"0.98", "89.2"}
     assert "Write in English." in told
-    (body,) = brain.server.requests
+    (body,) = scripted_model.server.requests
     assert "tools" not in body
-    brain.says = "我向前走了0.98米。"
-    assert (await summarise(model, [WALK], "zh")).text == brain.says
-    assert "Write in Chinese." in brain.questions("summary")[1]
+    scripted_model.summary = "我向前走了0.98米。"
+    assert (await summarise(model, [WALK], "zh")).text == scripted_model.summary
+    assert "Write in Chinese." in scripted_model.prompts("summary")[1]
     await model.close()
 
 
-async def test_a_model_that_fails_is_slow_or_invents_gives_no_summary(brain: Brain, tmp_path: Path) -> None:
-    model = brain.model(tmp_path, retries=0)
-    brain.says = lambda handler: handler.send(500, b"{}")
+async def test_a_model_that_fails_is_slow_or_invents_gives_no_summary(
+    scripted_model: ScriptedModel, tmp_path: Path
+) -> None:
+    model = scripted_model.model(tmp_path, retries=0)
+    scripted_model.summary = lambda handler: handler.send(500, b"{}")
     assert (await summarise(model, [WALK], "en")).failed == "server"
-    brain.says = lambda handler: handler.hang()
+    scripted_model.summary = lambda handler: handler.hang()
     late = await summarise(model, [WALK], "en", limit_s=0.2)
     assert (late.failed, late.text, [u.failed for u in late.usage]) == ("timeout", "", ["timeout"])
-    brain.says = "I walked forward 3 m."
+    scripted_model.summary = "I walked forward 3 m."
     lied = await summarise(model, [WALK], "en")
     assert (lied.failed, lied.text, lied.problem) == ("unfounded", "", "not measured: 3 m")
-    brain.says = "x" * 100 * MOST_CHARS
+    scripted_model.summary = "x" * 100 * MOST_CHARS
     assert (await summarise(model, [WALK], "en")).failed == "unfounded"
     await model.close()

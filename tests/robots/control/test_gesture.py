@@ -69,7 +69,7 @@ def test_law_14_a_stop_just_before_the_next_call_prevents_it() -> None:
 
 
 @pytest.mark.parametrize("reason", ["stop", "lease_lapsed", "halted"])
-def test_law_18_a_gesture_that_a_stop_broke_off_at_once_is_told_as_stopped_and_not_as_failed(reason: str) -> None:
+def test_law_18_a_gesture_that_a_stop_broke_off_at_once_is_reported_as_stopped_and_not_as_failed(reason: str) -> None:
     """The robot's error may come before the next check whether to continue."""
     stopped = threading.Event()
 

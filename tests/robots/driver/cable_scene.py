@@ -34,7 +34,7 @@ def ip(*words: str) -> None:
     subprocess.run(["ip", *words], check=True)
 
 
-def plug(up: bool) -> float:
+def set_link(up: bool) -> float:
     ip("link", "set", "host", "up" if up else "down")
     return time.monotonic()
 
@@ -48,7 +48,7 @@ def start(folder: Path) -> tuple[subprocess.Popen[str], Process]:
     wait_for(lambda: Path(f"/proc/{world.pid}/ns/net").readlink() != Path("/proc/self/ns/net").readlink())
     ip("link", "set", "robot", "netns", str(world.pid))
     ip("addr", "add", "10.99.0.1/24", "dev", "host")
-    plug(True)
+    set_link(True)
     assert world.stdin is not None
     assert world.stdout is not None
     world.stdin.write("go\n")
@@ -64,14 +64,14 @@ def said(result: ActionResult) -> dict[str, Any]:
     return {"outcome": str(result.outcome), "reason": result.reason, "message": result.message}
 
 
-async def pull(folder: Path) -> dict[str, Any]:
+async def pull_cable(folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = {}
     async with DriverClient("quadruped", folder / "quadruped.sock") as robot:
         await until(robot, lambda state: state.age_s < 0.2 and state.homed)
         async with robot.lease("walker") as lease:
             step = asyncio.create_task(robot.step(lease, FAR, 30))
             await until(robot, lambda state: state.pose is not None and state.pose.x_m > 0.4)
-            pulled_s = plug(False)
+            pulled_s = set_link(False)
             found["pulled"] = said(await step)
             found["ended_s"] = time.monotonic() - pulled_s
             stopped = await robot.stop("walker")
@@ -79,7 +79,7 @@ async def pull(folder: Path) -> dict[str, Any]:
             found["stop_ms"] = stopped.latency_ms
         async with robot.lease("walker") as lease:
             found["unplugged"] = said(await robot.step(lease, NEAR, 30))
-        plug(True)
+        set_link(True)
         await until(robot, lambda state: state.age_s < 0.2)
         await until(robot, lambda state: state.homed and not any(abs(v) > 0.1 for v in state.velocity_mps or (1.0,)))
         async with robot.lease("walker") as lease:
@@ -91,7 +91,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     world, driver = start(folder)
     try:
-        print(json.dumps(asyncio.run(pull(folder))))  # noqa: T201
+        print(json.dumps(asyncio.run(pull_cable(folder))))  # noqa: T201
     finally:
         driver.end()
         world.kill()

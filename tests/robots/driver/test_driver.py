@@ -403,12 +403,12 @@ async def test_law_9_home_is_not_set_while_it_moves(drivers: Drivers) -> None:
         assert state.pose.x_m > pose.x_m
 
 
-def test_no_driver_is_told_plainly() -> None:
+def test_no_driver_is_reported_plainly() -> None:
     with pytest.raises(RobotUnreachable, match="no driver"):
         stop_driver("driver/fake/nobody", "shell")
 
 
-async def test_no_driver_is_told_to_a_client(tmp_path: Path) -> None:
+async def test_no_driver_is_reported_to_a_client(tmp_path: Path) -> None:
     async with DriverClient("nobody", tmp_path / "nobody.sock") as robot:
         with pytest.raises(RobotUnreachable, match="nobody"):
             await robot.state()

@@ -100,7 +100,7 @@ async def test_law_8_a_g1_that_falls_stays_down(stand: Stand, robot: DriverClien
         assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "fallen"), refused.message
 
 
-async def test_a_g1_that_freezes_is_told_with_how_far_it_came(stand: Stand, robot: DriverClient) -> None:
+async def test_a_g1_that_freezes_is_reported_with_how_far_it_came(stand: Stand, robot: DriverClient) -> None:
     result = await walking(stand, robot, drops=1.0)
     assert (result.outcome, result.reason) == (Outcome.FAILED, "stalled"), result.message
     assert 0.25 < result.measured["distance_m"] < 0.8

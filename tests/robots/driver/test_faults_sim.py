@@ -17,8 +17,8 @@ import pytest
 
 from agentrob.model import Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
-from tests.robots.sim_scene import Place, apart_m
-from tests.robots.sim_steps import METRE, NEAR, REST_LIMIT_S, Walk, do, is_well, refused, until
+from tests.robots.sim_scene import SimScene, apart_m
+from tests.robots.sim_steps import METRE, NEAR, REST_LIMIT_S, LeasedStep, assert_movable, do, refused, until
 
 pytestmark = pytest.mark.sim
 
@@ -31,20 +31,22 @@ def world_on(domain: int, *options: str) -> subprocess.Popen[bytes]:
 
 
 # ------------------------------------------------------------------ commands
-async def test_a_frozen_robot_is_told_as_stalled(place: Place, robot: DriverClient) -> None:
+async def test_a_frozen_robot_is_reported_as_stalled(place: SimScene, robot: DriverClient) -> None:
     place.faults(drops=1.0)
-    async with Walk(place, robot) as walk:
+    async with LeasedStep(place, robot) as walk:
         result = await walk.result()
     assert (result.outcome, result.reason) == (Outcome.FAILED, "stalled"), result.message
     assert abs(result.measured["distance_m"]) < 0.03
     assert apart_m(place.truth.now, walk.start) < 0.03
     place.faults()
-    await is_well(robot)
+    await assert_movable(robot)
 
 
 @pytest.mark.slow
-async def test_a_robot_that_freezes_on_the_way_is_told_with_how_far_it_came(place: Place, robot: DriverClient) -> None:
-    async with Walk(place, robot) as walk:
+async def test_a_robot_that_freezes_on_the_way_is_reported_with_how_far_it_came(
+    place: SimScene, robot: DriverClient
+) -> None:
+    async with LeasedStep(place, robot) as walk:
         await walk.under_way()
         place.faults(drops=1.0)
         result = await walk.result()
@@ -54,9 +56,9 @@ async def test_a_robot_that_freezes_on_the_way_is_told_with_how_far_it_came(plac
 
 
 @pytest.mark.slow
-async def test_commands_that_are_lost_do_not_spoil_a_step(place: Place, robot: DriverClient) -> None:
+async def test_commands_that_are_lost_do_not_spoil_a_step(place: SimScene, robot: DriverClient) -> None:
     place.faults(drops=0.4)
-    async with Walk(place, robot, METRE) as walk:
+    async with LeasedStep(place, robot, METRE) as walk:
         result = await walk.result()
     assert result.ok, (result.reason, result.message)
     await place.truth.rest(time.monotonic())
@@ -65,9 +67,9 @@ async def test_commands_that_are_lost_do_not_spoil_a_step(place: Place, robot: D
 
 @pytest.mark.slow
 async def test_a_cable_that_is_pulled_ends_the_step_and_the_robot_stops_by_itself(
-    place: Place, robot: DriverClient
+    place: SimScene, robot: DriverClient
 ) -> None:
-    async with Walk(place, robot) as walk:
+    async with LeasedStep(place, robot) as walk:
         await walk.under_way()
         at_s = place.faults(unplugged=True)
         result = await walk.result()
@@ -82,15 +84,15 @@ async def test_a_cable_that_is_pulled_ends_the_step_and_the_robot_stops_by_itsel
     await until(robot, lambda state: state.age_s < 0.2)
     await place.truth.rest(time.monotonic())
     await robot.home("owner")  # distance covered unseen may count as a jump of the odometry
-    await is_well(robot)
+    await assert_movable(robot)
 
 
 # ------------------------------------------------------------------ the body
 @pytest.mark.slow
 async def test_a_robot_that_is_pushed_off_its_course_is_only_done_where_it_should_be(
-    place: Place, robot: DriverClient
+    place: SimScene, robot: DriverClient
 ) -> None:
-    async with Walk(place, robot, METRE) as walk:
+    async with LeasedStep(place, robot, METRE) as walk:
         await walk.under_way(0.3)
         place.faults(push_mps=[0.0, -1.5])
         result = await walk.result()
@@ -104,9 +106,9 @@ async def test_a_robot_that_is_pushed_off_its_course_is_only_done_where_it_shoul
 
 
 async def test_law_8_a_robot_that_is_tipped_over_stays_down_until_it_is_asked_to_stand_up(
-    place: Place, robot: DriverClient
+    place: SimScene, robot: DriverClient
 ) -> None:
-    async with Walk(place, robot) as walk:
+    async with LeasedStep(place, robot) as walk:
         await walk.under_way()
         at_s = place.faults(tip=True)
         result = await walk.result()
@@ -125,9 +127,9 @@ async def test_law_8_a_robot_that_is_tipped_over_stays_down_until_it_is_asked_to
 
 
 async def test_law_8_below_the_battery_level_no_motion_begins_and_none_is_left_half_way(
-    place: Place, robot: DriverClient
+    place: SimScene, robot: DriverClient
 ) -> None:
-    async with Walk(place, robot, METRE) as walk:
+    async with LeasedStep(place, robot, METRE) as walk:
         await walk.under_way(0.2)
         place.faults(battery_percent=9)
         await until(robot, lambda state: state.battery_percent == 9)
@@ -143,8 +145,8 @@ async def test_law_8_below_the_battery_level_no_motion_begins_and_none_is_left_h
 
 
 # ------------------------------------------------------------------ senses
-async def test_law_9_an_odometry_that_becomes_no_number_ends_the_step(place: Place, robot: DriverClient) -> None:
-    async with Walk(place, robot) as walk:
+async def test_law_9_an_odometry_that_becomes_no_number_ends_the_step(place: SimScene, robot: DriverClient) -> None:
+    async with LeasedStep(place, robot) as walk:
         await walk.under_way()
         at_s = place.faults(lost=True)
         result = await walk.result()
@@ -155,8 +157,8 @@ async def test_law_9_an_odometry_that_becomes_no_number_ends_the_step(place: Pla
 
 
 @pytest.mark.slow
-async def test_a_clock_of_the_robot_that_leaps_changes_nothing(place: Place, robot: DriverClient) -> None:
-    async with Walk(place, robot, METRE) as walk:
+async def test_a_clock_of_the_robot_that_leaps_changes_nothing(place: SimScene, robot: DriverClient) -> None:
+    async with LeasedStep(place, robot, METRE) as walk:
         await walk.under_way(0.2)
         place.faults(clock_s=86_400)
         await walk.under_way(0.5)
@@ -166,7 +168,9 @@ async def test_a_clock_of_the_robot_that_leaps_changes_nothing(place: Place, rob
     assert apart_m(place.truth.now, walk.start) == pytest.approx(1.0, abs=0.08)
 
 
-async def test_a_camera_that_is_dead_or_black_gives_no_picture_and_says_why(place: Place, robot: DriverClient) -> None:
+async def test_a_camera_that_is_dead_or_black_gives_no_picture_and_says_why(
+    place: SimScene, robot: DriverClient
+) -> None:
     place.faults(camera="dead")
     dead = await do(robot, PHOTO)
     assert (dead.outcome, dead.reason, dead.image) == (Outcome.FAILED, "robot_error", None)
@@ -179,7 +183,7 @@ async def test_a_camera_that_is_dead_or_black_gives_no_picture_and_says_why(plac
 
 
 # ------------------------------------------------------------------ settings
-async def test_an_interface_that_is_not_there_is_one_clear_line(place: Place) -> None:
+async def test_an_interface_that_is_not_there_is_one_clear_line(place: SimScene) -> None:
     driver = place.new_driver("elsewhere", errors=subprocess.PIPE, interface="nosuch0")
     try:
         await asyncio.to_thread(driver.warm)
@@ -190,7 +194,7 @@ async def test_an_interface_that_is_not_there_is_one_clear_line(place: Place) ->
         driver.end()
 
 
-async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: Place) -> None:
+async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: SimScene) -> None:
     driver = place.new_driver("elsewhere", domain=place.domain - 90)
     try:
         await asyncio.to_thread(driver.warm)
@@ -204,7 +208,7 @@ async def test_on_another_domain_there_is_no_robot_and_nothing_is_done(place: Pl
 
 
 @pytest.mark.slow
-async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_driver(place: Place) -> None:
+async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_driver(place: SimScene) -> None:
     domain = place.domain - 90
     driver, world = place.new_driver("late", domain=domain, home_on_start=True, fence={}), None
     try:
@@ -214,7 +218,7 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
             assert (await do(robot, NEAR)).reason == "stale_state"
             world = await asyncio.to_thread(world_on, domain)
             await until(robot, lambda state: state.age_s < 0.2 and state.homed)
-            await is_well(robot)
+            await assert_movable(robot)
     finally:
         driver.end()
         if world is not None:
@@ -223,7 +227,7 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
 
 
 @pytest.mark.slow
-async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: Place) -> None:
+async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: SimScene) -> None:
     """On a busy machine, by the host's clock, the wave takes longer than a driver waits for the robot's response."""
     domain = place.domain - 90
     driver, world = place.new_driver("slow", domain=domain, home_on_start=True, fence={}), None
@@ -237,7 +241,7 @@ async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: Place)
             waved = await do(robot, HELLO)
             assert waved.ok, (waved.reason, waved.message)
             assert time.monotonic() - began_s > 15.0, "the world was not slow"
-            await is_well(robot)
+            await assert_movable(robot)
     finally:
         driver.end()
         if world is not None:

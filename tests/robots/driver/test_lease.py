@@ -18,7 +18,7 @@ from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
 
 
 @pytest.mark.parametrize("why", ["stop", "halt"])
-def test_law_14_who_ended_the_lease_is_told_to_its_holder_and_to_who_comes_too_late(why: str) -> None:
+def test_law_14_who_ended_the_lease_is_reported_to_its_holder_and_to_who_comes_too_late(why: str) -> None:
     leases = Leases()
     lease = leases.take("walker")
     leases.end(why, "ada")

@@ -323,7 +323,7 @@ def test_files_and_tokens_that_cannot_be_used_are_refused_before_anything_listen
         NetworkListener(RobotConfig(**good, driver_listen=first.address))
 
 
-async def test_a_lease_that_was_lost_while_no_driver_answered_is_told_after_its_restart(
+async def test_a_lease_that_was_lost_while_no_driver_answered_is_reported_after_its_restart(
     network: NetworkDrivers,
 ) -> None:
     name = network.serve()

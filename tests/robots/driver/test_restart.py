@@ -22,7 +22,7 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.safety.takeover import DECAY_S, TakeoverDetector
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
-from tests.robots.guard_scene import Pusher, until
+from tests.robots.guard_scene import ExternalController, until
 
 SETTINGS = RobotConfig(model="fake", simulated=True, home_on_start=True)
 #: Its walk takes longer to fade than the time after which motion counts as a takeover.
@@ -30,7 +30,7 @@ SLOW = SETTINGS.model_copy(update={"options": {"faults": {"stop_s": 0.8}}})
 Restart = Callable[[FakeRobot], Guard]
 
 
-def left_behind(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> CrashMarker:
+def leave_marker(path: Path, op: Op = Op.MOVE, mode: str = "walking") -> CrashMarker:
     """Return what a process that was killed during a step leaves on disk."""
     mark = CrashMarker(path)
     mark.begin(op, mode)
@@ -60,7 +60,7 @@ def test_law_12_a_walk_that_a_killed_driver_left_behind_is_stopped_and_is_no_hal
     restart: Restart, tmp_path: Path
 ) -> None:
     robot = FakeRobot(SLOW)
-    left_behind(tmp_path / "fake.step")
+    leave_marker(tmp_path / "fake.step")
     robot.command(Velocity(0.5))  # held for a second
     until(lambda: speed(robot) > 0.4)
     guard = restart(robot)
@@ -87,8 +87,8 @@ def test_law_12_a_motion_that_does_not_die_down_is_a_halt_also_after_a_death(
     restart: Restart, tmp_path: Path, settles: bool
 ) -> None:
     robot = FakeRobot(SETTINGS)
-    left_behind(tmp_path / "fake.step")
-    with Pusher(robot):
+    leave_marker(tmp_path / "fake.step")
+    with ExternalController(robot):
         until(lambda: speed(robot) > 0.4)
         guard = restart(robot)
         if settles:
@@ -102,7 +102,7 @@ def test_law_12_a_mode_that_the_step_does_not_lead_to_is_a_halt_also_after_a_dea
     restart: Restart, tmp_path: Path, mode: str
 ) -> None:
     robot = FakeRobot(SETTINGS)
-    left_behind(tmp_path / "fake.step")
+    leave_marker(tmp_path / "fake.step")
     robot.faults.mode = mode  # before the new driver has read any state
     guard = restart(robot)
     guard.settle()
@@ -163,7 +163,7 @@ def test_a_mark_is_there_while_a_step_runs_and_no_longer(tmp_path: Path) -> None
 )
 def test_law_12_a_mark_that_is_old_or_makes_no_sense_does_not_count(tmp_path: Path, changed: dict[str, Any]) -> None:
     path = tmp_path / "fake.step"
-    left_behind(path)
+    leave_marker(path)
     record = json.loads(path.read_text())
     assert CrashMarker(path).interrupted_step() is not None
     if changed is None:

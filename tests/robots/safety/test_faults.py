@@ -20,7 +20,7 @@ from tests.robots.guard_scene import Make, fake_of, move, turn, until
 STAND, HELLO, PHOTO = Primitive(Op.STAND), Primitive(Op.HELLO), Primitive(Op.GET_FRONT_IMAGE)
 
 
-def go_on(_: object) -> None:
+def keep_going(_: object) -> None:
     return None
 
 
@@ -28,15 +28,15 @@ def go_on(_: object) -> None:
 @pytest.mark.parametrize("primitive", [move(0.3), turn(30), HELLO, Primitive(Op.SIT)])
 def test_law_8_a_robot_that_lies_does_nothing_but_stand_up(make: Make, primitive: Primitive) -> None:
     guard = make()
-    assert guard.step(move(0.1), go_on).ok
+    assert guard.step(move(0.1), keep_going).ok
     fake_of(guard).faults.fallen = True
-    result = guard.step(primitive, go_on)
+    result = guard.step(primitive, keep_going)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "fallen"), result.message
 
 
 def test_a_robot_that_lies_gets_up_when_it_is_asked_and_goes_on(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     guard = make()
-    assert guard.step(move(0.1), go_on).ok
+    assert guard.step(move(0.1), keep_going).ok
     fake = fake_of(guard)
     fake.faults.fallen = True
     plain = fake.step
@@ -47,25 +47,25 @@ def test_a_robot_that_lies_gets_up_when_it_is_asked_and_goes_on(make: Make, monk
         return result
 
     monkeypatch.setattr(fake, "step", rises)
-    assert guard.step(STAND, go_on).ok
-    assert guard.step(move(0.1), go_on).ok
+    assert guard.step(STAND, keep_going).ok
+    assert guard.step(move(0.1), keep_going).ok
 
 
 def test_law_18_a_robot_that_lies_afterwards_has_done_nothing_well(make: Make) -> None:
     guard = make()
-    assert guard.step(move(0.1), go_on).ok
+    assert guard.step(move(0.1), keep_going).ok
     fake_of(guard).faults.fallen = True
-    result = guard.step(STAND, go_on)
+    result = guard.step(STAND, keep_going)
     assert (result.outcome, result.reason) == (Outcome.FAILED, "fallen")
     assert "did not get up" in result.message
 
 
 def test_a_robot_without_an_attitude_is_not_stood_up(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     guard = make()
-    assert guard.step(move(0.1), go_on).ok
+    assert guard.step(move(0.1), keep_going).ok
     seen = fake_of(guard)._seen
     monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), upright=None))
-    result = guard.step(STAND, go_on)
+    result = guard.step(STAND, keep_going)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "fallen")
 
 
@@ -83,30 +83,30 @@ def test_law_9_a_robot_that_lies_is_given_no_home(make: Make) -> None:
 )
 def test_law_8_below_the_owners_level_no_motion_begins(make: Make, percent: float, least: float, begins: bool) -> None:
     guard = make(options={"faults": {"battery_percent": percent}}, least_battery_percent=least)
-    result = guard.step(move(0.3), go_on)
+    result = guard.step(move(0.3), keep_going)
     assert result.ok is begins, result.message
     if not begins:
         assert (result.outcome, result.reason) == (Outcome.REFUSED, "low_battery")
         assert f"below {least:g} %" in result.message
-        assert guard.step(PHOTO, go_on).ok, "looking costs nothing"
+        assert guard.step(PHOTO, keep_going).ok, "looking costs nothing"
 
 
 @pytest.mark.parametrize("percent", [None, float("nan")])
-def test_a_charge_that_is_not_told_holds_nothing_up(
+def test_a_charge_that_is_not_reported_holds_nothing_up(
     make: Make, monkeypatch: pytest.MonkeyPatch, percent: float | None
 ) -> None:
     guard = make()
     fake_of(guard).faults.battery_percent = percent  # type: ignore[assignment]
-    assert guard.step(move(0.3), go_on).ok
+    assert guard.step(move(0.3), keep_going).ok
     assert guard.state().battery_percent is None
 
 
 def test_a_step_during_which_the_battery_runs_low_is_ended_in_order_and_says_so(make: Make) -> None:
     guard = make(options={"faults": {"battery_percent": 14, "after_m": 0.2}})
-    result = guard.step(move(0.5), go_on)
+    result = guard.step(move(0.5), keep_going)
     assert result.ok
     assert "The battery is at 14 %" in result.message
-    assert guard.step(move(0.1), go_on).reason == "low_battery"
+    assert guard.step(move(0.1), keep_going).reason == "low_battery"
 
 
 # ------------------------------------------------------------------ clocks
@@ -117,7 +117,7 @@ def test_a_wall_clock_that_leaps_changes_nothing(make: Make, monkeypatch: pytest
     monkeypatch.setattr(time, "time", lambda: real() + next(day_s))
     guard = make(options={"time_scale": 10})
     until(lambda: guard.state().homed)
-    result = guard.step(move(1.0), go_on)
+    result = guard.step(move(1.0), keep_going)
     assert result.ok, result.message
     assert 0 < result.duration_s < 10
     assert guard.stop().confirmed
@@ -166,6 +166,6 @@ def test_law_18_a_blank_picture_is_a_failure_that_is_shown_all_the_same(
 ) -> None:
     guard = make()
     monkeypatch.setattr(fake_of(guard), "_picture", lambda: jpeg(Image.new("RGB", (320, 240))))
-    result = guard.step(PHOTO, go_on)
+    result = guard.step(PHOTO, keep_going)
     assert (result.outcome, result.reason) == (Outcome.FAILED, "bad_image")
     assert result.image is not None

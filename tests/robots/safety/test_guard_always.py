@@ -242,7 +242,7 @@ def test_law_18_no_number_spans_a_jump_or_a_silence_of_the_odometry(
     robot, looks = fake_of(guard), list[RobotState]()
     seen, start = robot._seen, robot.pose
 
-    def spoilt() -> RobotState:
+    def faulty_state() -> RobotState:
         state = seen()
         if threading.current_thread() is not threading.main_thread() or len(looks) not in (20, 21, 22):
             return state
@@ -256,7 +256,7 @@ def test_law_18_no_number_spans_a_jump_or_a_silence_of_the_odometry(
             robot.carry(Pose(robot.pose.x_m + 1.0, robot.pose.y_m, robot.pose.yaw_rad))
         return "stop" if ends == "by a stop" and len(looks) >= 21 else None
 
-    monkeypatch.setattr(robot, "_seen", spoilt)
+    monkeypatch.setattr(robot, "_seen", faulty_state)
     result = (guard if guarded else robot).step(primitive, watch)
     assert result.outcome is Outcome.STOPPED, result.message
     assert (result.measured, result.unmeasured) == ({}, why), result.message

@@ -10,13 +10,13 @@ from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.safety.takeover import TakeoverDetector
-from tests.robots.guard_scene import Make, Pusher, fake_of, homes, move, turn, until
+from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
 
 
 def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_again(make: Make) -> None:
     for simulated in (True, False):
         guard = make(simulated=simulated)
-        until(lambda guard=guard: homes(guard))
+        until(lambda guard=guard: can_set_home(guard))
         fake_of(guard).carry(Pose(3.0, 1.0, 1.0))
         until(lambda guard=guard: not guard.state().homed or guard._fence.home.x_m > 2)
         if simulated:
@@ -29,14 +29,14 @@ def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_agai
 @pytest.mark.parametrize(("silent_s", "void"), [(5, False), (9, False), (11, True), (15, True), (19, True), (60, True)])
 def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float, void: bool) -> None:
     odometry, here = OdometryMonitor(), Pose(0.0, 0.0, 0.0)
-    told = list[str]()
+    reasons = list[str]()
     for i in range(20 * (int(silent_s) + 2)):  # polled 20 times a second all the time
         now_s = i / 20
         age_s = now_s % silent_s  # the first state at 0, the next after the silence, at the same position
         if why := odometry.update(now_s, RobotState(age_s=age_s, pose=here)):
-            told.append(why)
-    assert bool(told) is void
-    assert not void or "restarted" in told[0]
+            reasons.append(why)
+    assert bool(reasons) is void
+    assert not void or "restarted" in reasons[0]
 
 
 def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
@@ -100,6 +100,6 @@ def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change() -> 
 def test_law_12_a_robot_that_somebody_else_walks_is_halted(make: Make) -> None:
     guard = make({"time_scale": 1})
     until(lambda: guard.state().homed)
-    with Pusher(fake_of(guard)):
+    with ExternalController(fake_of(guard)):
         until(lambda: guard.state().halted)
     assert "did not command" in guard.step(move(0.3), go_on).message

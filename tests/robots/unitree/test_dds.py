@@ -60,7 +60,7 @@ def run(script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def talker() -> Iterator[None]:
+def message_sender() -> Iterator[None]:
     """Another process sends a message each millisecond."""
     command = [sys.executable, "-c", SPEAK + TALKS, str(DOMAIN), "240"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -125,12 +125,12 @@ DataReader.subscriber = property(slowly_too)
 """
 
 
-def test_messages_that_come_while_their_reader_is_being_made_are_heard_as_any(talker: None) -> None:
+def test_messages_that_come_while_their_reader_is_being_made_are_heard_as_any(message_sender: None) -> None:
     ended = run(SLOWLY_MADE + LISTENS)
     assert (ended.returncode, ended.stdout.strip(), ended.stderr) == (0, "ends", "")
 
 
-def test_a_process_ends_well_in_the_middle_of_a_stream_of_messages(talker: None) -> None:
+def test_a_process_ends_well_in_the_middle_of_a_stream_of_messages(message_sender: None) -> None:
     for _ in range(4):
         ended = run(LISTENS)
         assert (ended.returncode, ended.stdout.strip()) == (0, "ends"), ended.stderr

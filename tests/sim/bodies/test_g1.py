@@ -223,7 +223,7 @@ def test_after_every_gesture_it_stands_where_it_stood(bench: G1Bench, action: in
     assert np.hypot(*(bench.body.xy_m - at)) > 0.3
 
 
-def test_what_the_arm_cannot_do_is_told_by_its_code(bench: G1Bench) -> None:
+def test_what_the_arm_cannot_do_is_reported_by_its_code(bench: G1Bench) -> None:
     for unknown in (4711, "wave", None, [17], 17.5):
         assert bench.arm(unknown) == g1_sport.ARM_BAD_ID
     assert bench.arm(RELEASE) == g1_sport.OK
@@ -266,7 +266,7 @@ def test_the_arm_tasks_of_the_sport_service_wave_and_shake(bench: G1Bench) -> No
 
 
 # ------------------------------------------------------------------ the sport service
-def test_its_state_is_told_by_the_api_ids(bench: G1Bench) -> None:
+def test_its_state_is_reported_by_the_api_ids(bench: G1Bench) -> None:
     assert bench.call(g1_sport.GET_FSM_ID) == (g1_sport.OK, 500)
     assert bench.call(g1_sport.GET_FSM_MODE) == (g1_sport.OK, 0)
     assert bench.call(g1_sport.GET_BALANCE_MODE) == (g1_sport.OK, 0)

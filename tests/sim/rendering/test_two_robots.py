@@ -22,7 +22,7 @@ def world() -> World:
     return World([Go2(), G1()])
 
 
-class Noting:
+class RecordingRenderer:
     """Draws nothing and records its calls."""
 
     name = "noting"
@@ -40,7 +40,7 @@ class Noting:
 
 
 def test_several_cameras_at_once_are_drawn_without_smoothing(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
-    renderer = Noting()
+    renderer = RecordingRenderer()
     monkeypatch.setattr(cameras, "open_renderer", lambda *_: renderer)
     monkeypatch.setattr(cameras, "FRESH_S", 0.0)
     views = {"go2": front_view(world.model, "go2"), "room": overview(world.model)}

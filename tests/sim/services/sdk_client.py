@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 
-from tests.sim.services.sdk_seen import Seen, made, pose  # patches DDS: before IDL types
+from tests.sim.services.sdk_seen import TopicCollector, made, pose  # patches DDS: before IDL types
 
 # isort: split
 from unitree_sdk2py.comm.motion_switcher.motion_switcher_client import MotionSwitcherClient
@@ -26,7 +26,7 @@ def main():
     ChannelFactoryInitialize(int(sys.argv[1]), "lo")
     sport, other = made(SportClient(), 15.0), made(SportClient(), 5.0)
     video, switcher = made(VideoClient(), 5.0), made(MotionSwitcherClient(), 5.0)
-    seen = Seen("rt/sportmodestate", LowState_)
+    seen = TopicCollector("rt/sportmodestate", LowState_)
     seen.until(lambda: seen.states and seen.lows)
     out = {"balance": sport.BalanceStand(), "left_flip": sport.LeftFlip(), "mode": switcher.CheckMode()}
     out["select"] = switcher.SelectMode("ai")[0]

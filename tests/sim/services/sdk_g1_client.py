@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 
-from tests.sim.services.sdk_seen import Seen, made, pose  # patches DDS: before IDL types
+from tests.sim.services.sdk_seen import TopicCollector, made, pose  # patches DDS: before IDL types
 
 # isort: split
 from unitree_sdk2py.core.channel import ChannelFactoryInitialize
@@ -26,7 +26,7 @@ def main():
     ChannelFactoryInitialize(int(sys.argv[1]), "lo")
     sport, arm, video = made(LocoClient(), 5.0), made(G1ArmActionClient(), 20.0), made(VideoClient(), 5.0)
     other = made(G1ArmActionClient(), 10.0)
-    seen = Seen("rt/odommodestate", LowState_)
+    seen = TopicCollector("rt/odommodestate", LowState_)
     seen.until(lambda: seen.states and seen.lows)
     out = {"fsm": number(sport, 7001), "height": number(sport, 7005), "old_start": sport.SetFsmId(200)}
     low = seen.lows[-1][1]

@@ -14,7 +14,7 @@ from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
 dds.use_in(channel)
 
 
-class Seen:
+class TopicCollector:
     """Collects the messages of the state topics as they arrive."""
 
     def __init__(self, state_topic, low_type):

@@ -17,7 +17,7 @@ from PIL import Image
 from agentrob.errors import SimError
 from agentrob.sim.server import parse_domains
 from tests.host_numbers import dds_number
-from tests.sim.served_world import Served, start_world
+from tests.sim.served_world import ServedWorld, start_world
 
 pytestmark = pytest.mark.sim
 
@@ -25,7 +25,7 @@ G1_DOMAIN = 211 + dds_number()
 
 
 @pytest.fixture(scope="module")
-def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedWorld]:
     world = start_world(tmp_path_factory.mktemp("both"), "--domain", f"g1={G1_DOMAIN}")
     yield world
     if world.process.poll() is None:
@@ -33,7 +33,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 @pytest.fixture(scope="module")
-def sdk(both: Served) -> dict[str, Any]:
+def sdk(both: ServedWorld) -> dict[str, Any]:
     """Return what the vendor's client observed of the G1 in one run."""
     script = "tests.sim.services.sdk_g1_client"
     command = [sys.executable, "-m", script, str(G1_DOMAIN)]
@@ -43,7 +43,7 @@ def sdk(both: Served) -> dict[str, Any]:
     return seen
 
 
-def test_one_process_serves_both_robots(both: Served) -> None:
+def test_one_process_serves_both_robots(both: ServedWorld) -> None:
     assert both.ready["domains"] == {"go2": both.domain, "g1": G1_DOMAIN}
     with httpx2.Client(base_url=both.url, timeout=100) as room:
         robots = room.get("/truth").json()["robots"]
@@ -86,7 +86,7 @@ def test_its_camera_gives_a_picture_by_our_convention(sdk: dict[str, Any]) -> No
     assert np.asarray(image).std() > 20
 
 
-def test_a_reset_puts_both_back(both: Served, sdk: dict[str, Any]) -> None:
+def test_a_reset_puts_both_back(both: ServedWorld, sdk: dict[str, Any]) -> None:
     with httpx2.Client(base_url=both.url, timeout=100) as room:
         away = room.get("/truth").json()["robots"]["g1"]["x_m"]
         assert room.post("/reset").json() == {"reset": True}

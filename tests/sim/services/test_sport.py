@@ -96,7 +96,7 @@ def test_a_stop_at_any_moment_of_a_gesture_ends_standing(bench, gesture, after_s
     assert bench.sport.posture is (Posture.SITTING if sitting else Posture.BALANCE)
 
 
-def test_it_sits_until_it_is_told_to_rise(bench):
+def test_it_sits_until_it_is_reported_to_rise(bench):
     assert bench.call(go2_sport.SIT) == go2_sport.OK
     bench.run(3.0)
     assert bench.sport.posture is Posture.SITTING

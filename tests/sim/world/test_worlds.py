@@ -23,7 +23,7 @@ from agentrob.sim.world import scene
 from agentrob.sim.world.scene import load, parse
 from agentrob.sim.world.world import World
 from agentrob.wiring import app
-from tests.sim.served_world import Served, start_world
+from tests.sim.served_world import ServedWorld, start_world
 
 pytestmark = pytest.mark.sim
 
@@ -66,10 +66,10 @@ def test_in_a_shipped_world_both_robots_stand_walk_and_do_not_fall(name: str) ->
 
 def test_the_shipped_worlds_are_those_that_are_named_and_say_what_is_in_them() -> None:
     assert list(scene.shipped()) == ["corridor", "obstacles", "room"]
-    told = load("corridor").description()
-    assert told["about"].startswith("An office corridor")
-    assert {"name": "wet patch", "note": "slippery"} in told["things"]
-    assert "at_m" not in json.dumps(told), "what is there, not where"
+    described = load("corridor").description()
+    assert described["about"].startswith("An office corridor")
+    assert {"name": "wet patch", "note": "slippery"} in described["things"]
+    assert "at_m" not in json.dumps(described), "what is there, not where"
 
 
 def test_a_world_of_ones_own_is_a_file(tmp_path: Path) -> None:
@@ -170,7 +170,7 @@ def test_robots_have_their_usual_domains_unless_another_is_given() -> None:
 
 
 @pytest.fixture(scope="module")
-def shed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+def shed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedWorld]:
     folder = tmp_path_factory.mktemp("shed")
     (folder / "shed.toml").write_text(OWN)
     world = start_world(folder, "--world", str(folder / "shed.toml"), environment={"MUJOCO_GL": "off"})
@@ -178,11 +178,11 @@ def shed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     world.end()
 
 
-def test_a_served_world_says_what_it_serves_and_what_is_in_it(shed: Served) -> None:
+def test_a_served_world_says_what_it_serves_and_what_is_in_it(shed: ServedWorld) -> None:
     assert shed.ready["world"] == "shed"
     with httpx2.Client(base_url=shed.url, timeout=100) as room:
-        told = room.get("/scene").json()
-        assert told["things"] == [{"name": "hot stove", "note": "hot"}]
+        described = room.get("/scene").json()
+        assert described["things"] == [{"name": "hot stove", "note": "hot"}]
         beyond = room.post("/faults", json={"box_m": [2.6, 0]})
         assert (beyond.status_code, "x within 2.5 m" in beyond.json()["error"]) == (422, True)
     said = announce(shed.ready)

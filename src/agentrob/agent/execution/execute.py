@@ -228,7 +228,7 @@ class Run:
             return CommandState.REFUSED
         return CommandState.FAILED
 
-    async def carried_out(self, work: Callable[[], Awaitable[CommandState]]) -> Execution:
+    async def run_with_lease(self, work: Callable[[], Awaitable[CommandState]]) -> Execution:
         """Do `work`, which returns the command's final state, while holding the robot's lease.
 
         Raises nothing but a cancellation: an unusable robot or an error in the agent is a result.
@@ -266,7 +266,7 @@ async def execute(driver: DriverClient, command: Command, plan: Plan, hooks: Exe
     """Hold the robot's lease for the whole command and do its steps until one does not succeed. Raises nothing but a
     cancellation (see `Run.carried_out`)."""
     run = Run(driver, command, plan, hooks)
-    return await run.carried_out(run.steps)
+    return await run.run_with_lease(run.steps)
 
 
 def holder_of(trace_id: str) -> str:

@@ -64,7 +64,7 @@ class VisualTask:
     goal: Goal
     goal_text: str
     prompt: str
-    eyes: ChatModel
+    vision_model: ChatModel
     mandate: Mandate
     capabilities: Capabilities
     budget: LoopBudget
@@ -89,8 +89,8 @@ class VisualRun(Run):
         self.stepping = False
         self.end = LoopEnd("cut")
         self.loop = VisualLoop(
-            visual_task.eyes, visual_task.prompt, visual_task.goal_text, visual_task.mandate, visual_task.capabilities,
-            self, visual_task.budget, visual_task.spent,
+            visual_task.vision_model, visual_task.prompt, visual_task.goal_text, visual_task.mandate,
+            visual_task.capabilities, self, visual_task.budget, visual_task.spent,
         )  # fmt: skip
 
     # ------------------------------------------------------------ the tool executor
@@ -188,7 +188,7 @@ class VisualRun(Run):
             if (lost := await self.driver.lost(self.lease)) is not None and not self.stepping:
                 raise lost
 
-    def looked(self, end: LoopEnd) -> LoopRecord:
+    def loop_record(self, end: LoopEnd) -> LoopRecord:
         results = self.results
         denied = contradiction(self.visual_task.goal, end.claim, end.did, results, self.command.language)
         loop = self.loop
@@ -197,7 +197,7 @@ class VisualRun(Run):
     def execution(self) -> Execution:
         execution = super().execution()
         try:
-            looked: LoopRecord | None = self.looked(self.end)
+            looked: LoopRecord | None = self.loop_record(self.end)
         except Exception:  # report the measurements anyway; a claim that cannot be checked does not count
             _log.error("loop not described", trace=traceback.format_exc())
             looked = None
@@ -215,4 +215,4 @@ async def run_visual_task(
 ) -> Execution:
     """Hold the robot's lease while a model works towards the goal. Raises nothing but a cancellation."""
     run = VisualRun(driver, command, visual_task, hooks, on_result)
-    return await run.carried_out(run.reached)
+    return await run.run_with_lease(run.reached)

@@ -20,7 +20,7 @@ from agentrob.screening.screen import screen
 async def run_visual_task_locally(
     driver: DriverClient,
     goal: Goal,
-    eyes: ChatModel,
+    vision_model: ChatModel,
     settings: RobotConfig,
     text: str,
     author: Account,
@@ -37,7 +37,7 @@ async def run_visual_task_locally(
         now = datetime.now(UTC)
         command = Command("drive", "drive", "", author, driver.robot, text, language, now, f"drive-{now:%H%M%S}")
         hooks = _hooks(driver, lambda plan: judge(plan, text, author, capabilities, language, settings))
-        visual_task = visual_task_of(goal, eyes, capabilities, settings.look, language)
+        visual_task = visual_task_of(goal, vision_model, capabilities, settings.look, language)
         return await run_visual_task(driver, command, visual_task, hooks, on_result)
 
 

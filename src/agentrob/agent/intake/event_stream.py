@@ -44,8 +44,8 @@ class EventStream:
     """Events after `cursor`, which advances with each event. Reconnects to a forum that was away.
 
     A forum without a stream is polled every `poll_s` seconds, and every `BEAT_S` while a robot moves. If `listens` is
-    false the forum is polled only after `poke` and while a robot moves. `on_beat` is called with the forum's time at
-    each heartbeat; it must not wait.
+    false the forum is polled only after `poll_now` and while a robot moves. `on_beat` is called with the forum's time
+    at each heartbeat; it must not wait.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class EventStream:
         self._forum = forum
         self._listens = listens
         self._poll_s = poll_s if listens else math.inf
-        self._pokes = self._answered = 0
+        self._polls_requested = self._polls_answered = 0
         self._hurrying = 0
         self._hurry = asyncio.Event()
         self._heard = asyncio.Event()
@@ -155,19 +155,19 @@ class EventStream:
         self._hurrying -= 1
         self._calm()
 
-    async def poke(self) -> None:
+    async def poll_now(self) -> None:
         """Poll the forum now if it has no stream; return once the new events have been received."""
         if self._live:
             return
-        self._pokes += 1
-        mine = self._pokes
+        self._polls_requested += 1
+        mine = self._polls_requested
         self._hurry.set()
-        while self._answered < mine:
+        while self._polls_answered < mine:
             self._heard.clear()
             await self._heard.wait()
 
     def _calm(self) -> None:
-        if self._hurrying == 0 and self._answered == self._pokes:
+        if self._hurrying == 0 and self._polls_answered == self._polls_requested:
             self._hurry.clear()
 
     # ---------------------------------------------------------------- events
@@ -199,13 +199,13 @@ class EventStream:
     async def _poll(self) -> AsyncIterator[Event]:
         """Poll until an error; `events` then polls again."""
         while True:
-            pokes = self._pokes
+            requested = self._polls_requested
             events = await self._forum.changes(self.cursor)
             self._alive()
             for event in events:
                 yield event
             if not events:
-                self._answered = pokes
+                self._polls_answered = requested
                 self._alive()
                 self._calm()
             if not events or self._fastest_s:
@@ -213,7 +213,7 @@ class EventStream:
 
     async def _pause(self) -> None:
         await asyncio.sleep(self._fastest_s)
-        if self._answered < self._pokes:
+        if self._polls_answered < self._polls_requested:
             return
         if self._hurry.is_set():
             await asyncio.sleep(max(0.0, BEAT_S - self._fastest_s))

@@ -27,7 +27,7 @@ class Inbox:
     """Handles one robot's events in order.
 
     `stopped` returns why a post of a given time may not move: the newest stop is later. `settled` returns the triaged
-    post again once the forum's clock is known. `take_up` starts a command. `decline` reports that a command could not
+    post again once the forum's clock is known. `enqueue` starts a command. `decline` reports that a command could not
     be recorded. `approve` handles a post that approves or denies a command.
     """
 
@@ -38,7 +38,7 @@ class Inbox:
         queue: CommandQueue,
         stopped: Callable[[datetime], EndReason | None],
         settled: Callable[[Post, TriagedPost], Awaitable[TriagedPost]],
-        take_up: Callable[[QueuedCommand], None],
+        enqueue: Callable[[QueuedCommand], None],
         decline: Callable[[Command], None],
         approve: Callable[[Post, TriagedPost], Awaitable[None]],
     ) -> None:
@@ -52,7 +52,7 @@ class Inbox:
         self._queue = queue
         self._stopped = stopped
         self._settled = settled
-        self._take_up = take_up
+        self._enqueue = enqueue
         self._decline = decline
         self._approve = approve
         self._waiting: asyncio.Queue[tuple[Event, TriagedPost]] = asyncio.Queue()
@@ -77,7 +77,7 @@ class Inbox:
         for post_id in ended:
             self._ended.setdefault(post_id, why)
 
-    def none_left_open(self) -> None:
+    def clear_left_open(self) -> None:
         """Everything that an earlier process claimed is queued now."""
         self.left_open = frozenset()
         self._ended = {post_id: why for post_id, why in self._ended.items() if post_id in self.coming}
@@ -158,7 +158,7 @@ class Inbox:
         came = self._why_stopped(post) if ended is None else None  # while the claim was written
         if came is not None:
             job.end(came)
-        self._take_up(job)
+        self._enqueue(job)
         if came is not None:
             await self._journal().end([post.id], came)
 

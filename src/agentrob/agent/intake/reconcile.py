@@ -9,7 +9,7 @@ from dataclasses import replace
 from datetime import datetime
 from functools import partial
 
-from agentrob.agent.reporting.status_post import insist, left_open
+from agentrob.agent.reporting.status_post import left_open, retry_until_answered
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import ForumError, ForumNotFound
 from agentrob.forums.protocol import BEFORE_ALL, Forum
@@ -20,10 +20,10 @@ from agentrob.model import Account, CommandState, Post
 async def recent_posts(forum: Forum, boards: Iterable[str], since: datetime) -> AsyncIterator[Post]:
     """Yield posts written after `since` in the most recently active topics, oldest first in each."""
     for board in boards:
-        for topic in (await insist(partial(forum.topics, board))).items:
+        for topic in (await retry_until_answered(partial(forum.topics, board))).items:
             cursor: str | None = None
             while True:
-                page = await insist(partial(forum.posts, topic.id, cursor))
+                page = await retry_until_answered(partial(forum.posts, topic.id, cursor))
                 for post in page.items:
                     if post.created_at > since:
                         yield post
@@ -43,12 +43,12 @@ async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime]
     heard_at, newest = await journal.get_time("cursor_at"), await journal.newest_claim()
     if heard_at is None or newest is None:
         return None
-    claimed = await insist(partial(forum.find, f"claim:{newest.command.post_id}"))
+    claimed = await retry_until_answered(partial(forum.find, f"claim:{newest.command.post_id}"))
     trace_id = newest.command.trace_id
     if claimed is None or trace_id not in (claimed.raw, claimed.card.trace_id if claimed.card else ""):
         return None
     try:
-        oldest = await insist(partial(forum.changes, BEFORE_ALL, 1))
+        oldest = await retry_until_answered(partial(forum.changes, BEFORE_ALL, 1))
     except ForumNotFound:
         return None
     return (heard_at, oldest[0].at) if oldest and oldest[0].at > heard_at else None

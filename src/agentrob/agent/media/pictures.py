@@ -54,7 +54,7 @@ async def illustrate(
     if calls:
         pictures.append(Picture("calls", calls))
     name = safe_name(report.command.post_id)
-    kept = await asyncio.gather(*(_kept(store, f"{name}-{p.kind}{p.step or ''}", p) for p in pictures))
+    kept = await asyncio.gather(*(_upload(store, f"{name}-{p.kind}{p.step or ''}", p) for p in pictures))
     return tuple(p for p in kept if not (p.kind in ("data", "calls") and p.attached))
 
 
@@ -63,7 +63,7 @@ async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | N
     if (webp := await recorder.late(post_id)) is None:
         return None
     recording = Picture("recording", webp)
-    return await _kept(store, f"{safe_name(post_id)}-recording", recording) if store else recording
+    return await _upload(store, f"{safe_name(post_id)}-recording", recording) if store else recording
 
 
 async def _path(results: Sequence[ActionResult]) -> bytes | None:
@@ -76,7 +76,7 @@ async def _path(results: Sequence[ActionResult]) -> bytes | None:
         return None
 
 
-async def _kept(store: ImageStore, name: str, picture: Picture) -> Picture:
+async def _upload(store: ImageStore, name: str, picture: Picture) -> Picture:
     """Store a picture and return it with its link; return it unchanged if the store fails."""
     try:
         return replace(picture, link=await store.keep(name, picture.data))

@@ -196,7 +196,7 @@ class Recorder:
         _write(self.file(command.post_id), text.encode())
         prune(self._folder, self._settings.keep_days, self._settings.keep_mb)
 
-    def kept(self, post_id: str) -> str:
+    def stored_path(self, post_id: str) -> str:
         """Return the path of a command's data, or an empty string if it is not stored."""
         path = self.file(post_id)
         return str(path) if path.exists() else ""

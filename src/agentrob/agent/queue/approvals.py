@@ -21,7 +21,7 @@ from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights
 from agentrob.agent.intake.triage import Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
-from agentrob.agent.reporting.status_post import SOON_S, Shown, insist, until_allowed
+from agentrob.agent.reporting.status_post import SOON_S, Shown, retry_until_answered, retry_while_denied
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.robots import RobotConfig
@@ -72,7 +72,7 @@ class Approvals:
         until_at = job.command.posted_at + timedelta(seconds=self.wait_s)
         job.asked = await self.journal.ask(job.command.post_id, self.now(), until_at)
         if job.decided is None:
-            await job.unless_ended(self._tell(job, understood, needed, job.asked.until_at))
+            await job.unless_ended(self._post_request(job, understood, needed, job.asked.until_at))
         left_s = self.wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
         left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
         await self.queue.hold(job, max(0.0, left_s), until=lambda: job.decided)
@@ -81,9 +81,9 @@ class Approvals:
             await self.journal.end([job.command.post_id], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
-    async def _tell(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
+    async def _post_request(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
         """Post that the command waits, for what and for whose approval."""
-        rights = await insist(partial(rights_on, self.forum, job.command, self._terms))
+        rights = await retry_until_answered(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
         text = reply_text.waits(understood, needed, rights, self.called, wait_s, job.command.language)
         card = StatusCard(self.name, CommandState.WAITING, trace_id=job.command.trace_id, until=until_at.isoformat())
@@ -100,7 +100,7 @@ class Approvals:
         self._settled_at = recent | {topic_id: at}
 
     # ---------------------------------------------------------------- decisions
-    async def hear(self, post: Post, triaged: TriagedPost) -> None:
+    async def record_decision(self, post: Post, triaged: TriagedPost) -> None:
         """Record the decision of a post that approves or denies a command, or reply why it has no effect.
 
         A post counts only once.
@@ -166,8 +166,8 @@ class Approvals:
 
     async def _answer(self, post: Post, text: str) -> None:
         try:
-            await until_allowed(
-                lambda: insist(
+            await retry_while_denied(
+                lambda: retry_until_answered(
                     lambda: self.forum.reply(post.topic_id, text, key=f"approval:{post.id}", reply_to=post.id), tries=9
                 ),
                 SOON_S,

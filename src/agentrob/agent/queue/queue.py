@@ -30,11 +30,12 @@ class QueuedCommand:
 
     `known`: an earlier process claimed it, `waited_s` seconds before `accepted_s` (monotonic). `begun`: its motion
     began in that process, so only its report is left to write, and it cannot be ended. `ended` is the reason why it may
-    not continue. `paced`: it has passed its account's rate limit. Other commands pass it until it is `ready` (read and
-    judged) and while it is `held`. `asked` is its approval request with the decision, if it needs one. `stop` returns
-    the result of the stop that ended it, `stopped_by` names who stopped it, and `took_back` counts the commands that it
-    cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered. `run` is its
-    execution in this process with the results so far, `status` its status post, `task` the task that processes it.
+    not continue. `admitted`: it has passed its account's rate limit. Other commands pass it until it is `ready` (read
+    and judged) and while it is `held`. `asked` is its approval request with the decision, if it needs one. `stop`
+    returns the result of the stop that ended it, `stopped_by` names who stopped it, and `cancelled_earlier` counts the
+    commands that it cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered.
+    `run` is its execution in this process with the results so far, `status` its status post, `task` the task that
+    processes it.
     """
 
     command: Command
@@ -43,13 +44,13 @@ class QueuedCommand:
     accepted_s: float = field(default_factory=time.monotonic)
     waited_s: float = 0.0
     ended: EndReason | None = None
-    paced: bool = False
+    admitted: bool = False
     held: bool = False
     asked: ApprovalRequest | None = None
     ready: bool = False
     moving: bool = False
     stopped_by: str = ""
-    took_back: int = 0
+    cancelled_earlier: int = 0
     stop: asyncio.Task[StopResult | None] | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
     assessment: Assessment | None = None
@@ -170,13 +171,13 @@ class CommandQueue:
 
     async def in_order(self, job: QueuedCommand) -> None:
         """Wait until the earlier commands of its account have passed the rate limit or ended."""
-        while job.ended is None and not all(other.paced for other in self.of_same_author(job)):
+        while job.ended is None and not all(other.admitted for other in self.of_same_author(job)):
             job._changed.clear()
             await job._changed.wait()
 
-    def mark_paced(self, job: QueuedCommand) -> None:
-        job.paced = True
-        self._moved_up()
+    def mark_admitted(self, job: QueuedCommand) -> None:
+        job.admitted = True
+        self._notify_waiting()
 
     def topics(self) -> frozenset[str]:
         """Return the threads in which a bare "stop" addresses this robot."""
@@ -192,9 +193,9 @@ class CommandQueue:
             self._jobs.remove(job)
             if self._turn is job:
                 self._turn = None
-            self._moved_up()
+            self._notify_waiting()
 
-    def _moved_up(self) -> None:
+    def _notify_waiting(self) -> None:
         for job in self._jobs:
             job._changed.set()
         self._on_change()
@@ -246,10 +247,10 @@ class CommandQueue:
     def _is_next(self, job: QueuedCommand) -> bool:
         return not self._closed and self._turn is None and next(j for j in self._jobs if j.ready and not j.held) is job
 
-    async def aside(self, job: QueuedCommand, seconds: float) -> None:
+    async def let_others_pass(self, job: QueuedCommand, seconds: float) -> None:
         """Let other commands pass it for this long, even if it is ended meanwhile."""
         job.held = True
-        self._moved_up()
+        self._notify_waiting()
         try:
             await asyncio.sleep(seconds)
         finally:
@@ -261,7 +262,7 @@ class CommandQueue:
         Return False if it was ended meanwhile.
         """
         job.held = True
-        self._moved_up()
+        self._notify_waiting()
         try:
             async with asyncio.timeout(seconds):
                 while job.ended is None and not until():

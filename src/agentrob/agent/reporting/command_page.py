@@ -12,7 +12,7 @@ from typing import Any
 import structlog
 
 from agentrob.agent.media.pictures import Picture
-from agentrob.agent.reporting.status_post import insist
+from agentrob.agent.reporting.status_post import retry_until_answered
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import CommandPages
 
@@ -68,6 +68,6 @@ async def publish(
     if facts is None or not isinstance(forum, CommandPages):
         return
     try:
-        await insist(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)
+        await retry_until_answered(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)
     except ForumError as e:
         _log.info("record not published", post=post_id, error=str(e))

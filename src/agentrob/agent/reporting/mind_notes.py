@@ -34,7 +34,7 @@ def notes(assessment: Assessment | None, asked: str, language: Language, more: S
     return [part for part in (join_sentences(sentences, language), line and f"*{line}*") if part]
 
 
-def worded(summary: Summary | None, language: Language) -> str:
+def summary_text(summary: Summary | None, language: Language) -> str:
     """Return a model's summary, marked as the model's words, or an empty string."""
     if summary is None or not summary.text:
         return ""

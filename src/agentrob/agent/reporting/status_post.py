@@ -29,7 +29,7 @@ _BACKOFF_S = (0.2, 30.0)
 #: A denial (401, 403) may be temporary, so the write is retried with these delays (first, longest): for a week if it
 #: must arrive, for a minute if it is soon outdated.
 _DENIED_S = (0.5, 30.0)
-TOLD_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
+POST_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
 #: The most writes that wait until our account may write again; further ones are left to the next start.
 MOST_DENIED = 1000
 #: A status post is abandoned if it has not changed for this long and its command does not move.
@@ -85,7 +85,7 @@ class StatusPost:
         If `created` is False, the command was claimed before, and nothing is shown unless `adopt` takes over the claim.
         """
         key = f"claim:{self._command.post_id}"
-        written = await insist(
+        written = await retry_until_answered(
             lambda: self._forum.reply(
                 self._command.topic_id, shown.text, key=key, reply_to=self._command.post_id, card=shown.card
             )
@@ -127,10 +127,12 @@ class StatusPost:
             await asyncio.wait({self._sending})
         post_id, command = self._post_id, self._command
         if post_id is not None and not self._limited:
-            await until_allowed(lambda: insist(lambda: self._forum.edit(post_id, shown.text, card=shown.card)), SOON_S)
+            await retry_while_denied(
+                lambda: retry_until_answered(lambda: self._forum.edit(post_id, shown.text, card=shown.card)), SOON_S
+            )
         else:
             key = f"waits:{command.post_id}"
-            written = await insist(
+            written = await retry_until_answered(
                 lambda: self._forum.reply(
                     command.topic_id, shown.text, key=key, reply_to=command.post_id, card=shown.card
                 )
@@ -164,8 +166,8 @@ class StatusPost:
             self._sending.cancel()
         if self._post_id is not None and not self._limited:
             with contextlib.suppress(ForumError):  # removed, or no longer editable
-                return await _illustrated(lambda pictures: self._tell(final, pictures, measured), images)
-        return await self._tell_in_reply(final, images, short, measured)
+                return await _illustrated(lambda pictures: self._post_final(final, pictures, measured), images)
+        return await self._post_final_reply(final, images, short, measured)
 
     async def add(self, final: Shown, images: Sequence[bytes]) -> None:
         """Edit the final post once to add a late picture, if the forum does not limit edits."""
@@ -176,7 +178,7 @@ class StatusPost:
         except ForumError as e:
             _log.info("what came late is not shown", post=self._command.post_id, error=str(e))
 
-    async def _tell(self, final: Shown, images: Sequence[bytes], measured: bool) -> bool:
+    async def _post_final(self, final: Shown, images: Sequence[bytes], measured: bool) -> bool:
         assert self._post_id is not None
         now = await self._forum.post(self._post_id)
         # The end may be written already (lost answer, crash); writing it again would add the pictures twice.
@@ -185,7 +187,7 @@ class StatusPost:
         await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
         return True
 
-    async def _tell_in_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:
+    async def _post_final_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:
         command, ours = self._command, True
 
         async def reply(key: str, pictures: Sequence[bytes]) -> Written:
@@ -203,7 +205,7 @@ class StatusPost:
         except ForumDenied:
             raise
         except ForumError as e:
-            _log.warning("final reply not told", post=command.post_id, error=str(e))
+            _log.warning("final reply not posted", post=command.post_id, error=str(e))
             return True
         if ours and self._post_id is not None and (self._edits_left or not self._limited):
             with contextlib.suppress(ForumError):
@@ -229,7 +231,7 @@ async def left_open(forum: Forum, post: Post, moves: Callable[[str], Awaitable[b
     since_s = time.monotonic()
     while time.monotonic() - since_s < LEFT_S:
         try:
-            now = await insist(partial(forum.post, post.id))
+            now = await retry_until_answered(partial(forum.post, post.id))
         except ForumNotFound:
             return True
         if now.removed or is_final(now.card):
@@ -246,16 +248,16 @@ async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images:
     still = tuple(image for image in images if not image.startswith(b"RIFF"))
     for pictures in dict.fromkeys((tuple(images), still)) if images else ():
         try:
-            return await insist(partial(write, pictures), PICTURE_TRIES)
+            return await retry_until_answered(partial(write, pictures), PICTURE_TRIES)
         except ForumUnreachable as e:
-            _log.warning("told without pictures", error=str(e))
+            _log.warning("posted without pictures", error=str(e))
             break
         except ForumError as e:
             _log.warning("pictures not taken", count=len(pictures), error=str(e))
-    return await insist(lambda: write(()))
+    return await retry_until_answered(lambda: write(()))
 
 
-async def insist(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:
+async def retry_until_answered(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:
     """Repeat a write that is safe to repeat until the forum answers, or `tries` times. Other errors are raised."""
     wait_s, longest_s = _BACKOFF_S
     while True:
@@ -272,9 +274,9 @@ async def insist(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> 
             wait_s = min(longest_s, wait_s * 2)
 
 
-async def until_allowed(
+async def retry_while_denied(
     write: Callable[[], Awaitable[T]],
-    limit_s: float = TOLD_WITHIN_S,
+    limit_s: float = POST_WITHIN_S,
     wait: Callable[[float], Awaitable[object]] = asyncio.sleep,
 ) -> T:
     """Repeat a write while the forum denies it, because the account may be suspended temporarily.
@@ -314,6 +316,6 @@ class DeniedWrites:
             await wait(seconds)
 
         try:
-            return await until_allowed(write, TOLD_WITHIN_S if len(self.tasks) < MOST_DENIED else 0.0, waits)
+            return await retry_while_denied(write, POST_WITHIN_S if len(self.tasks) < MOST_DENIED else 0.0, waits)
         finally:
             self.tasks.discard(task)

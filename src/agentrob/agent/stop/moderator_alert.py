@@ -39,7 +39,7 @@ class ModeratorAlert:
         self._alerted_at = at
         return True
 
-    async def tell(self, topic_id: str | None, language: Language) -> None:
+    async def post(self, topic_id: str | None, language: Language) -> None:
         """Post the alert in a topic, if there is one, and log it."""
         _log.warning("stopped again and again", robot=self._robot, stops=STOPS, minutes=WITHIN.seconds // 60)
         if topic_id is None or self._alerted_at is None:
@@ -49,4 +49,4 @@ class ModeratorAlert:
         try:
             await self._forum.reply(topic_id, text, key=f"alarm:{self._robot}:{self._alerted_at.isoformat()}")
         except ForumError as e:
-            _log.warning("moderators not told", robot=self._robot, error=str(e))
+            _log.warning("moderators not alerted", robot=self._robot, error=str(e))

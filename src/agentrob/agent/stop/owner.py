@@ -1,5 +1,5 @@
 """What a robot's owner does from the robot's page: release it when it is locked, and set its home (laws 2, 9 and 17);
-and what a thread is told of how that is done."""
+and what replies say about how that is done."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _log = structlog.get_logger()
 
 
 class OwnerActions:
-    """One robot's. `told` is what came of the last press, for the robot's card; None before the first one.
+    """One robot's. `last_action` is the result of the last press, for the robot's card; None before the first one.
 
     `now` is the forum's clock, `changed` hears that the card should be renewed.
     """
@@ -121,7 +121,7 @@ class OwnerActions:
         if action == "home":
             await self._driver.home(by)
             return True, "Its home is where it stood then."
-        await self._stops.settled()
+        await self._stops.wait_for_stops()
         ahead, lock = self._stop_handler.clear(), None
         if (await self._driver.state()).halted:
             self._stop_handler.released(at)  # first: nothing that was posted before it finds the robot free
@@ -134,7 +134,7 @@ class OwnerActions:
             )
         return True, message
 
-    # ------------------------------------------------------------------ what a thread is told
+    # ------------------------------------------------------------------ what replies say
     async def learn_page(self) -> None:
         """Ask the forum once for the address of the robot's page."""
         if isinstance(self._forum, RobotControls) and not self._page:
@@ -157,7 +157,7 @@ class OwnerActions:
         page = f"[{page}]({self._page})" if self._page else page
         return say(f"agent.how.{action}", language, who=who, page=page, robot=self._name)
 
-    async def ways_out(self, report: Report) -> list[str]:
+    async def release_hints(self, report: Report) -> list[str]:
         """Paragraphs for a command that did not move because the robot is locked or has no home: who locked it, and how
         to release it or set its home."""
         reasons, language = {result.reason for result in report.results}, report.command.language

@@ -15,7 +15,7 @@ from functools import partial
 import structlog
 
 from agentrob.agent.intake.event_stream import STEP
-from agentrob.agent.reporting.status_post import SOON_S, insist, until_allowed
+from agentrob.agent.reporting.status_post import SOON_S, retry_until_answered, retry_while_denied
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.bounded import BoundedDict
@@ -96,13 +96,13 @@ class StopReplies:
             self._on_stop(result)
             return result
 
-    async def quietly(self, why: str) -> None:
+    async def stop_running(self, why: str) -> None:
         """Stop because a command of ours ended early. Raises `RobotError`. It is not a person's stop: commands that
         wait are left alone, unless an earlier stop ends them (law 14)."""
         with self._counted():
             await self._driver.stop(f"agent: {why}", running_only=True)
 
-    async def settled(self) -> None:
+    async def wait_for_stops(self) -> None:
         """Wait until the driver has answered the stops sent so far."""
         if self._under_way:
             await asyncio.wait(tuple(self._under_way))
@@ -121,7 +121,7 @@ class StopReplies:
         """The time since which no stop may have reached the driver, for a command accepted at `accepted_s` (monotonic)
         that we did not end. Waits for our own stops, which were for earlier commands, and counts from when the driver
         ended those: they do not hide a stop by a person at the robot while it still comes to rest."""
-        await self.settled()
+        await self.wait_for_stops()
         return max(accepted_s, self._ended_s)
 
     async def _stop(self, by: str, at: datetime, halt: bool) -> StopResult | None:
@@ -174,7 +174,7 @@ class StopReplies:
             return await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
 
         try:
-            written = await until_allowed(partial(insist, write, TRIES), SOON_S)
+            written = await retry_while_denied(partial(retry_until_answered, write, TRIES), SOON_S)
         except ForumError as e:
             _log.warning("stop not answered", post=post.id, error=str(e))
             return None

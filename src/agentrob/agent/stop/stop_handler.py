@@ -169,7 +169,7 @@ class StopHandler:
     def _alert(self, at: datetime, topic: str | None, ended: list[QueuedCommand], language: Language) -> None:
         if self._moderator_alert.count_stop(at):
             topic = topic or next((job.command.topic_id for job in ended), None)
-            self._spawn(self._moderator_alert.tell(topic, language))
+            self._spawn(self._moderator_alert.post(topic, language))
 
     async def _save(self, journal: Journal) -> None:
         """Save the newest stop. Many stops at once need one or two writes, so that no command waits behind them."""

@@ -287,7 +287,7 @@ class Journal:
     def _forget(self, motion: asyncio.Task[str]) -> None:
         self._motions.discard(motion)
         if not motion.cancelled():
-            motion.exception()  # its caller, if it still waits, is told
+            motion.exception()  # its caller, if it still waits, gets it
 
     # ---------------------------------------------------------------- motion rows
     async def _begin(self, post_id: str) -> str | None:
@@ -322,7 +322,7 @@ class Journal:
             return False
         return bool(found.state == MotionState.ENDED if ended else found.state != MotionState.CANCELLED)
 
-    async def kept(self, post_id: str) -> str | None:
+    async def motion_result(self, post_id: str) -> str | None:
         """The result of a motion that ended; None if it is not known."""
         found = await self._first(queries.THIS_MOTION, post_id)
         return str(found.result) if found and found.state == MotionState.ENDED and found.result is not None else None

@@ -10,11 +10,17 @@ from pydantic import TypeAdapter
 
 from agentrob.agent.intake.authorization import CommandTerms, chain_refusal, judge, rights_on
 from agentrob.agent.queue.queue import QueuedCommand
-from agentrob.agent.reporting.status_post import insist
+from agentrob.agent.reporting.status_post import retry_until_answered
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
 from agentrob.agent.understanding.second_opinion import SecondOpinion
-from agentrob.agent.understanding.visual_goal import eyes, goal_for, in_words, judged_plan, replace_no_camera_answer
+from agentrob.agent.understanding.visual_goal import (
+    goal_for,
+    in_words,
+    judged_plan,
+    replace_no_camera_answer,
+    vision_model,
+)
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
@@ -66,9 +72,9 @@ class Assessor:
         return self.mind.model if isinstance(self.mind, ModelMind) else None
 
     @property
-    def eyes(self) -> ChatModel | None:
+    def vision_model(self) -> ChatModel | None:
         """The model that may steer the robot by its camera, if the owner allows one."""
-        return eyes(self.model, self.settings)
+        return vision_model(self.model, self.settings)
 
     async def think(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
         """Understand and judge a command once; a restart gets the same assessment. A command that is ended does not
@@ -104,7 +110,7 @@ class Assessor:
         if assessment is None:
             reading = extract(self.mind, command.text, addressee, history)
             assessment = await job.unless_ended(reading) or await by_rules(command.text, addressee, history, OVER)
-        if self.eyes is not None:
+        if self.vision_model is not None:
             assessment = replace(assessment, understanding=replace_no_camera_answer(assessment.understanding))
         if assessment.understanding.looks:
             photographed = await self._photographed(assessment.understanding, command, capabilities, terms)
@@ -112,9 +118,9 @@ class Assessor:
         understood = assessment.understanding
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
-            chained = await insist(partial(chain_refusal, self.forum, command))
+            chained = await retry_until_answered(partial(chain_refusal, self.forum, command))
             plan = judged_plan(assessment.goal) if assessment.goal else understood.plan
-            rights = await insist(partial(rights_on, self.forum, command, terms))
+            rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
             known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             assessment = replace(assessment, verdict=verdict)
@@ -129,7 +135,7 @@ class Assessor:
     ) -> Understanding:
         """Answer "what do you see?" with a photo, where this account may have one now without an approval."""
         plan = Plan((Primitive(Op.GET_FRONT_IMAGE),), (say("note.see", understood.language),))
-        rights = await insist(partial(rights_on, self.forum, command, terms))
+        rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
         verdict = judge(command, plan, command.author, capabilities, terms, rights)
         if self.over_limit(command) or (verdict is not None and verdict.decision is not Decision.ALLOW):
             return understood
@@ -137,7 +143,7 @@ class Assessor:
 
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
         """The assessment of a post that is a visual goal, if a model may steer this robot; else None."""
-        if self.eyes is None:
+        if self.vision_model is None:
             return None
         assessment = await by_rules(command.text, addressee, history)
         understood = assessment.understanding

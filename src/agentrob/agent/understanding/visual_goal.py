@@ -26,7 +26,7 @@ _NO_EYES = ("vision model", "视觉模型")
 _MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
 
 
-def eyes(model: ChatModel | None, settings: RobotConfig) -> ChatModel | None:
+def vision_model(model: ChatModel | None, settings: RobotConfig) -> ChatModel | None:
     """The model that may steer this robot by its camera; None without the owner's consent, or without such a model."""
     if not settings.look.allowed or not isinstance(model, FallbackModel):
         return None
@@ -61,7 +61,7 @@ def in_words(goal: Goal, language: Language) -> str:
 
 
 def visual_task_of(
-    goal: Goal, eyes: ChatModel, capabilities: Capabilities, look: LookConfig, language: Language,
+    goal: Goal, vision_model: ChatModel, capabilities: Capabilities, look: LookConfig, language: Language,
     spent: Sequence[Usage] = (),
 ) -> VisualTask:  # fmt: skip
     """Return all that a visual loop needs.
@@ -75,4 +75,4 @@ def visual_task_of(
     mandate = goal_mandate(goal, most, capabilities)
     budget = LoopBudget(look.calls, look.seconds)
     prompt = loop_prompt(capabilities.model, language)
-    return VisualTask(goal, in_words(goal, "en"), prompt, eyes, mandate, capabilities, budget, tuple(spent))
+    return VisualTask(goal, in_words(goal, "en"), prompt, vision_model, mandate, capabilities, budget, tuple(spent))

@@ -76,7 +76,7 @@ def _two_answers(model: type[BaseModel]) -> dict[int | str, dict[str, Any]]:
 
 # -------------------------------------------------------------------- accounts
 @router.get("/me", response_model=AccountOut, tags=["accounts"])
-async def get_me(who: AnyViewer) -> Response:
+async def get_own_account(who: AnyViewer) -> Response:
     """The caller's own account, even if it is suspended."""
     if who.account is None:
         raise BoardError(401, "not_signed_in", "sign in first", "a session cookie or Authorization: Bearer <token>")

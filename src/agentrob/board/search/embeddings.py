@@ -7,6 +7,7 @@ processes. It only asks the writer to store finished embeddings, so that posting
 from __future__ import annotations
 
 import asyncio
+import re
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +21,6 @@ from sqlalchemy import Column, Integer, LargeBinary, MetaData, Row, String, Tabl
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.writer import Transaction
-from agentrob.board.search.search import unmarked
 from agentrob.errors import BoardError
 from agentrob.semantic.encoder import MODEL, SIZE, EncoderError, TextEncoder
 
@@ -33,6 +33,7 @@ WINDOW, TOGETHER = 500, 16
 POLL_S, AGAIN_S = 1.0, 5.0
 #: Vectors that are compared together: they fit into the processor's cache, and are too few to use other cores.
 _BLOCK = 512
+_LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 
 #: Part of the database, but not of a backup, because it can be rebuilt from the posts.
 derived = MetaData(naming_convention=db.metadata.naming_convention)
@@ -182,7 +183,14 @@ def _known(row: Row[Any]) -> bool:
 
 
 def _said(row: Row[Any]) -> str:
-    return unmarked(f"{row.title}\n{row.raw}"[:MAX_CHARS])
+    return _unmarked(f"{row.title}\n{row.raw}"[:MAX_CHARS])
+
+
+def _unmarked(raw: str) -> str:
+    """Markdown as one line of plain text, without its marks and the URLs of links."""
+    bare = _LINK.sub(r"\1", raw)
+    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", lambda m: "" if m[0][0] in "*`~" else " " if "---" in m[0] else m[0], bare)
+    return " ".join(re.sub(r"[|>#]+", " ", bare).split())
 
 
 def _write(t: Transaction, made: Sequence[_Kept]) -> None:

@@ -29,7 +29,6 @@ MAX_QUERY, MAX_WORDS = 200, 12
 MOST_S = 1.0
 #: Instructions of SQLite's virtual machine between two checks of the clock.
 STEPS = 20_000
-_LINK = re.compile(r"!?\[([^\[\]]{0,200})\]\([^()\s]{0,500}\)")
 
 
 # -------------------------------------------------------------------- searching
@@ -125,43 +124,6 @@ def _by_looking(reader: Reader, words: Sequence[str], where: Where, most: int) -
     if where.tag is not None:
         statement = statement.where(t.id.in_(select(g.topic_id).where(g.tag == where.tag)))
     return [row.id for row in reader.rows(statement)]
-
-
-# -------------------------------------------------------------------- showing
-def around(raw: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
-    """The part of a text with the words of a query, in pieces, each with whether it is such a word."""
-    words = sorted(terms(query), key=len, reverse=True)
-    if not words:
-        return ((unmarked(raw[:length]), False),)
-    pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
-    # Only the relevant part of a long post, since pages are rendered on the event loop, which a stop needs too.
-    found = pattern.search(raw)
-    begin = max(0, found.start() - length) if found else 0
-    plain = unmarked(raw[begin : begin + 3 * length])
-    first = pattern.search(plain)
-    start = max(0, (first.start() if first else 0) - length // 3)
-    shown = plain[start : start + length]
-    pieces, done = [("…", False)] if begin or start else [], 0
-    for match in pattern.finditer(shown):
-        pieces += [(shown[done : match.start()], False), (match[0], True)]
-        done = match.end()
-    pieces += [(shown[done:], False)] + (
-        [("…", False)] if start + length < len(plain) or begin + 3 * length < len(raw) else []
-    )
-    return tuple(piece for piece in pieces if piece[0])
-
-
-def unmarked(raw: str) -> str:
-    """Markdown as one line of plain text, without its marks and the URLs of links."""
-    bare = _LINK.sub(r"\1", raw)
-    bare = re.sub(r"[*`~]+|[\s|:-]{3,}", lambda m: "" if m[0][0] in "*`~" else " " if "---" in m[0] else m[0], bare)
-    return " ".join(re.sub(r"[|>#]+", " ", bare).split())
-
-
-def _beginning(word: str) -> str:
-    """A pattern that matches a word only at its beginning: `to` does not match in `photo`."""
-    written = word.strip("@") or word
-    return ("" if not written[0].isascii() else r"(?<![A-Za-z0-9\u00c0-\u024f])") + re.escape(written)
 
 
 def checked(query: str) -> str:

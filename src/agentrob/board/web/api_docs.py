@@ -17,11 +17,13 @@ router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """An operation of the API. `answers` are the successful responses, `problems` the statuses of errors."""
+    """An operation of the API. `title` names it for people; `answers` are the successful responses, `problems` the
+    statuses of errors."""
 
     method: str
     path: str
     id: str
+    title: str
     description: str
     parameters: tuple[dict[str, Any], ...]
     body: dict[str, Any]
@@ -55,6 +57,7 @@ def operations_by_tag(document: dict[str, Any]) -> dict[str, list[Operation]]:
                     method=method.upper(),
                     path=path,
                     id=operation["operationId"],
+                    title=operation["summary"],
                     description=operation.get("description", ""),
                     parameters=tuple(operation.get("parameters", ())),
                     body=operation.get("requestBody", {}).get("content", {}),

@@ -9,7 +9,7 @@ from starlette.responses import HTMLResponse, Response
 
 from agentrob.board import access
 from agentrob.board.access import AnyViewer, ReadingViewer
-from agentrob.board.content import notifications, tags
+from agentrob.board.content import excerpts, notifications, tags
 from agentrob.board.content.store import SearchMode
 from agentrob.board.db.records import StoredPost, Topic
 from agentrob.board.search import search
@@ -54,7 +54,7 @@ async def search_page(
         page = await services.store.search(query, after, board_id=board or None, mode=by, tag=tags.plain(tag) or None)
     except BoardError as e:
         query, problem, status = q[: search.MAX_QUERY], error_text(e), e.status
-    found = [(topic, post, search.around(post.raw, query)) for topic, post in _with_topics(services, page.items)]
+    found = [(topic, post, excerpts.around(post.html, query)) for topic, post in _with_topics(services, page.items)]
     data: dict[str, Any] = {"query": query, "found": found, "next": page.next, "problem": problem}
     data |= {"by": by, "modes": services.store.search_modes, "boards": services.store.reader.boards()}
     data |= {"board": board, "tag": tags.plain(tag)}

@@ -108,7 +108,7 @@ def _stop_sent(request: Request, viewer: Viewer, name: str, action: str, form: B
 
 @router.get("/robots/{name}/release")
 async def release_form(request: Request, viewer: ReadingViewer, name: str) -> Response:
-    return _confirm(request, viewer, name, "release", f"Release @{name}?")
+    return _confirm(request, viewer, name, "release")
 
 
 @router.post("/robots/{name}/release")
@@ -118,7 +118,7 @@ async def release(services: AppServices, viewer: AnyViewer, name: str, form: Sen
 
 @router.get("/robots/{name}/home")
 async def home_form(request: Request, viewer: ReadingViewer, name: str) -> Response:
-    return _confirm(request, viewer, name, "home", f"Set the home of @{name} here?")
+    return _confirm(request, viewer, name, "home")
 
 
 @router.post("/robots/{name}/home")
@@ -126,11 +126,15 @@ async def home(services: AppServices, viewer: AnyViewer, name: str, form: SentFo
     return await _press(services, viewer, name, form, "home", actions.home)
 
 
-def _confirm(request: Request, viewer: Viewer, name: str, action: str, heading: str) -> Response:
+def _confirm(request: Request, viewer: Viewer, name: str, action: str) -> Response:
     """Ask for confirmation, so that a slip of the finger cannot let a robot move."""
     services = get_services(request)
     actions.check_owner(services, name, access.account_of(viewer))
-    data = {"robot": robot_view.robot(services, name)[1], "action": action, "heading": heading}
+    robot = robot_view.robot(services, name)[1]
+    heading = f"Set the home of @{robot.name} where it stands?"
+    if action == "release":
+        heading = f"Release @{robot.name}?" if robot.lock else f"@{robot.name} is not locked"
+    data = {"robot": robot, "action": action, "heading": heading}
     return render_page(request, viewer, "robot_owner.html", data, here="robots")
 
 

@@ -15,16 +15,16 @@ from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 
 from agentrob.board import access
 from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
+from agentrob.board.content.excerpts import excerpt
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
-from agentrob.board.search.search import unmarked
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -33,8 +33,6 @@ from agentrob.model.lifecycle import ACTIVE_STATES, CARD_STATES
 HERE = Path(__file__).parent
 NAME = re.compile(r"[a-z][a-z0-9_-]{0,63}\Z")
 _NOT_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-#: Characters of a post that its excerpt is made from.
-EXCERPT_FROM = 600
 
 #: The states of a command as words for people, and those whose card shows a progress bar.
 STATES = {str(state): state.label for state in CARD_STATES}
@@ -91,11 +89,9 @@ def tone(name: str) -> int:
     return sum(name.encode()) % 5
 
 
-def excerpt(raw: str) -> str:
-    """The first words of a post, without Markdown. Takes constant time, since pages are rendered on the event loop,
-    which the stop button needs too."""
-    text = unmarked(raw[:EXCERPT_FROM])
-    return text[:140].rstrip() + "…" if len(text) > 140 else text or "(a picture)"
+def inline_code(text: str) -> Markup:
+    """A text with the words between backticks as code, like those of the OpenAPI document."""
+    return Markup(re.sub(r"`([^`\n]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def status_card(card: Mapping[str, Any]) -> StatusCard:
@@ -128,6 +124,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
+    made.filters["inline_code"] = inline_code
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}

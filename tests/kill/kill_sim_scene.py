@@ -1,4 +1,4 @@
-"""The house with a simulated Go2 on DDS: the world may be killed too, and its ledger stays on disk."""
+"""The scene with a simulated Go2 on DDS: the world may be killed too, and its ledger stays on disk."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from pathlib import Path
 
 from agentrob.config.robots import RobotConfig
 from agentrob.process.dds_domain import PrivateDomain
-from tests.kill.kill_house import House
-from tests.kill.kill_process import Mortal, agentrob
+from tests.kill.kill_process import KillableProcess, agentrob
+from tests.kill.kill_scene import KillScene
 
 
-class WorldHouse(House):
+class SimScene(KillScene):
     """`born` is the length of the ledger when the current world was started."""
 
     def __init__(self, folder: Path) -> None:
@@ -24,9 +24,9 @@ class WorldHouse(House):
         super().close()
         self._own.close()
 
-    def start_world(self) -> Mortal:
+    def start_world(self) -> KillableProcess:
         words = "sim", "--domain", f"go2={self.domain}", "--ledger", str(self.ledger_path)
-        return Mortal(agentrob, words, self.folder / "plugins", log=self.folder / "world.log").ready()
+        return KillableProcess(agentrob, words, self.folder / "plugins", log=self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         return RobotConfig(domain=self.domain, simulated=True, home_on_start=True)
@@ -40,8 +40,8 @@ class WorldHouse(House):
 
     def moves(self, since: int) -> bool:
         """Return the motions in the current world only, because nothing moves in a killed world."""
-        ways = [e["event"] for e in self.ledger(max(since, self.born)) if e["event"] in ("move_begin", "move_end")]
-        return bool(ways) and ways[-1] == "move_begin"
+        changes = [e["event"] for e in self.ledger(max(since, self.born)) if e["event"] in ("move_begin", "move_end")]
+        return bool(changes) and changes[-1] == "move_begin"
 
     def begun(self, since: int) -> int:
         return sum(e["event"] == "move_begin" for e in self.ledger(since))

@@ -29,7 +29,7 @@ from tests.agent.store.journal_store import JournalStore
 from tests.forked_process import ForkedProcess
 from tests.in_process import Said
 from tests.kill import kill_body
-from tests.kill.kill_process import Mortal, agentrob, wait_for
+from tests.kill.kill_process import KillableProcess, agentrob, wait_for
 
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
@@ -39,11 +39,11 @@ DRIVER_AWAY = frozenset({"failed"})
 DRIVER_DIED = frozenset({"interrupted"})
 #: Agents, drivers and boards restart within seconds; an agent waits longest, for a board, because of its backoff.
 END_S = 90.0
-ENTRY = "[agentrob.robots]\nfar = tests.kill.kill_robot:FarRobot\n"
+ENTRY = "[agentrob.robots]\nfar = tests.kill.kill_robot:RemoteBodyRobot\n"
 
 
 @dataclass
-class Asked:
+class PostedCommand:
     """One command in progress: who posted it, the ledger, and the start time."""
 
     text: str
@@ -53,7 +53,7 @@ class Asked:
     thread: threading.Thread | None = None
 
 
-class House:
+class KillScene:
     """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent."""
 
     kinds: tuple[str, ...] = ("board", "driver", "agent")
@@ -63,9 +63,9 @@ class House:
         self.journal_store = JournalStore(folder, ROBOT, database)
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # socket paths must be short
         self.ledger_path = folder / "ledger.jsonl"
-        self.running: dict[str, Mortal] = {}
+        self.running: dict[str, KillableProcess] = {}
         self.tokens: dict[str, str] = {}
-        self._plug_in()
+        self._install_robot()
         self.world = self.start_world()
         port = demo.free_port()
         self.url = f"http://127.0.0.1:{port}"
@@ -86,7 +86,7 @@ class House:
         for kind in self.kinds:
             self.start(kind)
 
-    def _plug_in(self) -> None:
+    def _install_robot(self) -> None:
         """Return the folder where a third party's robot is installed."""
         info = self.folder / "plugins" / "far_robot-1.dist-info"
         info.mkdir(parents=True)
@@ -94,9 +94,9 @@ class House:
         (info / "entry_points.txt").write_text(ENTRY)
 
     # ------------------------------------------------------------ the robot
-    def start_world(self) -> Mortal:
+    def start_world(self) -> KillableProcess:
         args = str(self.runtime / "body"), str(self.ledger_path)
-        return Mortal(kill_body.main, *args, log=self.folder / "world.log").ready()
+        return KillableProcess(kill_body.main, *args, log=self.folder / "world.log").ready()
 
     def robot(self) -> RobotConfig:
         fence = FenceConfig(x_min_m=-900, x_max_m=900, y_min_m=-900, y_max_m=900)
@@ -117,23 +117,25 @@ class House:
         return [json.loads(line) for line in self.ledger_path.read_text().splitlines()[since:]]
 
     def moves(self, since: int) -> bool:
-        return self.still_since(since) is None
+        return self.at_rest_since(since) is None
 
-    def still_since(self, since: int) -> float | None:
+    def at_rest_since(self, since: int) -> float | None:
         """Return when it last came to rest (CLOCK_MONOTONIC); 0 if it has not moved, None while it moves."""
-        ways = [line for line in self.ledger(since) if line["event"] in ("moves", "rests")]
-        if not ways:
+        changes = [line for line in self.ledger(since) if line["event"] in ("moves", "rests")]
+        if not changes:
             return 0.0
-        return float(ways[-1]["at_s"]) if ways[-1]["event"] == "rests" else None
+        return float(changes[-1]["at_s"]) if changes[-1]["event"] == "rests" else None
 
     def motions(self, since: int) -> int:
         """Return how many steps a driver began."""
         return sum(line["event"] == "step" for line in self.ledger(since))
 
-    def told_since(self, since: int, after_s: float) -> float:
-        """Return when a driver first told it to rest after this time (CLOCK_MONOTONIC)."""
-        told = [line["at_s"] for line in self.ledger(since) if line["event"] == "told" and line["at_s"] > after_s]
-        return float(told[0])
+    def rest_commanded_after(self, since: int, after_s: float) -> float:
+        """Return when a driver first commanded it to rest after this time (CLOCK_MONOTONIC)."""
+        commanded_s = [
+            line["at_s"] for line in self.ledger(since) if line["event"] == "rest_commanded" and line["at_s"] > after_s
+        ]
+        return float(commanded_s[0])
 
     def walked_m(self, since: int) -> float:
         before = self.ledger()[:since]
@@ -145,16 +147,18 @@ class House:
     def start(self, kind: str, **env: str) -> None:
         self.begin(kind, **env).ready()
 
-    def begin(self, kind: str, **env: str) -> Mortal:
+    def begin(self, kind: str, **env: str) -> KillableProcess:
         """Start a process without waiting until it is ready."""
-        process = Mortal(agentrob, *self.words(kind), log=self.folder / f"{kind}.log", env=self.env() | env)
+        process = KillableProcess(
+            agentrob, *self.arguments(kind), log=self.folder / f"{kind}.log", env=self.env() | env
+        )
         self.running[kind] = process
         return process
 
-    def words(self, kind: str) -> tuple[tuple[str, ...], Path]:
+    def arguments(self, kind: str) -> tuple[tuple[str, ...], Path]:
         """Return the arguments for `agentrob` and the folder where its robots are installed."""
-        words = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
-        return (*words, "--config", str(self.config_path)), self.folder / "plugins"
+        arguments = {"board": ("board", "serve"), "driver": ("driver", ROBOT), "agent": ("agent", "run", ROBOT)}[kind]
+        return (*arguments, "--config", str(self.config_path)), self.folder / "plugins"
 
     def env(self) -> dict[str, str]:
         return {
@@ -165,7 +169,7 @@ class House:
 
     def second(self, kind: str, limit_s: float = 60.0) -> Said:
         """Start a second process of a running kind, and wait until it ends."""
-        process = ForkedProcess(agentrob, *self.words(kind), env=self.env())
+        process = ForkedProcess(agentrob, *self.arguments(kind), env=self.env())
         said, errors = process.communicate(limit_s)
         assert process.returncode is not None
         return Said(process.returncode, said, errors)
@@ -173,8 +177,8 @@ class House:
     def arm(self, kind: str, point: Mapping[str, Any]) -> None:
         self.running[kind].arm(point)
 
-    def died(self, kind: str, limit_s: float = 60.0) -> float:
-        return self.running[kind].died(limit_s)
+    def wait_for_kill(self, kind: str, limit_s: float = 60.0) -> float:
+        return self.running[kind].wait_for_kill(limit_s)
 
     def release(self) -> None:
         """Release the robot as an owner would: a driver that restarts while the robot still moves halts it (law 12)."""
@@ -190,22 +194,22 @@ class House:
         shutil.rmtree(self.runtime, ignore_errors=True)
 
     # ------------------------------------------------------------ posts and replies
-    def ask(self, text: str) -> Asked:
+    def ask(self, text: str) -> PostedCommand:
         """Post a command; repeat it under the same key while the forum does not answer, as a person would."""
-        asked = Asked(f"@{ROBOT} {text}", len(self.ledger()))
-        topic = {"board_id": "robots", "title": text, "body": asked.text}
-        asked.thread = threading.Thread(target=self._post, args=(asked, "/topics", topic), daemon=True)
-        asked.thread.start()
-        return asked
+        command = PostedCommand(f"@{ROBOT} {text}", len(self.ledger()))
+        topic = {"board_id": "robots", "title": text, "body": command.text}
+        command.thread = threading.Thread(target=self._post, args=(command, "/topics", topic), daemon=True)
+        command.thread.start()
+        return command
 
-    def _post(self, asked: Asked, path: str, body: dict[str, Any]) -> None:
-        answer = self._insist("POST", path, json=body, headers={"Idempotency-Key": asked.key})
-        asked.post = answer["post"]
+    def _post(self, command: PostedCommand, path: str, body: dict[str, Any]) -> None:
+        answer = self._request("POST", path, json=body, headers={"Idempotency-Key": command.key})
+        command.post = answer["post"]
 
-    def _insist(self, method: str, path: str, **more: Any) -> Any:
+    def _request(self, method: str, path: str, **more: Any) -> Any:
         """Wait until the board answers; it may be down for a while."""
 
-        def tried() -> list[Any]:
+        def attempt() -> list[Any]:
             try:
                 answer = self.http.request(method, path, **more)
             except httpx2.TransportError:
@@ -215,40 +219,40 @@ class House:
             assert answer.is_success, answer.text
             return [answer.json()]
 
-        return wait_for(f"{method} {path}", tried, 60.0)[0]
+        return wait_for(f"{method} {path}", attempt, 60.0)[0]
 
-    def stop(self, asked: Asked) -> None:
+    def stop(self, command: PostedCommand) -> None:
         """Post "stop" in the thread of a command."""
-        path = f"/topics/{self.posted(asked)['topic_id']}/posts"
+        path = f"/topics/{self.posted(command)['topic_id']}/posts"
         key = {"Idempotency-Key": secrets.token_hex(8)}
-        self._insist("POST", path, json={"body": f"@{ROBOT} stop"}, headers=key)
+        self._request("POST", path, json={"body": f"@{ROBOT} stop"}, headers=key)
 
-    def posted(self, asked: Asked) -> dict[str, Any]:
-        return dict(wait_for("the command is posted", lambda: asked.post, 60.0))
+    def posted(self, command: PostedCommand) -> dict[str, Any]:
+        return dict(wait_for("the command is posted", lambda: command.post, 60.0))
 
-    def answers(self, asked: Asked) -> list[dict[str, Any]]:
+    def answers(self, command: PostedCommand) -> list[dict[str, Any]]:
         """Return the robot's replies to the command, oldest first."""
-        post = self.posted(asked)
-        found = self._insist("GET", f"/topics/{post['topic_id']}/posts")["items"]
+        post = self.posted(command)
+        found = self._request("GET", f"/topics/{post['topic_id']}/posts")["items"]
         return [p for p in found if p["author"]["name"] == ROBOT and p["reply_to"] == post["id"]]
 
-    def final(self, asked: Asked) -> dict[str, Any]:
+    def final(self, command: PostedCommand) -> dict[str, Any]:
         """Return the final reply once it is posted, the agent's journal has closed the command, and the robot
         stands."""
 
-        def told() -> list[dict[str, Any]]:
-            return [p for p in self.answers(asked) if p["card"] and p["card"]["state"] in FINAL_STATES]
+        def find_finals() -> list[dict[str, Any]]:
+            return [p for p in self.answers(command) if p["card"] and p["card"]["state"] in FINAL_STATES]
 
-        wait_for(f"a final reply to {asked.text!r}", told, END_S)
-        wait_for("the journal is closed over the command", lambda: self.journal(asked), 60.0)
-        wait_for("the robot stands", lambda: not self.moves(asked.began), 60.0)
-        finals = told()
+        wait_for(f"a final reply to {command.text!r}", find_finals, END_S)
+        wait_for("the journal is closed over the command", lambda: self.journal(command), 60.0)
+        wait_for("the robot stands", lambda: not self.moves(command.began), 60.0)
+        finals = find_finals()
         assert len(finals) == 1, finals
         return finals[0]
 
-    def journal(self, asked: Asked) -> str:
+    def journal(self, command: PostedCommand) -> str:
         """Return the command's final state in the agent's journal, or an empty string while it is open."""
-        found = self.in_journal("SELECT final FROM claim WHERE post = :a", self.posted(asked)["id"])
+        found = self.in_journal("SELECT final FROM claim WHERE post = :a", self.posted(command)["id"])
         return str(found[0] or "") if found else ""
 
     @property
@@ -262,7 +266,7 @@ class House:
         found = self.journal_store.rows(query, **dict(zip("ab", values, strict=False)))
         return tuple(found[0]) if found else None
 
-    def ends_told(self, post: dict[str, Any]) -> int:
+    def count_final_versions(self, post: dict[str, Any]) -> int:
         """Return how many versions of the status posts contain an end, which unlike a status has paragraphs.
 
         A version that only adds a late recording does not count again.
@@ -276,20 +280,20 @@ class House:
         return len(ends) - late
 
 
-def check(house: House, asked: Asked) -> str:
+def check(scene: KillScene, command: PostedCommand) -> str:
     """Check what must hold after any death: one final reply, one motion at most, nothing written twice.
 
     Return the final state.
     """
-    final = house.final(asked)
+    final = scene.final(command)
     state = str(final["card"]["state"])
-    assert len(house.answers(asked)) == 1, "a claim, status or final post is there twice"
-    assert house.ends_told(final) == 1, "the end was told twice"
-    assert house.motions(asked.began) <= 1, "the motion was begun again"
+    assert len(scene.answers(command)) == 1, "a claim, status or final post is there twice"
+    assert scene.count_final_versions(final) == 1, "the end was reported twice"
+    assert scene.motions(command.began) <= 1, "the motion was begun again"
     assert len(final["images"]) == len({image["id"] for image in final["images"]}) <= 3  # photo, path, recording
     if state == "done":
-        assert house.motions(asked.began) == 1
-        assert abs(house.walked_m(asked.began) - 0.3) < 0.05, "done, and not what was asked"
+        assert scene.motions(command.began) == 1
+        assert abs(scene.walked_m(command.began) - 0.3) < 0.05, "done, and not what was asked"
     if state == "cancelled":
-        assert house.motions(asked.began) == 0, "cancelled, and yet it moved"
+        assert scene.motions(command.began) == 0, "cancelled, and yet it moved"
     return state

@@ -20,20 +20,20 @@ FINE = {"decision": "fine"}
 Fault = Callable[[Any], None]
 
 
-class Brain:
-    """`reads`, `screens` and `says` are the responses; a callable gets the HTTP handler and responds itself."""
+class ScriptedModel:
+    """`extraction`, `review` and `summary` are the responses; a callable gets the HTTP handler and responds itself."""
 
     def __init__(self, server: FaultyServer) -> None:
         self.server = server
-        self.reads: dict[str, Any] | Fault = {"intent": "nothing"}
-        self.screens: dict[str, Any] | Fault = FINE
-        self.says: str | Fault = "Fine."
+        self.extraction: dict[str, Any] | Fault = {"intent": "nothing"}
+        self.review: dict[str, Any] | Fault = FINE
+        self.summary: str | Fault = "Fine."
         self.asked: list[tuple[str, str]] = []
         server.answer = self._answer
 
-    def questions(self, kind: str) -> list[str]:
+    def prompts(self, kind: str) -> list[str]:
         """Return the user prompts of one kind of request: read, screen or summary."""
-        return [told for asked, told in self.asked if asked == kind]
+        return [prompt for asked, prompt in self.asked if asked == kind]
 
     def mind(self, folder: Path, name: str = "clever", **settings: Any) -> ModelMind:
         """Return a mind that uses this server, with a short timeout."""
@@ -55,7 +55,7 @@ class Brain:
         system, user = (message["content"] for message in body["messages"][:2])
         kind = next(kind for begin, kind in _KINDS.items() if system.startswith(f"# {begin}"))
         self.asked.append((kind, user))
-        answer = {"read": self.reads, "screen": self.screens, "summary": self.says}[kind]
+        answer = {"read": self.extraction, "screen": self.review, "summary": self.summary}[kind]
         if callable(answer):
             answer(handler)
         else:
@@ -64,9 +64,9 @@ class Brain:
 
 
 @contextmanager
-def running_brain() -> Iterator[Brain]:
+def running_scripted_model() -> Iterator[ScriptedModel]:
     with faulty_server() as server:
-        yield Brain(server)
+        yield ScriptedModel(server)
 
 
 def move(words: str, amount: float, unit: str = "m", direction: str = "forward", **more: Any) -> dict[str, Any]:
