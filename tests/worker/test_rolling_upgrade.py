@@ -76,15 +76,16 @@ async def test_law_6_a_journal_of_version_0_1_with_a_motion_pending_is_continued
 ) -> None:
     """Version 0.1 has claimed two commands and was killed during the first motion."""
     forum = BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT])
-    cursor, _ = await forum.now()
+    cursor, now_at = await forum.now()
     await forum.close()
     with Poster(board, "op") as op:
         moving, waiting = await op.post(WALK), await op.post(WAVE)
         walk, wave = await commands_of(board, [moving, waiting])
-        write_old_journal(workers.folder, ROBOT, walk, wave, begun=(walk.post_id,), cursor=cursor)
+        values = {"cursor": cursor, "cursor_at": now_at.isoformat(), "watermark": now_at.isoformat()}
+        write_old_journal(workers.folder, ROBOT, walk, wave, begun=(walk.post_id,), **values)
         with workers.running("--all", "--name", "new"):
             assert await op.final(moving) == ["interrupted"]
-            assert await op.final(waiting) == ["done"]
+            assert await op.final(waiting) == ["done"], await op.told(waiting)
     assert steps(workers) == ["done"]
     journals = make_journals(database_of(workers.folder), workers.folder)
     journal = await journals.open(ROBOT)

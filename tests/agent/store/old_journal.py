@@ -36,10 +36,9 @@ def write_old_journal(
     *claims: Command,
     begun: tuple[str, ...] = (),
     columns: str = CLAIM,
-    cursor: str = "27-660e8ab3806e2",
+    **values: str,
 ) -> Path:
-    """Write the file of a robot with these claims, some of whose motions have begun. `cursor` is its place in the
-    forum's events."""
+    """Write the file of a robot with these claims, some of whose motions have begun, and these values in `meta`."""
     path = folder / "agents" / robot / "journal.sqlite"
     path.parent.mkdir(parents=True)
     with closing(sqlite3.connect(path)) as db, db:
@@ -51,5 +50,5 @@ def write_old_journal(
             db.execute("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
         for post in begun:
             db.execute("INSERT INTO motion (post, state, at) VALUES (?, 'begun', ?)", (post, time.time()))
-        db.execute("INSERT INTO meta VALUES ('cursor', ?)", (cursor,))
+        db.executemany("INSERT INTO meta VALUES (?, ?)", ({"cursor": "27-660e8ab3806e2"} | values).items())
     return path
