@@ -34,9 +34,7 @@ async def tries(robot: str, settings: RobotConfig, fence: FencingToken | None) -
 
 
 async def main(robot: str, settings: RobotConfig, fence: FencingToken) -> dict[str, str]:
-    found = {"number": await tries(robot, settings, fence), "none": await tries(robot, settings, None)}
-    async with driver_client(robot, settings) as client:
-        return {**found, "stop": str((await client.stop("late", running_only=True)).confirmed)}
+    return {"number": await tries(robot, settings, fence), "none": await tries(robot, settings, None)}
 
 
 if __name__ == "__main__":

@@ -227,10 +227,13 @@ class Scene:
         cut_s = holder.cut("driver")
         rest_s = await self.reaches(at_rest)
         ended = await self.final(walk)
+        told_s = time.monotonic()
         holder.mend("driver")
         waved = await self.final(wave)
         again = await self.final(await self.post(GESTURE))
-        return {"rest_s": rest_s - cut_s, "walk": ended, "wave": waved, "again": again}
+        return {
+            "rest_s": rest_s - cut_s, "told_s": told_s - cut_s, "walk": ended, "wave": waved, "again": again
+        }  # fmt: skip
 
     async def loses(self, holder: Worker, other: Worker, *services: str) -> dict[str, Any]:
         """The holder loses the database, and perhaps more, but keeps the driver. The other worker takes over."""
@@ -241,8 +244,9 @@ class Scene:
         clock_s = time.time() - time.monotonic()
         rest_s = await self.reaches(at_rest)
         await other.served()
-        ended, waved = await self.final(walk), await self.final(wave)
-        late = await asyncio.to_thread(holder.late, self.remote, old)
+        late, ended, waved = await asyncio.gather(
+            asyncio.to_thread(holder.late, self.remote, old), self.final(walk), self.final(wave)
+        )
         again = await self.final(await self.post(GESTURE))
         new = [line["number"] for line in self.ledger() if line["at_s"] > cut_s and line["what"] == "leased"]
         # A fencing number is the time in milliseconds at which the database gave the robot to its worker.
