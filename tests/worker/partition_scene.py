@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import math
 import os
 import subprocess
 import sys
@@ -100,25 +101,39 @@ class Worker:
         config.model_copy(update={"data": str(folder / host.name)}).write(self._path)
         (folder / f"run-{host.name}").mkdir()
         self._env = {**os.environ, **env, "AGENTROB_RUNTIME": str(folder / f"run-{host.name}")}
+        self._process: asyncio.subprocess.Process | None = None
+        #: When it last began to serve the robot.
+        self._served_s, self._changed = -math.inf, asyncio.Event()
 
     async def start(self) -> None:
         command = ["-m", "agentrob", "agent", "run", "--all", "--name", self.host.name, "--config", str(self._path)]
         with self._log.open("ab") as log:
-            self.process = await asyncio.create_subprocess_exec(
+            self._process = await asyncio.create_subprocess_exec(
                 *self.host.inside(sys.executable, *command), stdout=asyncio.subprocess.PIPE, stderr=log, env=self._env
             )
+        assert self._process.stdout is not None
+        self._reading = asyncio.create_task(self._read(self._process.stdout))
 
-    async def served(self) -> None:
-        """Wait until it serves the robot, anew if it did before."""
-        assert self.process.stdout is not None
+    async def _read(self, lines: asyncio.StreamReader) -> None:
+        async for line in lines:
+            if json.loads(line).get("robot") == ROBOT:
+                self._served_s = time.monotonic()
+                self._changed.set()
+        self._changed.set()  # it has ended
+
+    async def served(self, after_s: float) -> None:
+        """Wait until it begins to serve the robot after this time."""
         async with asyncio.timeout(LIMIT_S):
-            line = await self.process.stdout.readline()
-        assert line, self._log.read_text()[-3000:]
-        assert json.loads(line)["robot"] == ROBOT
+            while self._served_s < after_s:
+                assert not self._reading.done(), self._log.read_text()[-3000:]
+                self._changed.clear()
+                await self._changed.wait()
 
     async def end(self) -> None:
-        self.process.kill()
-        await self.process.wait()
+        if self._process is not None:
+            self._process.kill()
+            await self._process.wait()
+            await self._reading
 
     def late(self, settings: RobotConfig, leased: dict[str, Any]) -> dict[str, str]:
         """What the driver answers on this host to a worker that still has this old lease's number, or none."""
@@ -243,7 +258,7 @@ class Scene:
         cut_s = holder.host.cut(*services)
         clock_s = time.time() - time.monotonic()
         rest_s = await self.reaches(at_rest)
-        await other.served()
+        await other.served(cut_s)
         late, ended, waved = await asyncio.gather(
             asyncio.to_thread(holder.late, self.remote, old), self.final(walk), self.final(wave)
         )
@@ -260,7 +275,7 @@ class Scene:
         async with self.http, self.robot:
             try:
                 await a.start()
-                await a.served()
+                await a.served(0.0)
                 since_s = time.time()
                 await b.start()
                 found = {"driver": await self.loses_the_driver()}
