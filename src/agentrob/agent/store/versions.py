@@ -34,8 +34,7 @@ def stored_version(db: Connection) -> int | None:
         return None
     if "robot" not in {column["name"] for column in tables.get_columns(META.name)}:
         return 1
-    found = db.execute(VALUE, {"this_robot": ALL, "this_key": _KEY}).scalar()
-    version = _UNMARKED if found is None else int(found)
+    version = int(_written(db) or _UNMARKED)
     if version > VERSION:
         raise JournalError(
             f"the journal's database has version {version}, and this AgentRob reads up to {VERSION}; upgrade it here"
@@ -54,5 +53,11 @@ def refuse_while_older_serve(db: Connection) -> None:
 
 
 def write_version(db: Connection) -> None:
-    """Note that the tables are of this version."""
-    put(db, ALL, **{_KEY: str(VERSION)})
+    """Note that the tables are of this version, unless it is noted."""
+    if _written(db) != str(VERSION):
+        put(db, ALL, **{_KEY: str(VERSION)})
+
+
+def _written(db: Connection) -> str | None:
+    found: str | None = db.execute(VALUE, {"this_robot": ALL, "this_key": _KEY}).scalar()
+    return found
