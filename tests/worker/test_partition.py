@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 #: By when the robot of a worker that lost the database stands; by when another worker has it.
 LOST_S, TAKEN_S = 6.0, 15.0
 #: By when a worker tells the end of a command whose driver it cannot reach.
-TOLD_S = 20.0
+TOLD_S = 30.0
 #: Until a robot whose lease lapsed stands, on a busy machine.
 REST_S = 1.0
 LOST_DATABASE = ("database", "database and forum")
@@ -64,7 +64,7 @@ def test_law_11_the_driver_refuses_the_worker_that_lost_the_robot(found: dict[st
 def test_law_11_a_worker_that_loses_the_driver_keeps_the_robot_which_stops_by_the_lease(found: dict[str, Any]) -> None:
     case = found["driver"]
     assert case["rest_s"] < TTL_S + REST_S
-    assert case["told_s"] < TOLD_S, "its worker does not wait for the end of the walk, which took 25 s"
+    assert case["told_s"] < TOLD_S, "its worker does not wait for the time limit of the step"
     assert case["walk"]["states"] == ["interrupted"]
     assert len(case["wave"]["states"]) == 1
     assert begun(case["walk"]) == 1
