@@ -37,12 +37,12 @@ def free_ports(count: int) -> list[int]:
 
 
 @contextmanager
-def fresh_postgres() -> Iterator[str]:
-    """Run a separate PostgreSQL server; yield its URL."""
+def fresh_postgres(address: str = "") -> Iterator[str]:
+    """Run a separate PostgreSQL server; yield its URL. With an IP `address` it listens there too."""
     with tempfile.TemporaryDirectory(prefix="pg-", dir="/tmp") as made:  # socket paths must be short
         folder = Path(made)
         open_to_all(folder)
-        with postgres_server(folder) as url:
+        with postgres_server(folder, address) as url:
             yield url
 
 

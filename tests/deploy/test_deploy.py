@@ -9,18 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import typer
 import yaml
 from prometheus_client import CollectorRegistry
 from starlette.applications import Starlette
 
 from agentrob.board.metrics import BoardMetrics
-from agentrob.cli.main import cli
 from agentrob.config.load import Config, load
 from agentrob.process.listen import parse_listen
 from agentrob.process.metrics import RequestMetrics
 from agentrob.wiring.driver_metrics import DriverCollector
 from agentrob.worker.metrics import WorkerMetrics
+from tests.deploy.command_line import parse_command
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
 METRIC = re.compile(r"\b(?:agentrob|process)_\w+")
@@ -70,19 +69,9 @@ def test_every_command_of_the_compose_file_parses(compose: dict[str, Any]) -> No
     found = list(commands(compose))
     assert len(found) == 7
     for arguments in found:
-        parse(arguments)
+        parse_command(arguments)
     with pytest.raises(Exception, match="No such option"):
-        parse(["agent", "run", "--everything"])
-
-
-def parse(arguments: list[str]) -> None:
-    """Parse a command line as the program does, without running it."""
-    command: Any = typer.main.get_command(cli)
-    parent, rest = None, arguments
-    while hasattr(command, "resolve_command"):
-        parent = command.make_context(command.name or "agentrob", rest, parent=parent)
-        _, command, rest = command.resolve_command(parent, [*parent._protected_args, *parent.args])
-    command.make_context(command.name, rest, parent=parent)
+        parse_command(["agent", "run", "--everything"])
 
 
 def test_the_configuration_serves_what_prometheus_scrapes(compose: dict[str, Any], config: Config) -> None:

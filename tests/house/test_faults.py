@@ -19,6 +19,7 @@ KINDS = (
     "command dropped", "pushed off course", "tipped over", "low battery", "path blocked before", "path blocked during",
     "odometry jump", "odometry not a number", "camera dead", "camera black", "wrong network interface", "wrong domain",
     "two drivers for one robot", "clock jump", "forum unreachable for ten minutes", "cable to the robot pulled",
+    "link between an agent and a driver", "worker cut off from the journals' database",
 )  # fmt: skip
 #: A template with fewer fixed letters would match anything.
 LEAST_LETTERS = 12

@@ -3,69 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import subprocess
-import sys
 import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from agentrob.cli.main import cli
-from agentrob.config.forum import ForumConfig
-from agentrob.config.load import Config
 from agentrob.demo.run import free_port
 from agentrob.wiring import app
 from tests.agent.agent_process import Poster
-from tests.agent.agent_scene import ROBOT, Driver, robot_settings
-from tests.board.running_board import RunningBoard, running_board
-
-LIMIT_S = 60.0
-
-
-class Workers:
-    """Starts workers as people do, and reads their ready lines."""
-
-    def __init__(self, folder: Path, board: RunningBoard, driver: Driver) -> None:
-        self.config = folder / "agentrob.toml"
-        config = Config(data=str(folder), forum=ForumConfig(url=board.url), robots={ROBOT: driver.settings})
-        config.write(self.config)
-        self.env = {**os.environ, "AGENTROB_RUNTIME": str(folder), "AGENTROB_TOKEN": board.tokens[ROBOT]}
-
-    @contextmanager
-    def running(self, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-        command = [sys.executable, "-m", "agentrob", "agent", "run", *arguments, "--config", str(self.config)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=self.env) as process:
-            assert process.stdout is not None
-            try:
-                assert ROBOT in process.stdout.readline()
-                yield process
-            finally:
-                process.kill()
-
-
-@pytest.fixture
-def board(tmp_path: Path) -> Iterator[RunningBoard]:
-    with running_board(tmp_path / "board") as board:
-        yield board
-
-
-@pytest.fixture
-def workers(short_folder: Path, board: RunningBoard, monkeypatch: pytest.MonkeyPatch) -> Iterator[Workers]:
-    monkeypatch.setenv("AGENTROB_RUNTIME", str(short_folder))
-    (runtime := short_folder / "agentrob").mkdir(mode=0o700)
-    driver = Driver(runtime, robot_settings(options={"time_scale": 1}))
-    yield Workers(short_folder, board, driver)
-    driver.end()
-
-
-async def until_state(op: Poster, topic: str, state: str) -> None:
-    async with asyncio.timeout(LIMIT_S):
-        while state not in await op.states(topic):  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.05)
+from tests.agent.agent_scene import ROBOT
+from tests.board.running_board import RunningBoard
+from tests.worker.worker_processes import LIMIT_S, Workers, until_state
 
 
 @pytest.mark.parametrize("arguments", [("--all",), (ROBOT,)], ids=["worker", "agent"])

@@ -31,9 +31,14 @@ CREATE TABLE workflow_status (workflow_uuid TEXT PRIMARY KEY);
 
 
 def write_old_journal(
-    folder: Path, robot: str, *claims: Command, begun: tuple[str, ...] = (), columns: str = CLAIM
+    folder: Path,
+    robot: str,
+    *claims: Command,
+    begun: tuple[str, ...] = (),
+    columns: str = CLAIM,
+    **values: str,
 ) -> Path:
-    """Write the file of a robot with these claims, some of whose motions have begun."""
+    """Write the file of a robot with these claims, some of whose motions have begun, and these values in `meta`."""
     path = folder / "agents" / robot / "journal.sqlite"
     path.parent.mkdir(parents=True)
     with closing(sqlite3.connect(path)) as db, db:
@@ -45,5 +50,5 @@ def write_old_journal(
             db.execute("INSERT INTO claim (post, topic, command, boot, accepted_s, at) VALUES (?, ?, ?, ?, ?, ?)", row)
         for post in begun:
             db.execute("INSERT INTO motion (post, state, at) VALUES (?, 'begun', ?)", (post, time.time()))
-        db.execute("INSERT INTO meta VALUES ('cursor', '27-660e8ab3806e2')")
+        db.executemany("INSERT INTO meta VALUES (?, ?)", ({"cursor": "27-660e8ab3806e2"} | values).items())
     return path

@@ -21,8 +21,11 @@ def tool(name: str) -> str:
 
 
 @contextmanager
-def postgres_server(folder: Path) -> Iterator[str]:
-    """Yield the SQLAlchemy URL of a running server, which ends with the block; its files are deleted."""
+def postgres_server(folder: Path, address: str = "") -> Iterator[str]:
+    """Yield the SQLAlchemy URL of a running server, which ends with the block; its files are deleted.
+
+    With an IP `address` it listens there too, for everybody.
+    """
     data, user = folder / "pg", None
     folder.mkdir(exist_ok=True)
     data.mkdir()
@@ -31,8 +34,12 @@ def postgres_server(folder: Path) -> Iterator[str]:
         for path in (folder, data):
             os.chown(path, pwd.getpwnam(user).pw_uid, -1)
     run(user, [tool("initdb"), "-D", str(data), "-A", "trust", "-U", "tester", "-E", "UTF8", "--no-sync"])
+    if address:
+        with (data / "pg_hba.conf").open("a") as rules:
+            rules.write("host all all 0.0.0.0/0 trust\n")
     control = [tool("pg_ctl"), "-D", str(data), "-w", "-t", "30"]
-    run(user, [*control, "-l", str(data / "log"), "-o", f"{FLAGS} -c unix_socket_directories={data}", "start"])
+    flags = f"{FLAGS} -c unix_socket_directories={data} -c listen_addresses='{address}'"
+    run(user, [*control, "-l", str(data / "log"), "-o", flags, "start"])
     try:
         yield f"postgresql+psycopg://tester@/postgres?host={data}"
     finally:

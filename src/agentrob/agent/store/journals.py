@@ -17,7 +17,7 @@ from sqlalchemy import URL, Connection, create_engine, func, make_url, select
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.pool import NullPool
 
-from agentrob.agent.store import old_journals
+from agentrob.agent.store import old_journals, versions
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.queries import VALUE, insert_new
 from agentrob.agent.store.schema import ALL, META, METADATA
@@ -145,18 +145,30 @@ class PostgresJournals:
             if self._locks is None or self._locks.lost:
                 if self._locks is not None:
                     await self._locks.close()
-                try:
-                    store = await asyncio.get_running_loop().run_in_executor(self._threads, self._create_tables)
-                except SQLAlchemyError as e:
-                    raise JournalError(f"the journal's database cannot be used: {getattr(e, 'orig', e)}") from None
-                self._locks = await SessionLocks.connect(self._url, store)
+                self._locks = await self._connect()
             return self._locks
 
+    async def _connect(self) -> SessionLocks:
+        """The lock for our version comes first, so that nobody changes the tables after we have looked at them."""
+        locks = await SessionLocks.connect(self._url)
+        try:
+            locks.store = await asyncio.get_running_loop().run_in_executor(self._threads, self._create_tables)
+        except SQLAlchemyError as e:
+            raise JournalError(f"the journal's database cannot be used: {getattr(e, 'orig', e)}") from None
+        finally:
+            if not locks.store:
+                await asyncio.shield(locks.close())
+        return locks
+
     def _create_tables(self) -> str:
-        """Returns the id of this database. Several workers may try at once."""
+        """Returns the id of this database. Several workers may try at once. Raises `JournalError` if the tables are of
+        a newer version, or of an older one that is in use."""
         with self._engine.begin() as db:
             db.execute(select(func.pg_advisory_xact_lock(_CREATING_LOCK)))
+            if versions.stored_version(db) not in (None, versions.VERSION):
+                versions.refuse_while_older_serve(db)
             METADATA.create_all(db)
+            versions.write_version(db)
             insert_new(db, META, robot=ALL, key="store", value=str(uuid4()))
             return str(db.execute(VALUE, {"this_robot": ALL, "this_key": "store"}).scalar_one())
 

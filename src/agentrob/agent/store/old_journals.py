@@ -7,8 +7,9 @@ from typing import Any
 
 from sqlalchemy import Connection, Table, inspect, text
 
+from agentrob.agent.store import versions
 from agentrob.agent.store.queries import NEWEST_NUMBER, insert_all
-from agentrob.agent.store.schema import CLAIM, METADATA
+from agentrob.agent.store.schema import ALL, CLAIM, METADATA
 
 #: Tables of the workflow engine that version 0.1 used. They never decided what may move, so they are dropped.
 OLD_ENGINE = (
@@ -19,9 +20,9 @@ Rows = dict[Table, list[dict[str, Any]]]
 
 
 def create_tables(db: Connection, robot: str) -> None:
-    """Create the tables of a SQLite file. If they are of an earlier version, replace them and keep their rows."""
-    old = inspect(db)
-    without_robot = old.has_table("claim") and "robot" not in {column["name"] for column in old.get_columns("claim")}
+    """Create the tables of a SQLite file. If they are of an earlier version, replace them and keep their rows. Raises
+    `JournalError` for a newer version."""
+    without_robot = versions.stored_version(db) == 1
     kept = read_rows(db) if without_robot else {}
     if without_robot:
         METADATA.drop_all(db)
@@ -29,15 +30,19 @@ def create_tables(db: Connection, robot: str) -> None:
             db.execute(text(f"DROP TABLE IF EXISTS {table}"))
     METADATA.create_all(db)
     add_rows(db, robot, kept)
+    versions.write_version(db)
 
 
 def read_rows(db: Connection) -> Rows:
-    """All rows of a SQLite journal of any version, as far as this version has their columns."""
+    """All rows of a robot in a SQLite journal of this version or an earlier one, as far as this version has their
+    columns. Raises `JournalError` for a newer version."""
+    versions.stored_version(db)
     there = inspect(db).get_table_names()
     found: Rows = {}
     for table in METADATA.sorted_tables:
         rows = db.execute(text(f"SELECT * FROM {table.name}")).mappings() if table.name in there else ()
-        found[table] = [{name: value for name, value in row.items() if name in table.c} for row in rows]
+        ours = (row for row in rows if row.get("robot") != ALL)
+        found[table] = [{name: value for name, value in row.items() if name in table.c} for row in ours]
     return found
 
 

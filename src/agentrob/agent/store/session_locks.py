@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import structlog
 from sqlalchemy import URL
 
+from agentrob.agent.store import versions
 from agentrob.agent.store.transactions import RobotLock
 from agentrob.errors import JournalError, JournalHeld
 from agentrob.model import FencingToken
@@ -48,6 +49,7 @@ SELECT coalesce(array_agg((classid::bigint << 32) | objid::bigint), '{}') FROM p
 WHERE locktype = 'advisory' AND objsubid = 1
 AND database = (SELECT oid FROM pg_database WHERE datname = current_database())
 """
+_USE = "SELECT pg_advisory_lock_shared(%s, %s)"
 _LOCK, _UNLOCK = "SELECT pg_try_advisory_lock(%s)", "SELECT pg_advisory_unlock(%s)"
 log = structlog.get_logger()
 
@@ -60,17 +62,18 @@ def connect_options(url: URL) -> dict[str, str]:
 
 
 class SessionLocks:
-    """Take robots with `take`, until `lost`. One object for one connection."""
+    """Take robots with `take`, until `lost`. One object for one connection. `store` is the id of the database, by which
+    drivers know whose fencing numbers they compare."""
 
-    def __init__(self, connection: AsyncConnection[Any], store: str) -> None:
-        self._connection, self._store = connection, store
+    def __init__(self, connection: AsyncConnection[Any]) -> None:
+        self._connection, self.store = connection, ""
         self._held: dict[str, RobotLock | None] = {}
         self.lost = False
         self._beating = asyncio.create_task(self._beat())
 
     @classmethod
-    async def connect(cls, url: URL, store: str) -> SessionLocks:
-        """Raises `JournalError`."""
+    async def connect(cls, url: URL) -> SessionLocks:
+        """Connect, and say which version of the tables this worker uses. Raises `JournalError`."""
         import psycopg
 
         arguments = url.get_dialect()().create_connect_args(url)[1]
@@ -78,9 +81,10 @@ class SessionLocks:
         try:
             connection = await psycopg.AsyncConnection.connect(**words, autocommit=True)
             await connection.execute(f"SET idle_session_timeout = '{SILENT_S}s'; SET lock_timeout = '1s'")
+            await connection.execute(_USE, (versions.VERSION_LOCK, versions.VERSION))
         except (psycopg.Error, OSError) as e:
             raise JournalError(f"the journal's database cannot be reached: {e}") from None
-        return cls(connection, store)
+        return cls(connection)
 
     async def take(self, robot: str) -> RobotLock:
         """Hold a robot, under a larger number than any holder before. Raises `JournalHeld`, `JournalError`."""
@@ -96,7 +100,7 @@ class SessionLocks:
         if number is None:
             del self._held[robot]
             raise JournalHeld(f"another worker already runs an agent for {robot}")
-        self._held[robot] = lock = RobotLock(robot, FencingToken(self._store, number))
+        self._held[robot] = lock = RobotLock(robot, FencingToken(self.store, number))
         return lock
 
     async def free(self, robots: Sequence[str]) -> frozenset[str]:

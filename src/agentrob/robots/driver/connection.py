@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import math
 import secrets
+import socket
 import ssl
 import time
 from dataclasses import dataclass
@@ -27,6 +28,13 @@ KEEP_S = 5.0
 PROBE_S = 3.0
 #: A connection that was idle for longer is closed.
 IDLE_S = 30.0
+#: A connection whose host has not answered the kernel for about 10 s is closed, also while a step is waited for.
+_ALIVE = (
+    (socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1),
+    (socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 2),
+    (socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 2),
+    (socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 4),
+)
 _NETWORK_ERRORS = (httpx2.TransportError, OSError)
 
 
@@ -57,7 +65,9 @@ class DriverAddress:
         """A new pool of connections."""
         limits = httpx2.Limits(max_connections=None, max_keepalive_connections=8, keepalive_expiry=IDLE_S)
         uds = None if self.socket is None else str(self.socket)
-        transport = httpx2.AsyncHTTPTransport(uds=uds, verify=self.tls or False, limits=limits, trust_env=False)
+        transport = httpx2.AsyncHTTPTransport(
+            uds=uds, verify=self.tls or False, limits=limits, trust_env=False, socket_options=None if uds else _ALIVE
+        )
         headers = {"Authorization": f"Bearer {self.token}"} if self.token else {}
         return httpx2.AsyncClient(transport=transport, base_url=self.url, headers=headers, timeout=CALL_S)
 
@@ -198,6 +208,10 @@ def _error(answer: httpx2.Response) -> RobotError:
     try:
         code, detail = str(problem["code"]), str(problem["detail"])
     except (KeyError, TypeError):
+        if answer.status_code == 404:
+            return RobotError(
+                "the driver is of an older version and does not know this request; upgrade and restart the driver first"
+            )
         return RobotError(f"the driver answered {answer.status_code}")
     if code == "lease_lost":
         return LeaseLost(detail, str(problem.get("why", "lease_lapsed")), display_name(str(problem.get("by", ""))))
