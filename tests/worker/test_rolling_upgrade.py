@@ -20,7 +20,7 @@ from tests.agent.store.old_journal import write_old_journal
 from tests.board.running_board import RunningBoard
 from tests.worker.worker_processes import LIMIT_S, Workers, until_state
 
-pytestmark = pytest.mark.usefixtures("database")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("database")]
 WALK, WAVE = f"@{ROBOT} walk 2 m", f"@{ROBOT} wave"
 
 
