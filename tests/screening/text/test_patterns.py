@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.language.needed_words import needs
 from agentrob.screening.text import described_hazards, harm, side_remarks
-from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled, needs
+from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled
 
 TEXTS = [
     harm.plain_words(json.loads(line)["text"])

@@ -596,10 +596,8 @@ _TENS = frozenset(["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "ei
 
 def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     """ "2", "0.5", "forty five", "one hundred and thirty five", "a hundred", "zero point eight", "one eighty"."""
-    if found := digits(pieces, at):
-        return found
     if pieces[at].text not in _STARTS:
-        return None
+        return None if pieces[at].text.isalpha() else digits(pieces, at)
     words = _number_words(pieces, at)
     if not words:
         return None

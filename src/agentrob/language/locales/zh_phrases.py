@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.locales.zh_characters import TWINS
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
@@ -96,7 +95,7 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
         there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
         place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
         if token.kind is TokenKind.DIR and place and tokens[at + 1].kind in _AMOUNTS and there:
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
 
@@ -122,7 +121,7 @@ def _waits(tokens: list[Token], said: str) -> list[Token]:
         following = tokens[at + 1 : at + 3]
         rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and re.match("不动|别动|停", said[token.start :])
         timed = [t.kind for t in following if _text(t, said) != "动"][:1] == [TokenKind.DURATION]
-        found.append(replace(token, kind=TokenKind.BEYOND, value="wait") if rests and timed else token)
+        found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if rests and timed else token)
     return found
 
 
@@ -155,9 +154,9 @@ def _after(tokens: list[Token], said: str) -> list[Token]:
             and re.search("先[^。；！]*[，,]$", said[: token.start])
         )
         if first and following is not None and following.kind in (TokenKind.OP, TokenKind.SHOW):
-            found[at] = replace(token, kind=TokenKind.AND, value=None)
+            found[at] = token._replace(kind=TokenKind.AND, value=None)
         if done and goes_on:
-            found[at] = replace(token, kind=TokenKind.AND, value=None)
+            found[at] = token._replace(kind=TokenKind.AND, value=None)
     return found
 
 
@@ -172,11 +171,11 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
         towards = before is not None and before.kind in (TokenKind.DIR, TokenKind.MOVE)
         directed = towards and any(t.kind is TokenKind.DIR for t in found[-3:])
         if token.kind is TokenKind.BEYOND and measured and directed and re.fullmatch("走?(?:过|出)[来去]", words):
-            found.append(replace(token, kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
+            found.append(token._replace(kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
         elif token.kind is TokenKind.AGAIN and token.value == "back" and measured and words[0] == "退":
             found += [
-                replace(token, kind=TokenKind.MOVE, value=None),
-                replace(token, kind=TokenKind.DIR, value="backward"),
+                token._replace(kind=TokenKind.MOVE, value=None),
+                token._replace(kind=TokenKind.DIR, value="backward"),
             ]
         else:
             found.append(token)
@@ -194,11 +193,11 @@ def _measured(tokens: list[Token], said: str) -> list[Token]:
         begins = before in (*_BREAKS, TokenKind.SOFT, TokenKind.REQUEST, TokenKind.SLOW, TokenKind.SPEED)
         if words == "倒" and token.kind is TokenKind.WORD and measured and begins:
             found += [
-                replace(token, kind=TokenKind.MOVE, value=None),
-                replace(token, kind=TokenKind.DIR, value=Direction.BACKWARD.value),
+                token._replace(kind=TokenKind.MOVE, value=None),
+                token._replace(kind=TokenKind.DIR, value=Direction.BACKWARD.value),
             ]
         elif words == "行" and token.kind is TokenKind.SOFT and tokens[at + 1 : at + 2] == [following] and measured:
-            found.append(replace(token, kind=TokenKind.MOVE, value=None))
+            found.append(token._replace(kind=TokenKind.MOVE, value=None))
         elif words == "按" and tokens[at + 1 : at + 2] and tokens[at + 1].kind is TokenKind.SPEED:
             continue
         else:
@@ -238,7 +237,7 @@ def _enumerated(tokens: list[Token], said: str) -> list[Token]:
         if mark is None:
             found.append(token)
         elif mark is not marks[0] and token.kind is TokenKind.NUMBER:
-            found.append(replace(token, kind=TokenKind.AND, value=None))
+            found.append(token._replace(kind=TokenKind.AND, value=None))
     return found
 
 
@@ -252,7 +251,7 @@ def _repeated(tokens: list[Token], said: str) -> list[Token]:
         deeds = [t.kind for t in before] == [TokenKind.OP, TokenKind.OP]
         counted = following is not None and following.kind is TokenKind.TIMES
         if deeds and counted:
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
 
@@ -269,14 +268,14 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
         words, following, before = _text(token, said), _next(tokens, at), found[-1] if found else None
         ends = following is None or following.kind in _BREAKS
         if token.kind is TokenKind.SHOW and words == "拍" and ends:
-            found.append(replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
+            found.append(token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
         elif token.kind is TokenKind.TURN and words == "看" and before is not None and before.kind is TokenKind.REQUEST:
             wanted = following is not None and following.kind is TokenKind.OP and following.value != Op.GET_FRONT_IMAGE
             found += [] if wanted else [token]
         elif words in ("做", "来", "连做") and before is not None and before.kind is TokenKind.COMMA:
             after = [t.kind for t in tokens[at + 1 : at + 3] if t.kind is not TokenKind.SOFT]
             again = after[:1] == [TokenKind.TIMES] and (len(after) == 1 or after[1] in _BREAKS)
-            found.append(replace(token, kind=TokenKind.AGAIN, value="this") if again else token)
+            found.append(token._replace(kind=TokenKind.AGAIN, value="this") if again else token)
         else:
             found.append(token)
     return found
@@ -298,7 +297,7 @@ def _looked(tokens: list[Token], said: str) -> list[Token]:
         if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
             continue
         doubtful = _tries(tokens, at) or _wishes(tokens, at, said) if looks else photo and _insists(tokens, at, said)
-        found.append(replace(token, kind=TokenKind.WORD, value=None) if doubtful else token)
+        found.append(token._replace(kind=TokenKind.WORD, value=None) if doubtful else token)
     return found
 
 
@@ -331,14 +330,14 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
         token = tokens[at]
         begun = _begin_of_recipient(token, said)
         if begun and (end := _end_of_recipient(tokens, at, begun, said)):
-            found.append(replace(tokens[end], start=token.start))
+            found.append(tokens[end]._replace(start=token.start))
             at = end + 1
             continue
         found.append(token)
         at += 1
         after = tokens[at] if at < len(tokens) else token
         if token.value == Soft.TOWARDS and after.kind is TokenKind.SOFT and _ROBOT.fullmatch(_text(after, said)):
-            found.append(replace(after, kind=TokenKind.WORD, value="place"))
+            found.append(after._replace(kind=TokenKind.WORD, value="place"))
             at += 1
     return found
 
@@ -393,10 +392,10 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
         takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
         if takes and ahead and goal.kind is TokenKind.PICTURE and between and _text(between[-1], said) == "的":
             found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, token.start, goal.end))
-            found += [] if count is None else [replace(count, kind=TokenKind.TIMES)]
+            found += [] if count is None else [count._replace(kind=TokenKind.TIMES)]
             at = end + 1
         elif token.value == Soft.OBJECT and ahead and goal.value == Op.GET_FRONT_IMAGE and between:
-            found.append(replace(goal, start=token.start))
+            found.append(goal._replace(start=token.start))
             at = end + 1
             if at < len(tokens) and tokens[at].kind is TokenKind.OF and tokens[at].value is None:
                 at += 1
@@ -418,11 +417,11 @@ def _counted_ahead(tokens: list[Token], said: str) -> list[Token]:
         begun, before = _text(tokens[at - 1], said) if at else "", _before(tokens, at)
         if before is not None and before.kind not in _BREAKS:
             if token.kind is TokenKind.TIMES and begun in ("做", "来", "上"):
-                found[at] = replace(token, kind=TokenKind.WORD, value=None)
+                found[at] = token._replace(kind=TokenKind.WORD, value=None)
         elif begun in ("做", "来", "上", "表演") or token.kind is TokenKind.TIMES:
             place = found.index(of[0])
-            found[at] = replace(of[0], start=token.start)
-            found[place] = replace(token, kind=TokenKind.TIMES)
+            found[at] = of[0]._replace(start=token.start)
+            found[place] = token._replace(kind=TokenKind.TIMES)
     return found
 
 
@@ -501,7 +500,7 @@ def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
         of = _RELATIVE.match(said, token.end) or _TAKEN.match(said, token.start)
         return token.kind in (*_VERBS, TokenKind.SHOW) and of is not None
 
-    return [replace(token, kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
+    return [token._replace(kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
 
 
 def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
@@ -513,20 +512,20 @@ def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
         end = next((n for n in range(at, len(tokens)) if tokens[n].kind in _BREAKS), len(tokens))
         asked = next((n for n in range(at + 1, end) if _text(tokens[n], said).startswith(_POLITE)), end)
         if any(t.kind in _VERBS for t in tokens[asked:end]):
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
 
 def _only(tokens: list[Token], said: str) -> list[Token]:
     """只转身不走路: it does not say whether the turn is one more or the one that is commanded."""
     found = [match.start() for match in _ONLY.finditer(said)]
-    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
 
 
 def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
     """做下，站起来: likely 坐下 with a wrong character, so it must not be passed over as "do"."""
     found = [match.start(1) for match in _DO_ALONE.finditer(said)]
-    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
 
 
 _REWRITES = (

@@ -7,7 +7,6 @@ only collects what was said; `steps` decides whether that is enough to move.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
 from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence
@@ -343,7 +342,7 @@ class _Reader(SentenceState):
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
-            last.amount = replace(last.amount, value=360.0)
+            last.amount = last.amount._replace(value=360.0)
 
     def _is_pair(self, last: Draft) -> bool:
         """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""

@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 
+from agentrob.language.needed_words import ANYTHING, OneOf, needs, telling
+
 #: Counts the steps of a text, 0 if it is not a complete command.
 StepCounter = Callable[[str], int]
 
@@ -60,6 +62,11 @@ class OrderWords:
     def _coming(self) -> str:
         """Match the beginning of a clause about what is done later, up to its verb."""
         return rf"\b(?:{self.before})\s+(?:(?:{self.subject})\s+(?={self._plain_verb}\b)|(?={self._acting}\b))"
+
+    @cached_property
+    def timed(self) -> re.Pattern[str]:
+        """Match words without which nothing is said about the order."""
+        return re.compile(rf"\b(?:{self.when}|{self.after}|{self.before})\s", re.IGNORECASE)
 
     @cached_property
     def fronted(self) -> re.Pattern[str]:
@@ -119,14 +126,19 @@ def in_plain_words(part: str, idioms: Sequence[tuple[str, str]]) -> tuple[str, l
             left.append(said.strip(" ,.:;!?"))
         return found.expand(plain)
 
+    said = part.lower()
     for pattern, plain in idioms:
-        part = _compiled(pattern).sub(partial(restated, plain=plain), part)
+        idiom, one_of = _compiled(pattern)
+        if any(word in said for word in one_of):
+            part = idiom.sub(partial(restated, plain=plain), part)
+            said = part.lower()
     return part, left
 
 
 @cache
-def _compiled(pattern: str) -> re.Pattern[str]:
-    return re.compile(pattern, re.IGNORECASE)
+def _compiled(pattern: str) -> tuple[re.Pattern[str], OneOf]:
+    """Return an idiom, and words of which a text must contain one to match it."""
+    return re.compile(pattern, re.IGNORECASE), max(needs(pattern), key=telling, default=ANYTHING)
 
 
 def in_order(part: str, words: OrderWords, steps: StepCounter) -> str:
@@ -146,6 +158,8 @@ def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
             lambda m: m[1] + words.base.get(m[2].lower(), words.base.get(m[2].split()[0].lower(), m[2])),
             sentence,
         ).removeprefix(", ")
+    if not words.timed.search(sentence):
+        return sentence
     if found := words.fronted.match(sentence):
         first = words.imperative(found["first"])
         if steps(first) == 1:

@@ -15,7 +15,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import holds_action, unsettles
+from agentrob.language.parser.remarks import Clause
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -265,9 +265,9 @@ class _StepBuilder:
         known, remark = locale(self.language), self.text[beside.start : beside.end]
         question = beside.kind is RemarkKind.QUESTION
         if not sentence.report and not sentence.asked:
-            if holds_action(remark, known, asked=question):
+            if Clause(remark, known).holds_action(asked=question):
                 return True
-            if beside.kind is RemarkKind.REMARK and unsettles(self._to_pause(beside, sentence), known):
+            if beside.kind is RemarkKind.REMARK and Clause(self._to_pause(beside, sentence), known).unsettles:
                 return True
         return re.search(known.claims, remark.lower()) is not None
 
