@@ -7,12 +7,11 @@ most patterns.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 #: A text must contain at least one of these strings.
 OneOf = frozenset[str]
-#: Any text contains it.
-ANYTHING: OneOf = frozenset([""])
+_ANYTHING: OneOf = frozenset([""])
 _TOKEN = re.compile(
     r"(?P<group><\w+\+?>)|(?P<open>\((?:\?(?:[:>=!]|<[=!]|P<\w+>))?)|(?P<close>\))|(?P<either>\|)"
     r"|(?P<times>(?:[?*+]|\{\d*,?\d*\})[?+]?)|(?P<other>\[\^?\]?(?:\\.|[^\]\\])*\]|\\.|[.~…^$])"
@@ -34,6 +33,29 @@ def needs(phrase: str, group: Callable[[str], tuple[OneOf, ...]] = lambda _: ())
     if plain := _PLAIN.fullmatch(phrase):
         return _literal(plain[1])
     return _Reader(phrase, group).alternatives()
+
+
+def one_needed(phrase: str) -> OneOf:
+    """Return strings of which a text in lower case must contain one to match the phrase; an empty one is in any."""
+    return max(needs(phrase), key=_telling, default=_ANYTHING)
+
+
+class Prefiltered:
+    """A regular expression without regard to case, searched for only in texts that contain a word which it needs."""
+
+    def __init__(self, pattern: str) -> None:
+        self._pattern = re.compile(pattern, re.IGNORECASE)
+        self._one_of = tuple(one_needed(pattern))
+
+    def finditer(self, text: str) -> Iterator[re.Match[str]]:
+        return self._pattern.finditer(text) if self._possible(text) else iter(())
+
+    def sub(self, replacement: Callable[[re.Match[str]], str], text: str) -> str:
+        return self._pattern.sub(replacement, text) if self._possible(text) else text
+
+    def _possible(self, text: str) -> bool:
+        said = text.lower()
+        return any(word in said for word in self._one_of)
 
 
 class _Reader:
@@ -74,10 +96,10 @@ def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
     """Return what all alternatives require together: the most selective requirement of each."""
     if len(found) == 1:
         return tuple(found[0])
-    best = [max(sequence, key=telling, default=frozenset()) for sequence in found]
+    best = [max(sequence, key=_telling, default=frozenset()) for sequence in found]
     return (frozenset().union(*best),) if all(best) else ()
 
 
-def telling(one_of: OneOf) -> int:
+def _telling(one_of: OneOf) -> int:
     """Return how unlikely a chance match is: the length of the shortest string."""
     return min(map(len, one_of))

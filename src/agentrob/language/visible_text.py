@@ -47,7 +47,7 @@ _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
 #: One line without markup: it begins with a letter and contains no character that may begin markup within a line.
-_PLAIN = re.compile(r"[^\W\d_][^\x00-\x1f\x7f!*_`~\[\]<>&\\|@＠﹫]*")
+_PLAIN = re.compile(r"[^\W\d_][^\x00-\x1f\x7f*_`~\[\]<>&\\|@＠﹫]*")
 # Characters that are not drawn, or that reverse the reading order of a line. Joiners and selectors stay between letters
 # and emoji that need them, and are removed beside characters that are ASCII or become ASCII in NFKC.
 _LATIN = "[!-~\u2100-\u218f\u2460-\u24ff\uff01-\uff5e\U0001d400-\U0001d7ff]"
@@ -75,7 +75,7 @@ def shown_mentions(run: str) -> Iterable[tuple[str, int, int]]:
 
     Plain URLs mention nobody.
     """
-    plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run)
+    plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run) if "://" in run else run
     return mention_spans(plain if plain.isascii() else "".join(map(_letter, plain)))
 
 
@@ -233,7 +233,8 @@ def _run(text: str) -> str:
 
 
 def _disarmed(text: str) -> str:
-    return re.sub("[@＠﹫](?=.)", lambda m: m[0] + OMITTED, _ADDRESS.sub(OMITTED, text))
+    shown = _ADDRESS.sub(OMITTED, text) if "://" in text else text
+    return re.sub("[@＠﹫](?=.)", lambda m: m[0] + OMITTED, shown)
 
 
 class _OpenElements(HTMLParser):

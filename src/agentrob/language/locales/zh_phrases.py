@@ -23,7 +23,9 @@ _RECIPIENT = re.compile(
     rf"(?![给向对跟和朝冲往为把])(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
     rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON}|[给向对跟和朝冲往为])[^的，。]{{1,3}}"
 )
-_PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
+_PREPOSITIONS = frozenset(
+    ["给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着"]
+)
 #: The most tokens of the words for a person or thing; unknown words have one for each character.
 _LONGEST_NOUN = 20
 _SOFT_PERSON = re.compile(
@@ -51,7 +53,7 @@ def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
     said = text.translate(TWINS)
     found, characters = list(tokens), set(said)
     for rewrite, needed in _REWRITES:
-        if characters & needed:
+        if not needed.isdisjoint(characters):
             found = rewrite(found, said)
     return found
 
@@ -75,9 +77,9 @@ def _timed(tokens: list[Token], said: str) -> list[Token]:
     for token in tokens:
         number = found[-1] if found else None
         later = token.kind is TokenKind.CONDITION and token.value == "later" and _text(token, said)[0] in "秒分"
-        motion = _before(found, len(found) - 1)
+        motion = _before(found, len(found) - 1) if later else None
         moves = motion is not None and motion.kind in (TokenKind.MOVE, TokenKind.DIR)
-        if later and moves and number is not None and number.kind in (TokenKind.NUMBER, TokenKind.HALF):
+        if moves and number is not None and number.kind in (TokenKind.NUMBER, TokenKind.HALF):
             value = number.value if isinstance(number.value, float) else 0.5
             unit = 1.0 if _text(token, said)[0] == "秒" else 60.0
             found[-1] = Token(TokenKind.DURATION, value * unit, number.start, token.end - 1)
@@ -91,10 +93,12 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
     """前面半米就是楼梯口: tells where something is; that is no walk."""
     found = list(tokens)
     for at, token in enumerate(tokens[:-1]):
+        if token.kind is not TokenKind.DIR:
+            continue
         following = _next(tokens, at + 1)
         there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
         place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
-        if token.kind is TokenKind.DIR and place and tokens[at + 1].kind in _AMOUNTS and there:
+        if place and tokens[at + 1].kind in _AMOUNTS and there:
             found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
@@ -103,25 +107,26 @@ def _told(tokens: list[Token], said: str) -> list[Token]:
     """大家鼓掌了: others did it."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        who, following = tokens[at - 1] if at else None, tokens[at + 1 : at + 3]
-        others = (
-            who is not None and who.kind is TokenKind.SOFT and re.fullmatch("大家|同学|朋友|先生", _text(who, said))
-        )
-        ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
-        if token.kind in _VERBS and others and ended:
-            found.append(Token(TokenKind.REPORT, None, token.start, token.start))
+        if at and token.kind in _VERBS and _text(tokens[at - 1], said) in ("大家", "同学", "朋友", "先生"):
+            following = tokens[at + 1 : at + 3]
+            ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
+            if ended and tokens[at - 1].kind is TokenKind.SOFT:
+                found.append(Token(TokenKind.REPORT, None, token.start, token.start))
         found.append(token)
     return found
+
+
+_RESTS = ("不动", "别动", "停")
 
 
 def _waits(tokens: list[Token], said: str) -> list[Token]:
     """不动三秒, 停两秒再走: waiting, which the robots do not do."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        following = tokens[at + 1 : at + 3]
-        rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and re.match("不动|别动|停", said[token.start :])
-        timed = [t.kind for t in following if _text(t, said) != "动"][:1] == [TokenKind.DURATION]
-        found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if rests and timed else token)
+        rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and said.startswith(_RESTS, token.start)
+        following = [t.kind for t in tokens[at + 1 : at + 3] if _text(t, said) != "动"] if rests else []
+        timed = following[:1] == [TokenKind.DURATION]
+        found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if timed else token)
     return found
 
 
@@ -141,6 +146,8 @@ def _after(tokens: list[Token], said: str) -> list[Token]:
     """前进一米后左转, 挥手完坐下: no direction, but what joins what is done and what comes next."""
     found = list(tokens)
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.DIR, TokenKind.SOFT):
+            continue
         words = _text(token, said)
         if not (token.kind is TokenKind.DIR and words == "后") and not (token.kind is TokenKind.SOFT and words == "完"):
             continue
@@ -164,6 +171,9 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
     """往前走出去两米, 往前走过去两米, 退回来一米: a complement of the verb, where direction and amount are said."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.BEYOND, TokenKind.AGAIN):
+            found.append(token)
+            continue
         following = _next(tokens, at)
         measured = following is not None and following.kind in (TokenKind.LENGTH, TokenKind.DURATION)
         words = _text(token, said)
@@ -265,7 +275,11 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
     """再拍 at the end: a picture; 我想看挥手: that is wanted; 坐下再站起来，做两遍: all of it again."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        words, following, before = _text(token, said), _next(tokens, at), found[-1] if found else None
+        words = _text(token, said)
+        if words not in ("拍", "看", "做", "来", "连做"):
+            found.append(token)
+            continue
+        following, before = _next(tokens, at), found[-1] if found else None
         ends = following is None or following.kind in _BREAKS
         if token.kind is TokenKind.SHOW and words == "拍" and ends:
             found.append(token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
@@ -409,6 +423,8 @@ def _counted_ahead(tokens: list[Token], said: str) -> list[Token]:
     """做三次挥手, 来两个后空翻: the count is of what follows; 挥手做三次坐下 may mean either."""
     found = list(tokens)
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.NUMBER, TokenKind.TIMES):
+            continue
         following = tokens[at + 1 : at + 3]
         measured = token.kind is TokenKind.NUMBER and [_text(t, said) for t in following[:1]] == ["个"]
         of = following[1:] if measured or [_text(t, said) for t in following[:1]] == ["的"] else following

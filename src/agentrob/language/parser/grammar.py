@@ -23,7 +23,7 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, Soft, TokenKind, tokens_of, without_statements
-from agentrob.language.parser.order import in_order, in_plain_words, items_of
+from agentrob.language.parser.order import in_order, items_of
 from agentrob.language.parser.remarks import Clauses, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
@@ -184,9 +184,10 @@ class _Reader:
             return len(self.understood(text).plan.steps)
 
         restated = in_order(part, self.known.in_order, steps)
-        if restated == part or self._repeats(restated):
+        if restated == part:
             return None
-        return self._command(restated) or self._beside_remarks(restated)
+        understood = self._command(restated) or self._beside_remarks(restated)
+        return None if understood and self._repeats(restated) else understood
 
     def _repeats(self, text: str) -> bool:
         """Return whether a text repeats what was said ("do all of that twice"): where its parts stand then matters."""
@@ -209,7 +210,7 @@ class _Reader:
     def _in_plain_words(self, part: str) -> Understanding | None:
         """Return the command when the idioms of a post are put into plain words; None if it is still none."""
         standard = part.translate(self.known.words.twins)
-        plain, left = in_plain_words(standard, self.known.idioms)
+        plain, left = self.known.restated_idioms.in_plain_words(standard)
         if plain == standard or stop_intent(plain):
             return None
         understood = self._command(plain) or self._in_order(plain) or self._beside_remarks(plain)
@@ -247,11 +248,11 @@ class _Reader:
     def put_first(self, part: str, plan: Plan) -> str:
         """Return the words that put a later clause before an earlier one ("walk 1 m, but wave first"); empty if none
         do."""
-        if len(plan.steps) < 2 or not re.search(self.known.put_first, part.lower()):
+        if len(plan.steps) < 2 or not any(self.known.putting_first.finditer(part.lower())):
             return ""
         anywhere = _Reader(self.names, self.language, frozenset())
         rest, _ = without_remarks(part, self._clauses)
-        for found in re.finditer(self.known.put_first, rest.lower()):
+        for found in self.known.putting_first.finditer(rest.lower()):
             before = rest[: found.start()]
             if (anywhere._in_order(before) or anywhere.understood(before)).plan.steps:
                 return found[0].strip(" ,.;!，。；！")
@@ -313,8 +314,8 @@ def asks_for_more(words: str, language: Language) -> bool:
 def reorders(text: str, language: Language) -> bool:
     """Return whether a text may put a later clause before an earlier one ("…, but first wave", "wave after …")."""
     tokens, _ = tokens_of(text, locale(language).words)
-    return any(t.kind is TokenKind.CONDITION for t in tokens) or bool(
-        re.search(locale(language).put_first, text.lower())
+    return any(t.kind is TokenKind.CONDITION for t in tokens) or any(
+        locale(language).putting_first.finditer(text.lower())
     )
 
 
@@ -337,8 +338,8 @@ def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = locale(language).words
     called = _without_names(without_statements(part, locale(language).stated, words.twins), names, words)
-    if pet_names := locale(language).called:
-        called = re.sub(pet_names, _without_name, called, flags=re.IGNORECASE)
+    if locale(language).called:
+        called = locale(language).calls.sub(_without_name, called)
     tokens, mistyped = tokens_of(called, words)
     tokens = with_pictures(with_amounts(tokens, called))
     phrases = locale(language).phrases
@@ -352,8 +353,9 @@ def _without_name(call: re.Match[str]) -> str:
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
     """Blank out the robot's own name without an @ ("Rex, sit"), unless the name is also a known word."""
+    said = part.lower()
     for name in names:
-        if (name.lower(),) not in words.phrases:
+        if name.lower() in said and (name.lower(),) not in words.phrases:
             part = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", " " * len(name), part, flags=re.IGNORECASE)
     return part
 

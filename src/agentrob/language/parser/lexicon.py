@@ -364,6 +364,8 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
         return 1
     if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
         return 0
+    if len(piece) > 3 and piece[0] != piece[1]:
+        return 0
     begun = re.sub(r"^(.)\1+", r"\1", piece)
     if len(begun) > 3:
         return 0
