@@ -26,7 +26,6 @@ from agentrob.model import Op
 
 OWN = Path(__file__).parents[1] / "tests" / "language"
 OPS = frozenset(Op)
-P50_MS, P99_MS = 0.5, 2.0
 LONG_POSTS = 100
 HEAD = "| posts | number | p50 | p90 | p99 | worst |\n|---|---|---|---|---|---|"
 
@@ -43,8 +42,9 @@ def main() -> int:
     }
     posts |= {f"{language}, long": long_posts(short) for language, short in posts.items()}
     print(HEAD)
-    kept = [told(name, milliseconds(each, arguments.runs)) or "long" in name for name, each in posts.items()]
-    return 0 if all(kept) else 1
+    for name, each in posts.items():
+        told(name, milliseconds(each, arguments.runs))
+    return 0
 
 
 def texts_of(files: Sequence[Path]) -> list[str]:
@@ -76,11 +76,10 @@ def milliseconds(texts: Sequence[str], runs: int) -> list[float]:
     return sorted(statistics.median(times[1:]) for times in spent)
 
 
-def told(name: str, spent: Sequence[float]) -> bool:
-    """Print the figures of some posts; return whether they are as wanted."""
+def told(name: str, spent: Sequence[float]) -> None:
+    """Print the figures of some posts."""
     p50, p90, p99 = (spent[int(len(spent) * share)] for share in (0.5, 0.9, 0.99))
     print(f"| {name} | {len(spent)} | {p50:.2f} ms | {p90:.2f} ms | {p99:.2f} ms | {spent[-1]:.2f} ms |")
-    return p50 <= P50_MS and p99 <= P99_MS
 
 
 if __name__ == "__main__":

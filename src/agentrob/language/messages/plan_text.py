@@ -59,4 +59,4 @@ def _render(key: str, step: Primitive, language: Language) -> str:
 
 def _number(value: float | None) -> str:
     """Format a number without exponent or trailing zeros, to four decimals."""
-    return f"{value or 0.0:.4f}".rstrip("0").rstrip(".")
+    return f"{value:.4f}".rstrip("0").rstrip(".") if value else "0"

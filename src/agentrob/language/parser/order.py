@@ -65,11 +65,9 @@ class OrderWords:
         return rf"\b(?:{self.before})\s+(?:(?:{self.subject})\s+(?={self._plain_verb}\b)|(?={self._acting}\b))"
 
     @cached_property
-    def marks(self) -> re.Pattern[str]:
-        """Match words without one of which nothing is restated."""
-        return re.compile(
-            rf"\b(?:{self.when}|{self.after}|{self.before}|{self.not_doing}|{self.polite})\s", re.IGNORECASE
-        )
+    def timed(self) -> re.Pattern[str]:
+        """Match words without one of which no order is said."""
+        return re.compile(rf"\b(?:{self.when}|{self.after}|{self.before})\s", re.IGNORECASE)
 
     @cached_property
     def fronted(self) -> re.Pattern[str]:
@@ -154,7 +152,9 @@ class Idioms:
 def in_order(part: str, words: OrderWords, steps: StepCounter) -> str:
     """Return the text restated in the order of doing; unchanged if nothing in it can be."""
     text = _without_labels(part)
-    return _SENTENCE.sub(lambda said: _restated(said[0], words, steps), text) if words.marks.search(text) else text
+    if not any(pattern.search(text) for pattern in (words.timed, words.requested, words.denied)):
+        return text
+    return _SENTENCE.sub(lambda sentence: _restated(sentence[0], words, steps), text)
 
 
 def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
@@ -167,6 +167,8 @@ def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
             lambda m: m[1] + words.base.get(m[2].lower(), words.base.get(m[2].split()[0].lower(), m[2])),
             sentence,
         ).removeprefix(", ")
+    if not words.timed.search(sentence):
+        return sentence
     if found := words.fronted.match(sentence):
         first = words.imperative(found["first"])
         if steps(first) == 1:
