@@ -35,17 +35,18 @@ _PI_HALF = "|" + "|".join(
 _PI = "|" + "|".join(f"{n}{unit}" for n in ("pi", "π") for unit in _RADIANS[1:])
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """ease|nudge yourself|nudge|inch|tread|plod|toddle|waddle|trundle|scuttle|scurry|hustle|
-        motor|cruise|zoom|scamper|sneak|get going|ease yourself|inch your way|work your way|hike|
+    "move": """ease|nudge yourself|nudge|inch|tread|plod|toddle|waddle|trundle|scuttle|
+        motor|cruise|get going|ease yourself|inch your way|work your way|hike|
         lumber|amble over|continue on|keep heading|start heading|carry on going|
         carry on walking|carry on moving|roll yourself|drive yourself|wheel yourself|move your body|
         jet|
         keep on|carry on|keep driving|keep rolling|make your way|start going|start driving|start stepping|wander
         |pull up|roll on|glide|shuffle on|push on|press on|mosey|go ahead and go|keep stepping|take yourself
-        |bring yourself|begin moving|begin walking|begin going|sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving
-        |try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive|advance|come|head|run
-        |trot|keep going|keep moving|keep walking|continue|march|stroll|roll|crawl|creep|inch forward|navigate
+        |bring yourself|begin moving|begin walking|begin going|amble|saunter|try moving
+        |try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive|advance|come|head
+        |keep going|keep moving|keep walking|continue|march|stroll|roll|inch forward|navigate
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
+    "move=gait": "run|sprint|jog|dash|gallop|trot|scurry|scamper|hustle|zoom|crawl|creep|sneak|tiptoe",
     "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
         side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways

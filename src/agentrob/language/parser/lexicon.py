@@ -18,7 +18,7 @@ from agentrob.model import Language
 class TokenKind(StrEnum):
     """Parts of speech in the domain of a robot."""
 
-    MOVE = "move"  # a verb of motion in any direction; values "sideways", "to" (to a place)
+    MOVE = "move"  # a verb of motion in any direction; values "sideways", "to" (to a place), "gait" (how to walk)
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
