@@ -396,6 +396,11 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
     at = 0
     while at < len(tokens):
         token = tokens[at]
+        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
+        if not takes and token.value != Soft.OBJECT:
+            found.append(token)
+            at += 1
+            continue
         end = at + 1
         count = next((t for t in tokens[end : end + 1] if t.kind in (TokenKind.TIMES, TokenKind.NUMBER)), None)
         end += count is not None
@@ -403,7 +408,6 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
         goal = tokens[end] if end < len(tokens) else token
         between = tokens[at + 1 : end]
         ahead = not any(t.kind is TokenKind.DIR and t.value in _SIDES for t in between)
-        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
         if takes and ahead and goal.kind is TokenKind.PICTURE and between and _text(between[-1], said) == "的":
             found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, token.start, goal.end))
             found += [] if count is None else [count._replace(kind=TokenKind.TIMES)]

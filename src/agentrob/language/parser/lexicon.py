@@ -169,9 +169,9 @@ class Lexicon:
         """Return the longest phrase at this position, up to `end`, as (number of pieces, meaning), or (0, None)."""
         node, best, meaning = self._tree, 0, None
         for here in range(at, len(pieces) if end is None else end):
-            node = node.get(pieces[here].text)
-            if node is None:
+            if (following := node.get(pieces[here].text)) is None:
                 break
+            node = following
             if "" in node:
                 best, meaning = here + 1 - at, node[""]
         return best, meaning
