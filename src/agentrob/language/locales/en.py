@@ -355,7 +355,8 @@ TABLE = {
     "not": """skip the|forget the|forget about the|leave out the|never mind the|no need for a|
         no need for the|no need for any|drop the idea of|
         i don't want a|i don't need a|we don't need a|no more need for a|
-        not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
+        not|don't|don't you dare|dont|do not|never|
+        no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
         |must not|avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't
         |please don't|refrain from""",
     "stop": "stop|halt|stay|stand still|stop there|then stop",

@@ -149,7 +149,7 @@ class _Reader(SentenceState):
             motion.amount = token
         elif kind is TokenKind.AGAIN and token.value == "this" and self.sentence.drafts:  # "don't do it"
             self.sentence.denial_unclear = denied
-        elif motion.verb and kind is not TokenKind.BACK:
+        elif kind is not TokenKind.BACK:
             motion.unknown.append((token.start, token.end))
 
     # ------------------------------------------------------------ what is wanted

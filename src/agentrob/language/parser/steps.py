@@ -481,7 +481,13 @@ def _is_denied(draft: Draft, denied: Draft) -> bool:
 
     "Don't run", "don't go back" and "don't turn 180" leave another walk or turn.
     """
-    if denied.unknown or denied.verb is None or draft.motion is not denied.verb or (denied.gait and not draft.gait):
+    if (
+        draft.unknown
+        or denied.unknown
+        or denied.verb is None
+        or draft.motion is not denied.verb
+        or (denied.gait and not draft.gait)
+    ):
         return False
     usual = Direction.FORWARD if draft.motion is TokenKind.MOVE else None
     towards = denied.direction in (None, draft.direction or usual)
