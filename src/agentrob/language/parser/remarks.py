@@ -179,9 +179,10 @@ class Clause:
     @cached_property
     def meeting(self) -> int:
         """Where a statement and a command meet without a pause, in either order; 0 if nowhere."""
-        known, tokens = self.known, self.tokens
+        known = self.known
         if not known.run_on or len(self.words) > _LONGEST_RUN_ON:
             return 0
+        tokens = self.tokens
         beginnings = [at for at in range(len(tokens)) if self._begins_command(at)][:_MOST_BEGINNINGS]
         for at in map(self._first_of_command, beginnings):
             if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
