@@ -452,7 +452,8 @@ def _shared(tokens: list[Token], said: str) -> list[Token]:
             continue
         begun = _begin_of_items(tokens, at, said)
         items, end = _items(tokens[begun:at]), at + 1
-        while end < len(tokens) and tokens[end].kind not in (*_BREAKS, *_AMOUNTS):
+        most = min(len(tokens), end + _LONGEST_NOUN)
+        while end < most and tokens[end].kind not in (*_BREAKS, *_AMOUNTS):
             end += 1
         verbs = [t for t in tokens[at + 1 : end] if t.kind is not TokenKind.SOFT]
         amount = tokens[end] if end < len(tokens) else token
@@ -526,13 +527,14 @@ def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
 def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
     """没有人麻烦你后退: the request is not denied, so the denial's end is not known."""
     found = list(tokens)
-    for at, token in enumerate(tokens):
-        if token.kind is not TokenKind.NOT:
-            continue
-        end = next((n for n in range(at, len(tokens)) if tokens[n].kind in _BREAKS), len(tokens))
-        asked = next((n for n in range(at + 1, end) if _text(tokens[n], said).startswith(_POLITE)), end)
-        if any(t.kind in _VERBS for t in tokens[asked:end]):
+    acts = asked = False  # whether a verb, and a request before it, stand later in the clause
+    for at in range(len(tokens) - 1, -1, -1):
+        token = tokens[at]
+        if token.kind is TokenKind.NOT and asked:
             found[at] = token._replace(kind=TokenKind.WORD, value=None)
+        ends = token.kind in _BREAKS
+        acts = not ends and (acts or token.kind in _VERBS)
+        asked = not ends and (asked or (acts and _text(token, said).startswith(_POLITE)))
     return found
 
 
