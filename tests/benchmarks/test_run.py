@@ -28,6 +28,7 @@ LITTLE = {
     "stop_body.py": ["--only", "body", "--runs", "3"],
     "stop_http.py": ["--trials", "2"],
     "understanding.py": [],
+    "understanding_time.py": ["--runs", "1"],
     "world.py": ["--seconds", "3"],
 }
 #: Benchmarks with their own test file.

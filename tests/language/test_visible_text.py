@@ -107,6 +107,17 @@ def test_any_text_has_a_clean_visible_text(raw: str) -> None:
 
 
 @given(
+    st.text(
+        st.sampled_from("aZé9走，。 *_`~<>&|!.,;:?'\"()-+=#/$%^{}°½²…–\u00a0\u3000\u200b\u0301\u2028@[x"), max_size=30
+    )
+)
+@example("walk 1 m")
+@example("a  b http://x.y/z  ")
+def test_a_line_without_markup_reads_as_the_markdown_parser_reads_it(line: str) -> None:
+    assert visible_text(line) == visible_text(f"\n{line}")  # a line feed always takes the parser
+
+
+@given(
     st.lists(
         st.sampled_from([*HIDDEN, *(raw for raw, _ in SEEN), "<", "`", "[", "]", "*", "\n\n", "</div>"]), max_size=8
     )

@@ -62,6 +62,8 @@ def nfkc(text: str) -> str:
 
 
 def _with_few_marks(text: str) -> str:
+    if not any(map(unicodedata.combining, text)):
+        return text
     kept: list[str] = []
     marks = 0
     for char in text:

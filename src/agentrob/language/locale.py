@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
+from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
-from agentrob.language.parser.order import OrderWords
+from agentrob.language.parser.order import Idioms, OrderWords
 from agentrob.language.talk.forms import TalkForms
 
 
@@ -71,6 +73,18 @@ class Locale:
     idioms: Sequence[tuple[str, str]] = ()
     called: str = ""
     phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
+
+    @cached_property
+    def restated_idioms(self) -> Idioms:
+        return Idioms(self.idioms)
+
+    @cached_property
+    def putting_first(self) -> Prefiltered:
+        return Prefiltered(self.put_first)
+
+    @cached_property
+    def calls(self) -> Prefiltered:
+        return Prefiltered(self.called)
 
     @property
     def code(self) -> str:

@@ -46,6 +46,8 @@ _BBCODE = re.compile(
 _BLANKS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
+#: One line without markup: it begins with a letter and contains no character that may begin markup within a line.
+_PLAIN = re.compile(r"[^\W\d_][^\x00-\x1f\x7f*_`~\[\]<>&\\|@＠﹫]*")
 # Characters that are not drawn, or that reverse the reading order of a line. Joiners and selectors stay between letters
 # and emoji that need them, and are removed beside characters that are ASCII or become ASCII in NFKC.
 _LATIN = "[!-~\u2100-\u218f\u2460-\u24ff\uff01-\uff5e\U0001d400-\U0001d7ff]"
@@ -73,7 +75,7 @@ def shown_mentions(run: str) -> Iterable[tuple[str, int, int]]:
 
     Plain URLs mention nobody.
     """
-    plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run)
+    plain = _ADDRESS.sub(lambda m: OMITTED * len(m[0]), run) if "://" in run else run
     return mention_spans(plain if plain.isascii() else "".join(map(_letter, plain)))
 
 
@@ -97,7 +99,11 @@ def readable(raw: str) -> bool:
 @lru_cache(maxsize=64)  # one post is asked about several times in a row
 def _visible(raw: str) -> str:
     walker = _Walker()
-    walker.blocks(_MARKDOWN.parse(without_invisible(raw)))
+    shown = without_invisible(raw)
+    if _PLAIN.fullmatch(shown):
+        walker.line(shown.strip())
+    else:
+        walker.blocks(_MARKDOWN.parse(shown))
     text = _JOINED.sub(OMITTED, "".join(walker.out))
     if len(nfkc(text)) > MAX_CHARS:  # some characters are up to 18 in NFKC
         return ""
@@ -158,6 +164,10 @@ class _Walker:
     def __init__(self) -> None:
         self.out: list[str] = []
         self._html = _OpenElements()
+
+    def line(self, text: str) -> None:
+        """Take a paragraph of one line without markup."""
+        self.out += [_run(text), "\n"]
 
     def blocks(self, tokens: Iterable[Token]) -> None:
         hidden = 0
@@ -223,7 +233,8 @@ def _run(text: str) -> str:
 
 
 def _disarmed(text: str) -> str:
-    return re.sub("[@＠﹫](?=.)", lambda m: m[0] + OMITTED, _ADDRESS.sub(OMITTED, text))
+    shown = _ADDRESS.sub(OMITTED, text) if "://" in text else text
+    return re.sub("[@＠﹫](?=.)", lambda m: m[0] + OMITTED, shown)
 
 
 class _OpenElements(HTMLParser):
@@ -263,6 +274,8 @@ class _OpenElements(HTMLParser):
 
 def normalized(text: str) -> str:
     """Return NFKC text without invisible and bidirectional characters, with plain spaces and line feeds."""
+    if text.isascii() and text.replace("\n", "").isprintable():
+        return re.sub(" {2,}", " ", text)
     # NFKC would make 11⁄2 of 1½ and 22 of 2²: such digits stay apart from their neighbours.
     text = "".join(f" {c} " if not c.isascii() and _is_compound_digit(c) else c for c in text)
     shown = "".join(filter(None, map(_shown, nfkc(text))))

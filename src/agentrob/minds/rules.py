@@ -37,12 +37,13 @@ class RulesMind:
         understood = parse(text, addressee.names, addressee.others, can.ops, background)
         if understood.intent not in (Intent.NOTHING, Intent.COMMAND, Intent.ASK_BACK):
             return understood
+        if understood.intent is Intent.COMMAND:
+            talk = small_talk_of(text, addressee.names, addressee.others)
+            return _with_cancelled(understood) if talk is SmallTalk.CANCEL else understood
         topic = talk_topic_of(text, addressee.names, addressee.others)
         if understood.intent is Intent.ASK_BACK and topic not in _IN_WORDS:
             return understood
         talk = small_talk_of(text, addressee.names, addressee.others)
-        if understood.intent is Intent.COMMAND:
-            return _with_cancelled(understood) if talk is SmallTalk.CANCEL else understood
         if topic and talk not in (SmallTalk.CANCEL, SmallTalk.PAST):
             return self._answer(topic, understood.language, addressee)
         answer = say(f"talk.{talk}", understood.language) if talk in (SmallTalk.GREETING, SmallTalk.THANKS) else ""

@@ -25,6 +25,8 @@ LEFT_OUT = {
     "My cousin works at Unitree, go back 1 m": ("B1", "My cousin works at Unitree"),
     "If I remember correctly it went fine. Turn left 45 degrees.": ("l45", "If I remember correctly it went fine"),
     "just testing if my account works. turn right 10 degrees": ("r10", "just testing if my account works"),
+    "walk 1 metre, my daughter loves it": ("F1", "my daughter loves it"),
+    "everyone likes the robot, turn left": ("l90", "everyone likes the robot"),
     "took me ages to register, sit": ("sit", "took me ages to register"),
     "Great stream quality today. 2 metres forward!": ("F2", "Great stream quality today"),
     "My vote goes to: right 90, forward 1 m": ("r90 F1", "My vote goes to"),
@@ -45,6 +47,8 @@ LEFT_OUT = {
     "孩子们都坐好了，挥手": ("hello", "孩子们都坐好了"),
 }
 NOT_LEFT_OUT = """
+walk 1 m, she likes it better on the left|walk 1 m, my daughter wants it|walk 1 m, she likes you to wave
+walk 1 m, he loves to
 the floor is covered in oil, walk forward 2 m
 grandma is on the floor walk 1 m
 You're up on the table, forward 1 m.|there is a wall, five metres ahead

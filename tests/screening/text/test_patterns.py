@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.screening.text import described_hazards, harm, side_remarks
-from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled, needs
+from agentrob.screening.text.patterns import Phrases, compiled
 
 TEXTS = [
     harm.plain_words(json.loads(line)["text"])
@@ -96,20 +96,3 @@ def test_a_plain_command_compiles_nothing_of_harm() -> None:
         for doubts in (False, True):
             for phrases, _ in harm._phrases(rule, doubts):
                 assert Phrases(phrases._vocabulary, phrases._phrases)._pattern("walk forward 2 m") is None
-
-
-@pytest.mark.parametrize(
-    ("phrase", "needed"),
-    [
-        ("walls?", [{"wall"}]),
-        ("<go+>… into (?:a|the) wall", [{"run", "driv"}, {"into"}, {"a", "the"}, {"wall"}]),
-        (r"(?:please )?run(?! away)\b", [{"run"}]),
-        ("in ~ front{0,2}|behind", [{"fron", "behind"}]),
-        (r"(?:right|\w+) now", [{"now"}]),
-        (r"\w+ing?|<thing>", []),
-        ("[abc] (?>x(?:yz|wall)*)(?<=q)", [{"x"}]),
-    ],
-)
-def test_what_a_phrase_needs(phrase: str, needed: list[set[str]]) -> None:
-    known = Vocabulary({"go": "run\n   |drive", "thing": r"box|\d"}, words=True)
-    assert [set(one_of) for one_of in needs(phrase, known.needs)] == needed

@@ -35,17 +35,18 @@ _PI_HALF = "|" + "|".join(
 _PI = "|" + "|".join(f"{n}{unit}" for n in ("pi", "π") for unit in _RADIANS[1:])
 TABLE = {
     # ---------------------------------------------------------------- verbs and directions
-    "move": """ease|nudge yourself|nudge|inch|tread|plod|toddle|waddle|trundle|scuttle|scurry|hustle|
-        motor|cruise|zoom|scamper|sneak|get going|ease yourself|inch your way|work your way|hike|
+    "move": """ease|nudge yourself|nudge|inch|tread|plod|toddle|waddle|trundle|scuttle|
+        motor|cruise|get going|ease yourself|inch your way|work your way|hike|
         lumber|amble over|continue on|keep heading|start heading|carry on going|
         carry on walking|carry on moving|roll yourself|drive yourself|wheel yourself|move your body|
         jet|
         keep on|carry on|keep driving|keep rolling|make your way|start going|start driving|start stepping|wander
         |pull up|roll on|glide|shuffle on|push on|press on|mosey|go ahead and go|keep stepping|take yourself
-        |bring yourself|begin moving|begin walking|begin going|sprint|jog|dash|gallop|tiptoe|amble|saunter|try moving
-        |try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive|advance|come|head|run
-        |trot|keep going|keep moving|keep walking|continue|march|stroll|roll|crawl|creep|inch forward|navigate
+        |bring yourself|begin moving|begin walking|begin going|amble|saunter|try moving
+        |try walking|start walking|start moving|try going|move|go|walk|proceed|travel|step|drive|advance|come|head
+        |keep going|keep moving|keep walking|continue|march|stroll|roll|inch forward|navigate
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
+    "move=gait": "run|sprint|jog|dash|gallop|trot|scurry|scamper|hustle|zoom|crawl|creep|sneak|tiptoe",
     "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
         side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
@@ -354,7 +355,8 @@ TABLE = {
     "not": """skip the|forget the|forget about the|leave out the|never mind the|no need for a|
         no need for the|no need for any|drop the idea of|
         i don't want a|i don't need a|we don't need a|no more need for a|
-        not|don't|dont|do not|never|no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
+        not|don't|don't you dare|dont|do not|never|
+        no more|can't|cannot|can not|won't|will not|shouldn't|should not|mustn't
         |must not|avoid|refuse to|no need to|you needn't|need not|didn't|doesn't|isn't|wouldn't|couldn't|aren't
         |please don't|refrain from""",
     "stop": "stop|halt|stay|stand still|stop there|then stop",
@@ -596,10 +598,8 @@ _TENS = frozenset(["twenty", "thirty", "forty", "fifty", "sixty", "seventy", "ei
 
 def number(pieces: Sequence[Piece], at: int) -> tuple[float, int] | None:
     """ "2", "0.5", "forty five", "one hundred and thirty five", "a hundred", "zero point eight", "one eighty"."""
-    if found := digits(pieces, at):
-        return found
     if pieces[at].text not in _STARTS:
-        return None
+        return None if pieces[at].text.isalpha() else digits(pieces, at)
     words = _number_words(pieces, at)
     if not words:
         return None

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.locales.zh_characters import TWINS
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
@@ -24,7 +23,9 @@ _RECIPIENT = re.compile(
     rf"(?![给向对跟和朝冲往为把])(?:[^，。]{{0,12}}的)?(?:[那这各每全]?[一两几]?[位个些群名](?:[^，。]{{0,8}}的)?)?"
     rf"(?:(?!{_PERSON})[^的，。]{{0,3}}?|[我你他她咱]们?)?{_PERSON}(?:[和跟与、]?{_PERSON})?|(?:[那这][位个])?(?!{_PERSON}|[给向对跟和朝冲往为])[^的，。]{{1,3}}"
 )
-_PREPOSITIONS = ("给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着")
+_PREPOSITIONS = frozenset(
+    ["给", "向", "对", "跟", "和", "与", "朝", "冲", "往", "同", "为", "对着", "冲着", "朝着", "向着"]
+)
 #: The most tokens of the words for a person or thing; unknown words have one for each character.
 _LONGEST_NOUN = 20
 _SOFT_PERSON = re.compile(
@@ -52,7 +53,7 @@ def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
     said = text.translate(TWINS)
     found, characters = list(tokens), set(said)
     for rewrite, needed in _REWRITES:
-        if characters & needed:
+        if not needed.isdisjoint(characters):
             found = rewrite(found, said)
     return found
 
@@ -76,9 +77,9 @@ def _timed(tokens: list[Token], said: str) -> list[Token]:
     for token in tokens:
         number = found[-1] if found else None
         later = token.kind is TokenKind.CONDITION and token.value == "later" and _text(token, said)[0] in "秒分"
-        motion = _before(found, len(found) - 1)
+        motion = _before(found, len(found) - 1) if later else None
         moves = motion is not None and motion.kind in (TokenKind.MOVE, TokenKind.DIR)
-        if later and moves and number is not None and number.kind in (TokenKind.NUMBER, TokenKind.HALF):
+        if moves and number is not None and number.kind in (TokenKind.NUMBER, TokenKind.HALF):
             value = number.value if isinstance(number.value, float) else 0.5
             unit = 1.0 if _text(token, said)[0] == "秒" else 60.0
             found[-1] = Token(TokenKind.DURATION, value * unit, number.start, token.end - 1)
@@ -92,11 +93,13 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
     """前面半米就是楼梯口: tells where something is; that is no walk."""
     found = list(tokens)
     for at, token in enumerate(tokens[:-1]):
+        if token.kind is not TokenKind.DIR:
+            continue
         following = _next(tokens, at + 1)
         there = following is not None and (following.kind is TokenKind.IS or _text(following, said) == "有")
         place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
-        if token.kind is TokenKind.DIR and place and tokens[at + 1].kind in _AMOUNTS and there:
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+        if place and tokens[at + 1].kind in _AMOUNTS and there:
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
 
@@ -104,25 +107,26 @@ def _told(tokens: list[Token], said: str) -> list[Token]:
     """大家鼓掌了: others did it."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        who, following = tokens[at - 1] if at else None, tokens[at + 1 : at + 3]
-        others = (
-            who is not None and who.kind is TokenKind.SOFT and re.fullmatch("大家|同学|朋友|先生", _text(who, said))
-        )
-        ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
-        if token.kind in _VERBS and others and ended:
-            found.append(Token(TokenKind.REPORT, None, token.start, token.start))
+        if at and token.kind in _VERBS and _text(tokens[at - 1], said) in ("大家", "同学", "朋友", "先生"):
+            following = tokens[at + 1 : at + 3]
+            ended = [_text(t, said) for t in following[:1]] == ["了"] and all(t.kind in _BREAKS for t in following[1:])
+            if ended and tokens[at - 1].kind is TokenKind.SOFT:
+                found.append(Token(TokenKind.REPORT, None, token.start, token.start))
         found.append(token)
     return found
+
+
+_RESTS = ("不动", "别动", "停")
 
 
 def _waits(tokens: list[Token], said: str) -> list[Token]:
     """不动三秒, 停两秒再走: waiting, which the robots do not do."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        following = tokens[at + 1 : at + 3]
-        rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and re.match("不动|别动|停", said[token.start :])
-        timed = [t.kind for t in following if _text(t, said) != "动"][:1] == [TokenKind.DURATION]
-        found.append(replace(token, kind=TokenKind.BEYOND, value="wait") if rests and timed else token)
+        rests = token.kind in (TokenKind.NOT, TokenKind.MORE_STOP) and said.startswith(_RESTS, token.start)
+        following = [t.kind for t in tokens[at + 1 : at + 3] if _text(t, said) != "动"] if rests else []
+        timed = following[:1] == [TokenKind.DURATION]
+        found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if timed else token)
     return found
 
 
@@ -142,6 +146,8 @@ def _after(tokens: list[Token], said: str) -> list[Token]:
     """前进一米后左转, 挥手完坐下: no direction, but what joins what is done and what comes next."""
     found = list(tokens)
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.DIR, TokenKind.SOFT):
+            continue
         words = _text(token, said)
         if not (token.kind is TokenKind.DIR and words == "后") and not (token.kind is TokenKind.SOFT and words == "完"):
             continue
@@ -155,9 +161,9 @@ def _after(tokens: list[Token], said: str) -> list[Token]:
             and re.search("先[^。；！]*[，,]$", said[: token.start])
         )
         if first and following is not None and following.kind in (TokenKind.OP, TokenKind.SHOW):
-            found[at] = replace(token, kind=TokenKind.AND, value=None)
+            found[at] = token._replace(kind=TokenKind.AND, value=None)
         if done and goes_on:
-            found[at] = replace(token, kind=TokenKind.AND, value=None)
+            found[at] = token._replace(kind=TokenKind.AND, value=None)
     return found
 
 
@@ -165,6 +171,9 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
     """往前走出去两米, 往前走过去两米, 退回来一米: a complement of the verb, where direction and amount are said."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.BEYOND, TokenKind.AGAIN):
+            found.append(token)
+            continue
         following = _next(tokens, at)
         measured = following is not None and following.kind in (TokenKind.LENGTH, TokenKind.DURATION)
         words = _text(token, said)
@@ -172,11 +181,11 @@ def _gone(tokens: list[Token], said: str) -> list[Token]:
         towards = before is not None and before.kind in (TokenKind.DIR, TokenKind.MOVE)
         directed = towards and any(t.kind is TokenKind.DIR for t in found[-3:])
         if token.kind is TokenKind.BEYOND and measured and directed and re.fullmatch("走?(?:过|出)[来去]", words):
-            found.append(replace(token, kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
+            found.append(token._replace(kind=TokenKind.MOVE if words[0] == "走" else TokenKind.SOFT, value=None))
         elif token.kind is TokenKind.AGAIN and token.value == "back" and measured and words[0] == "退":
             found += [
-                replace(token, kind=TokenKind.MOVE, value=None),
-                replace(token, kind=TokenKind.DIR, value="backward"),
+                token._replace(kind=TokenKind.MOVE, value=None),
+                token._replace(kind=TokenKind.DIR, value="backward"),
             ]
         else:
             found.append(token)
@@ -194,11 +203,11 @@ def _measured(tokens: list[Token], said: str) -> list[Token]:
         begins = before in (*_BREAKS, TokenKind.SOFT, TokenKind.REQUEST, TokenKind.SLOW, TokenKind.SPEED)
         if words == "倒" and token.kind is TokenKind.WORD and measured and begins:
             found += [
-                replace(token, kind=TokenKind.MOVE, value=None),
-                replace(token, kind=TokenKind.DIR, value=Direction.BACKWARD.value),
+                token._replace(kind=TokenKind.MOVE, value=None),
+                token._replace(kind=TokenKind.DIR, value=Direction.BACKWARD.value),
             ]
         elif words == "行" and token.kind is TokenKind.SOFT and tokens[at + 1 : at + 2] == [following] and measured:
-            found.append(replace(token, kind=TokenKind.MOVE, value=None))
+            found.append(token._replace(kind=TokenKind.MOVE, value=None))
         elif words == "按" and tokens[at + 1 : at + 2] and tokens[at + 1].kind is TokenKind.SPEED:
             continue
         else:
@@ -238,7 +247,7 @@ def _enumerated(tokens: list[Token], said: str) -> list[Token]:
         if mark is None:
             found.append(token)
         elif mark is not marks[0] and token.kind is TokenKind.NUMBER:
-            found.append(replace(token, kind=TokenKind.AND, value=None))
+            found.append(token._replace(kind=TokenKind.AND, value=None))
     return found
 
 
@@ -252,7 +261,7 @@ def _repeated(tokens: list[Token], said: str) -> list[Token]:
         deeds = [t.kind for t in before] == [TokenKind.OP, TokenKind.OP]
         counted = following is not None and following.kind is TokenKind.TIMES
         if deeds and counted:
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
 
@@ -266,17 +275,21 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
     """再拍 at the end: a picture; 我想看挥手: that is wanted; 坐下再站起来，做两遍: all of it again."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
-        words, following, before = _text(token, said), _next(tokens, at), found[-1] if found else None
+        words = _text(token, said)
+        if words not in ("拍", "看", "做", "来", "连做"):
+            found.append(token)
+            continue
+        following, before = _next(tokens, at), found[-1] if found else None
         ends = following is None or following.kind in _BREAKS
         if token.kind is TokenKind.SHOW and words == "拍" and ends:
-            found.append(replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
+            found.append(token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
         elif token.kind is TokenKind.TURN and words == "看" and before is not None and before.kind is TokenKind.REQUEST:
             wanted = following is not None and following.kind is TokenKind.OP and following.value != Op.GET_FRONT_IMAGE
             found += [] if wanted else [token]
         elif words in ("做", "来", "连做") and before is not None and before.kind is TokenKind.COMMA:
             after = [t.kind for t in tokens[at + 1 : at + 3] if t.kind is not TokenKind.SOFT]
             again = after[:1] == [TokenKind.TIMES] and (len(after) == 1 or after[1] in _BREAKS)
-            found.append(replace(token, kind=TokenKind.AGAIN, value="this") if again else token)
+            found.append(token._replace(kind=TokenKind.AGAIN, value="this") if again else token)
         else:
             found.append(token)
     return found
@@ -298,7 +311,7 @@ def _looked(tokens: list[Token], said: str) -> list[Token]:
         if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
             continue
         doubtful = _tries(tokens, at) or _wishes(tokens, at, said) if looks else photo and _insists(tokens, at, said)
-        found.append(replace(token, kind=TokenKind.WORD, value=None) if doubtful else token)
+        found.append(token._replace(kind=TokenKind.WORD, value=None) if doubtful else token)
     return found
 
 
@@ -331,14 +344,14 @@ def _with_recipients(tokens: list[Token], said: str) -> list[Token]:
         token = tokens[at]
         begun = _begin_of_recipient(token, said)
         if begun and (end := _end_of_recipient(tokens, at, begun, said)):
-            found.append(replace(tokens[end], start=token.start))
+            found.append(tokens[end]._replace(start=token.start))
             at = end + 1
             continue
         found.append(token)
         at += 1
         after = tokens[at] if at < len(tokens) else token
         if token.value == Soft.TOWARDS and after.kind is TokenKind.SOFT and _ROBOT.fullmatch(_text(after, said)):
-            found.append(replace(after, kind=TokenKind.WORD, value="place"))
+            found.append(after._replace(kind=TokenKind.WORD, value="place"))
             at += 1
     return found
 
@@ -383,6 +396,11 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
     at = 0
     while at < len(tokens):
         token = tokens[at]
+        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
+        if not takes and token.value != Soft.OBJECT:
+            found.append(token)
+            at += 1
+            continue
         end = at + 1
         count = next((t for t in tokens[end : end + 1] if t.kind in (TokenKind.TIMES, TokenKind.NUMBER)), None)
         end += count is not None
@@ -390,13 +408,12 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
         goal = tokens[end] if end < len(tokens) else token
         between = tokens[at + 1 : end]
         ahead = not any(t.kind is TokenKind.DIR and t.value in _SIDES for t in between)
-        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
         if takes and ahead and goal.kind is TokenKind.PICTURE and between and _text(between[-1], said) == "的":
             found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, token.start, goal.end))
-            found += [] if count is None else [replace(count, kind=TokenKind.TIMES)]
+            found += [] if count is None else [count._replace(kind=TokenKind.TIMES)]
             at = end + 1
         elif token.value == Soft.OBJECT and ahead and goal.value == Op.GET_FRONT_IMAGE and between:
-            found.append(replace(goal, start=token.start))
+            found.append(goal._replace(start=token.start))
             at = end + 1
             if at < len(tokens) and tokens[at].kind is TokenKind.OF and tokens[at].value is None:
                 at += 1
@@ -410,6 +427,8 @@ def _counted_ahead(tokens: list[Token], said: str) -> list[Token]:
     """做三次挥手, 来两个后空翻: the count is of what follows; 挥手做三次坐下 may mean either."""
     found = list(tokens)
     for at, token in enumerate(tokens):
+        if token.kind not in (TokenKind.NUMBER, TokenKind.TIMES):
+            continue
         following = tokens[at + 1 : at + 3]
         measured = token.kind is TokenKind.NUMBER and [_text(t, said) for t in following[:1]] == ["个"]
         of = following[1:] if measured or [_text(t, said) for t in following[:1]] == ["的"] else following
@@ -418,11 +437,11 @@ def _counted_ahead(tokens: list[Token], said: str) -> list[Token]:
         begun, before = _text(tokens[at - 1], said) if at else "", _before(tokens, at)
         if before is not None and before.kind not in _BREAKS:
             if token.kind is TokenKind.TIMES and begun in ("做", "来", "上"):
-                found[at] = replace(token, kind=TokenKind.WORD, value=None)
+                found[at] = token._replace(kind=TokenKind.WORD, value=None)
         elif begun in ("做", "来", "上", "表演") or token.kind is TokenKind.TIMES:
             place = found.index(of[0])
-            found[at] = replace(of[0], start=token.start)
-            found[place] = replace(token, kind=TokenKind.TIMES)
+            found[at] = of[0]._replace(start=token.start)
+            found[place] = token._replace(kind=TokenKind.TIMES)
     return found
 
 
@@ -433,7 +452,8 @@ def _shared(tokens: list[Token], said: str) -> list[Token]:
             continue
         begun = _begin_of_items(tokens, at, said)
         items, end = _items(tokens[begun:at]), at + 1
-        while end < len(tokens) and tokens[end].kind not in (*_BREAKS, *_AMOUNTS):
+        most = min(len(tokens), end + _LONGEST_NOUN)
+        while end < most and tokens[end].kind not in (*_BREAKS, *_AMOUNTS):
             end += 1
         verbs = [t for t in tokens[at + 1 : end] if t.kind is not TokenKind.SOFT]
         amount = tokens[end] if end < len(tokens) else token
@@ -501,32 +521,33 @@ def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
         of = _RELATIVE.match(said, token.end) or _TAKEN.match(said, token.start)
         return token.kind in (*_VERBS, TokenKind.SHOW) and of is not None
 
-    return [replace(token, kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
+    return [token._replace(kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
 
 
 def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
     """没有人麻烦你后退: the request is not denied, so the denial's end is not known."""
     found = list(tokens)
-    for at, token in enumerate(tokens):
-        if token.kind is not TokenKind.NOT:
-            continue
-        end = next((n for n in range(at, len(tokens)) if tokens[n].kind in _BREAKS), len(tokens))
-        asked = next((n for n in range(at + 1, end) if _text(tokens[n], said).startswith(_POLITE)), end)
-        if any(t.kind in _VERBS for t in tokens[asked:end]):
-            found[at] = replace(token, kind=TokenKind.WORD, value=None)
+    acts = asked = False  # whether a verb, and a request before it, stand later in the clause
+    for at in range(len(tokens) - 1, -1, -1):
+        token = tokens[at]
+        if token.kind is TokenKind.NOT and asked:
+            found[at] = token._replace(kind=TokenKind.WORD, value=None)
+        ends = token.kind in _BREAKS
+        acts = not ends and (acts or token.kind in _VERBS)
+        asked = not ends and (asked or (acts and _text(token, said).startswith(_POLITE)))
     return found
 
 
 def _only(tokens: list[Token], said: str) -> list[Token]:
     """只转身不走路: it does not say whether the turn is one more or the one that is commanded."""
     found = [match.start() for match in _ONLY.finditer(said)]
-    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
 
 
 def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
     """做下，站起来: likely 坐下 with a wrong character, so it must not be passed over as "do"."""
     found = [match.start(1) for match in _DO_ALONE.finditer(said)]
-    return [replace(t, kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
+    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
 
 
 _REWRITES = (

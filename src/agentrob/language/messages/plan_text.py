@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import groupby
 
 from agentrob.language.messages.catalog import can_say, say
@@ -27,6 +28,7 @@ def outline(steps: Sequence[Primitive], language: Language) -> str:
     return sentence(steps[:_OUTLINED], language) + (" …" if len(steps) > _OUTLINED else "")
 
 
+@lru_cache(maxsize=64)
 def operation_names(ops: frozenset[Op], language: Language) -> str:
     """Return the names of what a robot with these operations can do: "walk, turn, wave"."""
     verbs = [say(f"verb.{op}", language) for op in (Op.MOVE, Op.TURN) if op in ops]
@@ -57,4 +59,4 @@ def _render(key: str, step: Primitive, language: Language) -> str:
 
 def _number(value: float | None) -> str:
     """Format a number without exponent or trailing zeros, to four decimals."""
-    return f"{value or 0.0:.4f}".rstrip("0").rstrip(".")
+    return f"{value:.4f}".rstrip("0").rstrip(".") if value else "0"

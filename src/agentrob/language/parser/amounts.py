@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.model import Op
@@ -20,6 +19,10 @@ _AMOUNT_OF = {
 
 
 _MEASURES = (*_AMOUNT_OF.values(), TokenKind.NUMBER)
+#: What may begin an amount.
+_QUANTITIES = (TokenKind.NUMBER, TokenKind.HALF, TokenKind.SOFT)
+#: What depends on the next word.
+_UNSETTLED = (TokenKind.AFTER, TokenKind.SHOW, TokenKind.CONDITION, TokenKind.GO_AHEAD)
 _LONGEST_PICTURE = 6
 _SEPARATING = (TokenKind.AND, TokenKind.COMMA, TokenKind.END)
 #: What may end an action that something is to follow.
@@ -32,11 +35,11 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
     found: list[Token] = []
     at, unit_m = 0, 0.0  # how long one unit of the last length is
     while at < len(tokens):
-        amount, used = _amount(tokens, at, text)
+        amount, used = _amount(tokens, at, text) if tokens[at].kind in _QUANTITIES else (None, 0)
         if amount is None:
             # "Second, turn left" is no time.
             found.append(
-                tokens[at] if tokens[at].kind is not TokenKind.TIME_UNIT else replace(tokens[at], kind=TokenKind.SOFT)
+                tokens[at] if tokens[at].kind is not TokenKind.TIME_UNIT else tokens[at]._replace(kind=TokenKind.SOFT)
             )
             at += 1
             continue
@@ -52,6 +55,10 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
     found: list[Token] = []
     at = 0
     while at < len(tokens):
+        if tokens[at].kind not in _UNSETTLED:
+            found.append(tokens[at])
+            at += 1
+            continue
         end = at + 1
         count: Token | None = None
         while tokens[at].kind is TokenKind.SHOW and end < len(tokens) and end - at <= _LONGEST_PICTURE:
@@ -70,7 +77,7 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
         else:
             found.append(_settled(tokens, at))
             if tokens[at].kind is TokenKind.SHOW and _are_steps(tokens, _skip_soft(tokens, at + 1)):
-                found[-1] = replace(tokens[at], kind=TokenKind.MOVE)
+                found[-1] = tokens[at]._replace(kind=TokenKind.MOVE)
             at += 1
     return found
 
@@ -83,11 +90,11 @@ def _after(tokens: Sequence[Token], at: int) -> Token:
     following = tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
     if token.value == "condition":
         ends = before is not None and before.kind is TokenKind.OP and before.end == token.start
-        return replace(token, kind=TokenKind.CONDITION if ends else TokenKind.DIR, value=None if ends else "forward")
+        return token._replace(kind=TokenKind.CONDITION if ends else TokenKind.DIR, value=None if ends else "forward")
     counts = following in (*_AMOUNT_OF.values(), TokenKind.NUMBER, TokenKind.HALF)  # 后两米
     if before is None or before.kind in _SEPARATING or (counts and before.kind not in _ENDING):
-        return replace(token, kind=TokenKind.DIR, value="backward")
-    return replace(token, kind=TokenKind.AND, value=None)
+        return token._replace(kind=TokenKind.DIR, value="backward")
+    return token._replace(kind=TokenKind.AND, value=None)
 
 
 def _are_steps(tokens: Sequence[Token], at: int) -> bool:
@@ -104,9 +111,9 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     if token.kind is TokenKind.AFTER:
         return _after(tokens, at)
     if token.kind is TokenKind.SHOW and token.value == "picture":
-        return replace(token, kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value)
+        return token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value)
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
-        return replace(token, kind=TokenKind.TALK)
+        return token._replace(kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]
     if (
         token.kind is TokenKind.CONDITION
@@ -114,11 +121,11 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
         and following
         and following[0].kind is TokenKind.DURATION
     ):
-        return replace(token, kind=TokenKind.BEYOND)  # 等五秒再挥手
+        return token._replace(kind=TokenKind.BEYOND)  # 等五秒再挥手
     if token.kind is TokenKind.CONDITION and token.value == "hedge" and following and following[0].kind in _MEASURES:
-        return replace(token, kind=TokenKind.SOFT, value=None)  # "maybe two feet"
+        return token._replace(kind=TokenKind.SOFT, value=None)  # "maybe two feet"
     if token.kind is TokenKind.CONDITION and token.value == "after" and _joins_actions(tokens, at):
-        return replace(token, kind=TokenKind.AND, value=None)
+        return token._replace(kind=TokenKind.AND, value=None)
     if token.kind is not TokenKind.GO_AHEAD:
         return token
     goes = bool(following) and following[0].kind is TokenKind.LENGTH
@@ -155,7 +162,7 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
     if unit is None or (unit.kind not in _AMOUNT_OF and not _are_inches(tokens, unit_at)):
         return None, 0
     if unit.kind is TokenKind.SOFT:
-        unit = replace(unit, kind=TokenKind.LENGTH_UNIT, value=_INCH_M)
+        unit = unit._replace(kind=TokenKind.LENGTH_UNIT, value=_INCH_M)
     end = unit_at + 1
     if end < len(tokens) and tokens[end].kind is TokenKind.AND_PART and not _has_unit(tokens, end + 1):
         # "a metre and a half"; "1 m and half a metre" are two amounts

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from enum import Enum, auto
 
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
@@ -126,7 +125,7 @@ class SentenceState:
             start = (
                 before if before and before.value == "wait" else number if number.kind is TokenKind.NUMBER else token
             )
-            token, before = replace(token, start=start.start), None if start is before else before
+            token, before = token._replace(start=start.start), None if start is before else before
         if self.mode is Mode.WANTED or self.sentence.drafts:
             self.sentence.condition = before or token
 

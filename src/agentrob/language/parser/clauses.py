@@ -7,7 +7,6 @@ only collects what was said; `steps` decides whether that is enough to move.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
 from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence
@@ -110,6 +109,8 @@ class _Reader(SentenceState):
             self.sentence.denied_ops.add(Op(str(token.value).split("/")[0]))
         if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
             self.sentence.stays = self.denied
+        elif self.denied:
+            self._deny_motion(token, self.denied)
         if token.kind in (
             TokenKind.MOVE,
             TokenKind.TURN,
@@ -132,6 +133,24 @@ class _Reader(SentenceState):
             TokenKind.PICTURE,
         ):
             self.denial_used = True
+
+    def _deny_motion(self, token: Token, denied: Token) -> None:
+        """Collect what walk or turn is denied; "don't walk into it" denies another than "don't walk"."""
+        motions, kind = self.sentence.denied_motions, token.kind
+        if not motions or motions[-1].start != denied.start or (motions[-1].verb and kind in _GOING):
+            motions.append(Draft(denied.start, token.end))
+        motion = motions[-1]
+        motion.end = token.end
+        if kind in _GOING:
+            motion.verb, motion.gait = kind, token.value == "gait"
+        elif kind is TokenKind.DIR:
+            motion.direction = Direction(str(token.value))
+        elif kind in AMOUNTS:
+            motion.amount = token
+        elif kind is TokenKind.AGAIN and token.value == "this" and self.sentence.drafts:  # "don't do it"
+            self.sentence.denial_unclear = denied
+        elif kind is not TokenKind.BACK:
+            motion.unknown.append((token.start, token.end))
 
     # ------------------------------------------------------------ what is wanted
     def _wanted(self, token: Token) -> None:
@@ -216,6 +235,7 @@ class _Reader(SentenceState):
         else:
             cur = self._new(token, token.kind)
         cur.sideways |= token.value == "sideways"
+        cur.gait |= token.value == "gait"
         cur.spun |= token.value == "spin"
         cur.place |= token.value == "to"
 
@@ -343,7 +363,7 @@ class _Reader(SentenceState):
         last.times, last.counted, last.end = _count(token), True, token.end
         last.more |= token.kind is TokenKind.MORE_TIMES
         if last.spun and last.amount and last.amount.value == 180.0:
-            last.amount = replace(last.amount, value=360.0)
+            last.amount = last.amount._replace(value=360.0)
 
     def _is_pair(self, last: Draft) -> bool:
         """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
@@ -411,6 +431,7 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 
 
 _UNITS = (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT, TokenKind.STEP_UNIT)
+_GOING = (TokenKind.MOVE, TokenKind.TURN)
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
 _TIMES = (TokenKind.TIMES, TokenKind.MORE_TIMES)

@@ -25,6 +25,7 @@ class Draft:
     amount: Token | None = None
     speed_mps: float | None = None
     sideways: bool = False  # "strafe": left or right must be said
+    gait: bool = False  # "run": says how to walk
     slow: bool = False
     slower: bool = False
     faster: bool = False
@@ -59,6 +60,12 @@ class Draft:
         return self.verb in (TokenKind.MOVE, TokenKind.TURN) or (
             self.verb is None and (self.direction is not None or self.amount is not None)
         )
+
+    @property
+    def motion(self) -> TokenKind | None:
+        """Whether it is a walk or a turn, as far as its words tell."""
+        turns = self.amount is not None and self.amount.kind is TokenKind.ANGLE
+        return (self.verb or (TokenKind.TURN if turns else TokenKind.MOVE)) if self.is_motion else None
 
     @property
     def takes_manner(self) -> bool:
@@ -125,6 +132,7 @@ class Sentence:
     condition: Token | None = None
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
     denied_ops: set[Op] = field(default_factory=set)  # gestures and pictures that are denied
+    denied_motions: list[Draft] = field(default_factory=list)  # walks and turns that are denied
     denial_joined: bool = False  # … because an "and" stands within it
     stays: Token | None = None  # "stay where you are": no walk at all
     fix_unclear: Token | None = None  # "no wait", and nothing after it

@@ -23,8 +23,8 @@ from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, Soft, TokenKind, tokens_of, without_statements
-from agentrob.language.parser.order import in_order, in_plain_words, items_of
-from agentrob.language.parser.remarks import names_deed, without_remarks
+from agentrob.language.parser.order import in_order, items_of
+from agentrob.language.parser.remarks import Clauses, without_remarks
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
@@ -66,206 +66,218 @@ def parse(
     """
     part = _EMOTICON.sub(lambda found: " " * len(found[0]), part_for(visible, names, others))
     language = language_of(part)
+    reader = _Reader(names, language, ops, background)
     if stop := stop_intent(part):
-        picture = remarks and stop is Intent.STOP and _picture_at_rest(part, names, language, ops, background)
+        picture = remarks and stop is Intent.STOP and reader.picture_at_rest(part)
         return picture or Understanding(stop, language)
     if part and (words := ordering_words(visible, names, others)):
-        return _ask(ParsedSteps([], [], say("ask.order", language, words=quote(words))), ops, language, background.can)
+        return reader.ask("ask.order", words=quote(words))
     if len(part) > MAX_CHARS:
-        return _ask(ParsedSteps([], [], say("ask.long", language, chars=MAX_CHARS)), ops, language)
-    understood = _understood(part, names, language, ops, background, asks=True)
+        return _Reader(names, language, ops).ask("ask.long", chars=MAX_CHARS)
+    understood = reader.understood(part)
     unclear = understood.intent in (Intent.ASK_BACK, Intent.NOTHING)
     if remarks and unclear and len(part) <= _LONGEST_RESTATED:
-        understood = (
-            _listed(part, names, language, ops, background)
-            or _in_order(part, names, language, ops, background)
-            or _beside_remarks(part, names, language, ops, background)
-            or _in_plain_words(part, names, language, ops, background)
-            or (understood.intent is Intent.NOTHING and _command_within(part, names, language, ops, background))
-            or understood
-        )
-    if words := _put_first(part, understood.plan, names, language):
+        understood = reader.restated(part) or understood
+    if words := reader.put_first(part, understood.plan):
         steps = list(understood.plan.steps)
-        swapped = [steps[::-1]] if len(steps) == 2 else []
-        problem = say("ask.first", language, words=quote(words))
-        return _ask(ParsedSteps([], [], problem, offers=swapped), ops, language, background.can)
-    if understood.intent is Intent.NOTHING and (words := _order_beside(part, language)):
-        problem = say("ask.besides", language, words=quote(words))
-        return _ask(ParsedSteps([], [], problem), ops, language, background.can)
-    if understood.intent in (Intent.ASK_BACK, Intent.COMMAND) and _only_talks(part, understood, language):
+        return reader.ask("ask.first", [steps[::-1]] if len(steps) == 2 else [], words=quote(words))
+    if understood.intent is Intent.NOTHING and (words := reader.order_beside(part)):
+        return reader.ask("ask.besides", words=quote(words))
+    if understood.intent in (Intent.ASK_BACK, Intent.COMMAND) and reader.only_talks(part, understood):
         return Understanding(Intent.NOTHING, language)
-    return understood
+    return reader.asked(part) if understood.intent is Intent.ASK_BACK and not understood.question else understood
 
 
-def _order_beside(part: str, language: Language) -> str:
-    """Return an order behind talk that the grammar passes over; empty if there is none."""
-    known = locale(language)
-    return order_beside(part.translate(known.words.twins), known.talk, lambda clause: names_deed(clause, known))
+class _Reader:
+    """Reads the texts that are made of one post, for one robot; each clause is read once."""
 
+    def __init__(
+        self,
+        names: Sequence[str],
+        language: Language,
+        ops: frozenset[Op],
+        background: ParseContext = _NOTHING_KNOWN,
+    ) -> None:
+        self.names = names
+        self.language = language
+        self.ops = ops
+        self.background = background
+        self.known = locale(language)
+        self._clauses = Clauses(self.known)
+        self._read: dict[str, tuple[Understanding, ParsedSteps]] = {}
 
-def _only_talks(part: str, understood: Understanding, language: Language) -> bool:
-    """Return whether a post is only talk (see `talk.forms`), although the grammar reads or suspects a command."""
-    known = locale(language)
-    plain = part.translate(known.words.twins)
-    if is_spoken_of(plain, known.talk):
-        return True
-    return understood.intent is Intent.ASK_BACK and is_talk(
-        plain, known.remark, known.talk, lambda clause: names_deed(clause, known)
-    )
+    def understood(self, text: str) -> Understanding:
+        """Read a text as it stands. The question about what is not understood is worded by `asked`."""
+        return self._reading(text)[0]
 
+    def _reading(self, text: str) -> tuple[Understanding, ParsedSteps]:
+        if text not in self._read:
+            sentences, mistyped = _sentences(text, self.names, self.language)
+            steps = read_steps(sentences, text, self.language, self.ops, self.background)
+            self._read[text] = self._judged(sentences, mistyped, steps), steps
+        return self._read[text]
 
-def _put_first(part: str, plan: Plan, names: Sequence[str], language: Language) -> str:
-    """Return the words that put a later clause before an earlier one ("walk 1 m, but wave first"); empty if none do."""
-    if len(plan.steps) < 2 or not re.search(locale(language).put_first, part.lower()):
+    def _judged(
+        self, sentences: Sequence[Sentence], mistyped: Sequence[tuple[str, str]], read: ParsedSteps
+    ) -> Understanding:
+        if read.steps and not read.problem:
+            spelt = [
+                say("note.spelling", self.language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped
+            ]
+            return Understanding(Intent.COMMAND, self.language, Plan(tuple(read.steps), (*spelt, *read.notes)))
+        otherwise = Intent.ASK_BACK if read.problem else Intent.NOTHING
+        return _without_command(sentences, self.language) or Understanding(otherwise, self.language)
+
+    def _command(self, text: str) -> Understanding | None:
+        """Return the command that a text is as it stands; None if it is none."""
+        understood = self.understood(text)
+        return understood if understood.intent is Intent.COMMAND else None
+
+    # ------------------------------------------------------------------ questions
+    def asked(self, text: str) -> Understanding:
+        """Return the question about what is not understood of a text."""
+        steps = self._reading(text)[1]
+        done = say("ask.understood", self.language, steps=outline(steps.steps, self.language)) if steps.steps else ""
+        return self._question(steps.problem, steps.offers, done)
+
+    def ask(self, key: str, offers: Sequence[Sequence[Primitive]] = (), **values: object) -> Understanding:
+        """Return a question with the sentence `key`."""
+        return self._question(say(key, self.language, **values), offers)
+
+    def _question(self, problem: str, offers: Sequence[Sequence[Primitive]], understood: str = "") -> Understanding:
+        known = self.background.can or Capabilities("", self.ops)
+        offered = _offered(known, offers) or [_general_example(known)]
+        examples = " · ".join(f"`{sentence(steps, self.language)}`" for steps in offered)
+        question = say("ask.frame", self.language, problem=problem, understood=understood, examples=examples)
+        return Understanding(Intent.ASK_BACK, self.language, question=question)
+
+    # ------------------------------------------------------------------ other ways to read a post
+    def restated(self, part: str) -> Understanding | None:
+        """Return what a post that is no command as it stands is in other words; None if nothing better is found."""
+        return (
+            self._listed(part)
+            or self._in_order(part)
+            or self._beside_remarks(part)
+            or self._in_plain_words(part)
+            or (self._command_within(part) if self.understood(part).intent is Intent.NOTHING else None)
+        )
+
+    def _listed(self, part: str) -> Understanding | None:
+        """Return the command of a numbered list on one line, of which each item is complete; None if it is none.
+
+        An item about which something is assumed is not complete: in "turn left 2. wave" the number may be its amount.
+        """
+        items = items_of(part)
+        if not items or _RANKED.search(part):
+            return None
+        plans = [self.understood(item).plan for item in items]
+        if not all(plan.steps for plan in plans) or any(plan.notes for plan in plans[:-1]):
+            return None
+        return self._command(". ".join(items))
+
+    def _in_order(self, part: str) -> Understanding | None:
+        """Return the command when its clauses are put into the order of doing; None if they cannot be."""
+        if self.known.in_order is None:
+            return None
+
+        def steps(text: str) -> int:
+            return len(self.understood(text).plan.steps)
+
+        restated = in_order(part, self.known.in_order, steps)
+        if restated == part:
+            return None
+        understood = self._command(restated) or self._beside_remarks(restated)
+        return None if understood and self._repeats(restated) else understood
+
+    def _repeats(self, text: str) -> bool:
+        """Return whether a text repeats what was said ("do all of that twice"): where its parts stand then matters."""
+        read = with_pictures(with_amounts(tokens_of(text, self.known.words)[0], text))
+        tokens = [token for token in read if token.kind is not TokenKind.SOFT]
+        following = [token.kind for token in tokens[1:]] + [TokenKind.END]
+        acts = (TokenKind.OP, TokenKind.MOVE, TokenKind.TURN)  # "again take a photo"
+        return any(t.kind is TokenKind.AGAIN and after not in acts for t, after in zip(tokens, following, strict=True))
+
+    def _beside_remarks(self, part: str) -> Understanding | None:
+        """Return the command that is left when remarks are left out, each told in a note; None if there is none."""
+        rest, remarks = without_remarks(part, self._clauses)
+        if not remarks or _WORDLESS.fullmatch(rest):
+            return None
+        understood = self._command(rest)
+        if understood is None or any(a == b and a.direction for a, b in pairwise(understood.plan.steps)):
+            return None  # a motion that is said again after a remark may be the same one
+        return self._with_left_out(understood, remarks)
+
+    def _in_plain_words(self, part: str) -> Understanding | None:
+        """Return the command when the idioms of a post are put into plain words; None if it is still none."""
+        standard = part.translate(self.known.words.twins)
+        plain, left = self.known.restated_idioms.in_plain_words(standard)
+        if plain == standard or stop_intent(plain):
+            return None
+        understood = self._command(plain) or self._in_order(plain) or self._beside_remarks(plain)
+        return self._with_left_out(understood, left) if understood else None
+
+    def _with_left_out(self, understood: Understanding, remarks: Sequence[str]) -> Understanding:
+        told = [say("note.left_out", self.language, words=quote(words)) for words in remarks]
+        notes = (*understood.plan.notes, *told)
+        return replace(understood, plan=replace(understood.plan, notes=notes))
+
+    def _command_within(self, part: str) -> Understanding | None:
+        """Return a question about what stands beside a complete command in a post that would get no answer."""
+        clauses = [clause.strip() for clause in _CLAUSE_END.split(part) if clause.strip()]
+        for clause in clauses if len(clauses) > 1 else ():
+            if self._command(clause):
+                beside = next((other for other in clauses if other != clause), clause)
+                return self.ask("ask.besides", words=quote(beside))
+        return None
+
+    def picture_at_rest(self, part: str) -> Understanding | None:
+        """Return the plan of pictures beside a "don't move"; None if there is anything else."""
+        if not (joint := _FIRST_JOINT.search(part)) or len(part) > _LONGEST_RESTATED:
+            return None
+        denial, rest = part[: joint.start()], part[joint.end() :]
+        denials, _ = _sentences(denial, self.names, self.language)
+        if not all(s.denied and not s.drafts for s in denials) or stop_intent(rest):
+            return None
+        understood = self._command(rest)
+        if understood is None or any(step.op is not Op.GET_FRONT_IMAGE for step in understood.plan.steps):
+            return None
+        note = say("note.not_done", self.language, words=quote(denial.strip()))
+        return replace(understood, plan=replace(understood.plan, notes=(note, *understood.plan.notes)))
+
+    # ------------------------------------------------------------------ what else a post says
+    def put_first(self, part: str, plan: Plan) -> str:
+        """Return the words that put a later clause before an earlier one ("walk 1 m, but wave first"); empty if none
+        do."""
+        if len(plan.steps) < 2 or not any(self.known.putting_first.finditer(part.lower())):
+            return ""
+        anywhere = _Reader(self.names, self.language, frozenset())
+        rest, _ = without_remarks(part, self._clauses)
+        for found in self.known.putting_first.finditer(rest.lower()):
+            before = rest[: found.start()]
+            if (anywhere._in_order(before) or anywhere.understood(before)).plan.steps:
+                return found[0].strip(" ,.;!，。；！")
         return ""
-    rest, _ = without_remarks(part, locale(language))
-    for found in re.finditer(locale(language).put_first, rest.lower()):
-        before = rest[: found.start()]
-        read = _understood(before, names, language, frozenset(), _NOTHING_KNOWN)
-        read = _in_order(before, names, language, frozenset(), _NOTHING_KNOWN) or read
-        if read.plan.steps:
-            return found[0].strip(" ,.;!，。；！")
-    return ""
+
+    def order_beside(self, part: str) -> str:
+        """Return an order behind talk that the grammar passes over; empty if there is none."""
+        return order_beside(part.translate(self.known.words.twins), self.known.talk, self._names_deed)
+
+    def only_talks(self, part: str, understood: Understanding) -> bool:
+        """Return whether a post is only talk (see `talk.forms`), although the grammar reads or suspects a command."""
+        plain = part.translate(self.known.words.twins)
+        if is_spoken_of(plain, self.known.talk):
+            return True
+        return understood.intent is Intent.ASK_BACK and is_talk(
+            plain, self.known.remark, self.known.talk, self._names_deed
+        )
+
+    def _names_deed(self, words: str) -> bool:
+        return self._clauses[words].names_deed
 
 
 def asks_for_picture_at_rest(text: str) -> bool:
     """Return whether a text only denies motion and asks for a picture: "don't move, just take a photo"."""
-    return _picture_at_rest(text, (), language_of(text), frozenset(Op), _NOTHING_KNOWN) is not None
-
-
-def _picture_at_rest(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return the plan of pictures beside a "don't move"; None if there is anything else."""
-    if not (joint := _FIRST_JOINT.search(part)) or len(part) > _LONGEST_RESTATED:
-        return None
-    denials, rest = _sentences(part[: joint.start()], names, language)[0], part[joint.end() :]
-    if not all(s.denied and not s.drafts for s in denials) or stop_intent(rest):
-        return None
-    understood = _understood(rest, names, language, ops, background)
-    pictures = understood.plan.steps and all(step.op is Op.GET_FRONT_IMAGE for step in understood.plan.steps)
-    if not pictures or understood.intent is not Intent.COMMAND:
-        return None
-    note = say("note.not_done", language, words=quote(part[: joint.start()].strip()))
-    return replace(understood, plan=replace(understood.plan, notes=(note, *understood.plan.notes)))
-
-
-def _understood(
-    part: str,
-    names: Sequence[str],
-    language: Language,
-    ops: frozenset[Op],
-    background: ParseContext,
-    *,
-    asks: bool = False,
-) -> Understanding:
-    """Read a text as it stands; with `asks` the question is worded if there is one, which takes time."""
-    sentences, mistyped = _sentences(part, names, language)
-    reading = read_steps(sentences, part, language, ops, background)
-    if reading.problem:
-        asked = _without_command(sentences, language)
-        if asked is None and not asks:
-            return Understanding(Intent.ASK_BACK, language)
-        return asked or _ask(reading, ops, language, background.can)
-    if reading.steps:
-        spelt = [say("note.spelling", language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped]
-        return Understanding(Intent.COMMAND, language, Plan(tuple(reading.steps), (*spelt, *reading.notes)))
-    return _without_command(sentences, language) or Understanding(Intent.NOTHING, language)
-
-
-def _beside_remarks(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return the command that is left when remarks are left out, each told in a note; None if there is none."""
-    rest, remarks = without_remarks(part, locale(language))
-    if not remarks or _WORDLESS.fullmatch(rest):
-        return None
-    understood = _understood(rest, names, language, ops, background)
-    steps = understood.plan.steps
-    if understood.intent is not Intent.COMMAND or any(a == b and a.direction for a, b in pairwise(steps)):
-        return None  # a motion that is said again after a remark may be the same one
-    return _with_left_out(understood, remarks, language)
-
-
-def _with_left_out(understood: Understanding, remarks: Sequence[str], language: Language) -> Understanding:
-    told = [say("note.left_out", language, words=quote(words)) for words in remarks]
-    notes = (*understood.plan.notes, *told)
-    return replace(understood, plan=replace(understood.plan, notes=notes))
-
-
-def _command_within(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return a question about what stands beside a complete command in a post that would get no answer."""
-    clauses = [clause.strip() for clause in _CLAUSE_END.split(part) if clause.strip()]
-    for clause in clauses if len(clauses) > 1 else ():
-        understood = _understood(clause, names, language, ops, background)
-        if understood.intent is Intent.COMMAND:
-            beside = next((other for other in clauses if other != clause), clause)
-            problem = say("ask.besides", language, words=quote(beside))
-            return _ask(ParsedSteps([], [], problem), ops, language, background.can)
-    return None
-
-
-def _listed(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return the command of a numbered list on one line, of which each item is complete; None if it is none.
-
-    An item about which something is assumed is not complete: in "turn left 2. wave" the number may be its amount.
-    """
-    items = items_of(part)
-    if not items or _RANKED.search(part):
-        return None
-    plans = [_understood(item, names, language, ops, background).plan for item in items]
-    if not all(plan.steps for plan in plans) or any(plan.notes for plan in plans[:-1]):
-        return None
-    understood = _understood(". ".join(items), names, language, ops, background)
-    return understood if understood.intent is Intent.COMMAND else None
-
-
-def _in_order(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return the command when its clauses are put into the order of doing; None if they cannot be."""
-    words = locale(language).in_order
-    if words is None:
-        return None
-
-    def steps(text: str) -> int:
-        understood = _understood(text, names, language, ops, background)
-        return len(understood.plan.steps) if understood.intent is Intent.COMMAND else 0
-
-    restated = in_order(part, words, steps)
-    if restated == part or _repeats(restated, language):
-        return None
-    understood = _understood(restated, names, language, ops, background)
-    if understood.intent is not Intent.COMMAND:
-        understood = _beside_remarks(restated, names, language, ops, background) or understood
-    return understood if understood.intent is Intent.COMMAND else None
-
-
-def _in_plain_words(
-    part: str, names: Sequence[str], language: Language, ops: frozenset[Op], background: ParseContext
-) -> Understanding | None:
-    """Return the command when the idioms of a post are put into plain words; None if it is still none."""
-    plain, left = in_plain_words(part.translate(locale(language).words.twins), locale(language).idioms)
-    if plain == part.translate(locale(language).words.twins) or stop_intent(plain):
-        return None
-    understood: Understanding | None = _understood(plain, names, language, ops, background)
-    if understood is None or understood.intent is not Intent.COMMAND:
-        understood = _in_order(plain, names, language, ops, background)
-        understood = understood or _beside_remarks(plain, names, language, ops, background)
-    return _with_left_out(understood, left, language) if understood else None
-
-
-def _repeats(text: str, language: Language) -> bool:
-    """Return whether a text repeats what was said ("do all of that twice"): where its parts stand then matters."""
-    read = with_pictures(with_amounts(tokens_of(text, locale(language).words)[0], text))
-    tokens = [token for token in read if token.kind is not TokenKind.SOFT]
-    following = [token.kind for token in tokens[1:]] + [TokenKind.END]
-    acts = (TokenKind.OP, TokenKind.MOVE, TokenKind.TURN)  # "again take a photo"
-    return any(t.kind is TokenKind.AGAIN and after not in acts for t, after in zip(tokens, following, strict=True))
+    return _Reader((), language_of(text), frozenset(Op)).picture_at_rest(text) is not None
 
 
 def commands_nothing(words: str, language: Language) -> bool:
@@ -302,8 +314,8 @@ def asks_for_more(words: str, language: Language) -> bool:
 def reorders(text: str, language: Language) -> bool:
     """Return whether a text may put a later clause before an earlier one ("…, but first wave", "wave after …")."""
     tokens, _ = tokens_of(text, locale(language).words)
-    return any(t.kind is TokenKind.CONDITION for t in tokens) or bool(
-        re.search(locale(language).put_first, text.lower())
+    return any(t.kind is TokenKind.CONDITION for t in tokens) or any(
+        locale(language).putting_first.finditer(text.lower())
     )
 
 
@@ -326,8 +338,8 @@ def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
 def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
     words = locale(language).words
     called = _without_names(without_statements(part, locale(language).stated, words.twins), names, words)
-    if pet_names := locale(language).called:
-        called = re.sub(pet_names, _without_name, called, flags=re.IGNORECASE)
+    if locale(language).called:
+        called = locale(language).calls.sub(_without_name, called)
     tokens, mistyped = tokens_of(called, words)
     tokens = with_pictures(with_amounts(tokens, called))
     phrases = locale(language).phrases
@@ -341,8 +353,9 @@ def _without_name(call: re.Match[str]) -> str:
 
 def _without_names(part: str, names: Sequence[str], words: Lexicon) -> str:
     """Blank out the robot's own name without an @ ("Rex, sit"), unless the name is also a known word."""
+    said = part.lower()
     for name in names:
-        if (name.lower(),) not in words.phrases:
+        if name.lower() in said and (name.lower(),) not in words.phrases:
             part = re.sub(rf"(?<!\w){re.escape(name)}(?!\w)", " " * len(name), part, flags=re.IGNORECASE)
     return part
 
@@ -357,17 +370,6 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
     if any(s.wants_status for s in sentences):
         return Understanding(Intent.STATUS, language)
     return None
-
-
-def _ask(
-    reading: ParsedSteps, ops: frozenset[Op], language: Language, can: Capabilities | None = None
-) -> Understanding:
-    understood = say("ask.understood", language, steps=outline(reading.steps, language)) if reading.steps else ""
-    known = can or Capabilities("", ops)
-    offers = _offered(known, reading.offers) or [_general_example(known)]
-    examples = " · ".join(f"`{sentence(steps, language)}`" for steps in offers)
-    question = say("ask.frame", language, problem=reading.problem, understood=understood, examples=examples)
-    return Understanding(Intent.ASK_BACK, language, question=question)
 
 
 def _general_example(can: Capabilities) -> list[Primitive]:

@@ -18,7 +18,7 @@ from agentrob.model import Language
 class TokenKind(StrEnum):
     """Parts of speech in the domain of a robot."""
 
-    MOVE = "move"  # a verb of motion in any direction; values "sideways", "to" (to a place)
+    MOVE = "move"  # a verb of motion in any direction; values "sideways", "to" (to a place), "gait" (how to walk)
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
@@ -99,8 +99,7 @@ class Soft(StrEnum):
 Value = float | str | None
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """A phrase with its meaning; `start` and `end` are its position in the text.
 
     Of an amount `unit` is one unit in metres, degrees or seconds; `more` says that it is "more", "another".
@@ -166,13 +165,13 @@ class Lexicon:
         object.__setattr__(self, "vocabulary", said)
         object.__setattr__(self, "broken_off", starts)
 
-    def longest(self, pieces: Sequence[Piece], at: int) -> tuple[int, Meaning | None]:
-        """Return the longest phrase at this position as (number of pieces, meaning), or (0, None)."""
+    def longest(self, pieces: Sequence[Piece], at: int, end: int | None = None) -> tuple[int, Meaning | None]:
+        """Return the longest phrase at this position, up to `end`, as (number of pieces, meaning), or (0, None)."""
         node, best, meaning = self._tree, 0, None
-        for here in range(at, len(pieces)):
-            if pieces[here].text not in node:
+        for here in range(at, len(pieces) if end is None else end):
+            if (following := node.get(pieces[here].text)) is None:
                 break
-            node = node[pieces[here].text]
+            node = following
             if "" in node:
                 best, meaning = here + 1 - at, node[""]
         return best, meaning
@@ -274,10 +273,10 @@ def pieces_of(text: str) -> list[Piece]:
     lowered = _same_length_lower(text).replace("’", "'").replace("‘", "'")
     found: list[Piece] = []
     for match in _PIECE.finditer(lowered):
-        piece, start, end = match[0], match.start(), match.end()
-        if match["bad"]:
+        piece, (start, end) = match[0], match.span()
+        if match.lastgroup == "bad":
             found.append(Piece("\0" + piece, start, end))
-        elif match["feet"]:
+        elif match.lastgroup is not None:
             (feet, inches), last = (match.span(part) for part in ("feet", "inches")), match.end("inches")
             found += [Piece(match["feet"], *feet), Piece("′", *feet), Piece(match["inches"], *inches)]
             found.append(Piece("″", last, max(last, end)))
@@ -304,16 +303,18 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
     Also return the words that were taken for typing mistakes, each as (written, meant).
     """
     found: list[Token] = []
-    pieces, mistyped = _spelt(pieces_of(text.translate(words.twins) if words.twins else text), words)
-    plain = text.translate(words.twins) if words.misread else ""
+    plain = text.translate(words.twins) if words.twins else text
+    pieces, mistyped = _spelt(pieces_of(plain), words)
     misread = [(wrong, right) for wrong, right in words.misread.items() if wrong in plain]
-    at = line = 0  # `line` is where the next line begins
+    lines = _line_ends(pieces, text)
+    at = line = 0
     while at < len(pieces):
-        if at and "\n" in text[pieces[at - 1].end : pieces[at].start]:
-            found.append(Token(TokenKind.COMMA, None, pieces[at].start, pieces[at].start))
-        while line < len(pieces) and (line <= at or "\n" not in text[pieces[line - 1].end : pieces[line].start]):
+        while lines[line] < at:
             line += 1
-        length, meaning = words.longest(pieces[:line], at)  # "90 degrees⏎turn around" is no "degrees turn"
+        if at == lines[line]:
+            found.append(Token(TokenKind.COMMA, None, pieces[at].start, pieces[at].start))
+            line += 1
+        length, meaning = words.longest(pieces, at, lines[line])  # "90 degrees⏎turn around" is no "degrees turn"
         number = words.number(pieces, at)
         if number and (meaning is None or number[1] > length):
             length, meaning = number[1], ((TokenKind.NUMBER, number[0]),)
@@ -323,10 +324,17 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             odd = ((TokenKind.WORD, "number" if run else None),)
             length, meaning = (length, ((TokenKind.SOFT, None),)) if length else (run or 1, odd)
         start, end = pieces[at].start, pieces[at + length - 1].end
-        mistyped += [(wrong, right) for wrong, right in misread if wrong in text[start:end].translate(words.twins)]
-        found += (Token(kind, value, start, end) for kind, value in meaning)
+        if misread:
+            mistyped += [(wrong, right) for wrong, right in misread if wrong in plain[start:end]]
+        found += [Token(kind, value, start, end) for kind, value in meaning]
         at += length
     return found, mistyped
+
+
+def _line_ends(pieces: Sequence[Piece], text: str) -> list[int]:
+    """Return at which piece each line ends."""
+    begun = (at for at in range(1, len(pieces)) if "\n" in text[pieces[at - 1].end : pieces[at].start])
+    return [*(begun if "\n" in text else ()), len(pieces)]
 
 
 def _odd_numerals(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
@@ -355,6 +363,8 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
     if len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff"):
         return 1
     if not (piece.isascii() and piece.isalpha() and len(piece) <= 12):
+        return 0
+    if len(piece) > 3 and piece[0] != piece[1]:
         return 0
     begun = re.sub(r"^(.)\1+", r"\1", piece)
     if len(begun) > 3:

@@ -10,7 +10,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
+
+from agentrob.language.needed_words import one_needed
 
 #: Counts the steps of a text, 0 if it is not a complete command.
 StepCounter = Callable[[str], int]
@@ -18,6 +20,7 @@ StepCounter = Callable[[str], int]
 _LABEL = re.compile(
     r"(?:^|(?<=[\s.,;!]))\s*(?:(?:step|part|number|no\.?)\s*)?(?P<number>\d)\s*[.:)](?!\d)", re.IGNORECASE
 )
+_LABEL_END = re.compile(r"\d\s*[.:)]")
 #: Longer sentences are not divided, so that parsing stays fast.
 _MOST_DIVISIONS = 4
 _SENTENCE = re.compile(r"(?:[^.!?\n;]|\.(?=\d))+")
@@ -60,6 +63,11 @@ class OrderWords:
     def _coming(self) -> str:
         """Match the beginning of a clause about what is done later, up to its verb."""
         return rf"\b(?:{self.before})\s+(?:(?:{self.subject})\s+(?={self._plain_verb}\b)|(?={self._acting}\b))"
+
+    @cached_property
+    def timed(self) -> re.Pattern[str]:
+        """Match words without one of which no order is said."""
+        return re.compile(rf"\b(?:{self.when}|{self.after}|{self.before})\s", re.IGNORECASE)
 
     @cached_property
     def fronted(self) -> re.Pattern[str]:
@@ -109,31 +117,44 @@ class OrderWords:
 _JOINED = re.compile(r"(?:\b(?:and|then|or)|,)\s*$|\band\b|,", re.IGNORECASE)
 
 
-def in_plain_words(part: str, idioms: Sequence[tuple[str, str]]) -> tuple[str, list[str]]:
-    """Return the text with its idioms in plain words, and what was left out: what has no plain words, or is `left`."""
-    left: list[str] = []
-    part = _without_labels(part)
+class Idioms:
+    """Idioms in plain words. One is searched for only in a text that contains a word which it needs."""
 
-    def restated(found: re.Match[str], plain: str) -> str:
-        if said := found[0] if not plain else found.groupdict().get("left") or "":
-            left.append(said.strip(" ,.:;!?"))
-        return found.expand(plain)
+    def __init__(self, idioms: Sequence[tuple[str, str]]) -> None:
+        self._idioms = [(re.compile(said, re.IGNORECASE), one_needed(said), plain) for said, plain in idioms]
+        self._words = tuple(frozenset[str]().union(*(one_of for _, one_of, _ in self._idioms)))
 
-    for pattern, plain in idioms:
-        part = _compiled(pattern).sub(partial(restated, plain=plain), part)
-    return part, left
+    def in_plain_words(self, part: str) -> tuple[str, list[str]]:
+        """Return the text with its idioms in plain words, and what was left out: what has no plain words, or is
+        `left`.
+        """
+        left: list[str] = []
 
+        def restated(found: re.Match[str], plain: str) -> str:
+            if said := found[0] if not plain else found.groupdict().get("left") or "":
+                left.append(said.strip(" ,.:;!?"))
+            return found.expand(plain)
 
-@cache
-def _compiled(pattern: str) -> re.Pattern[str]:
-    return re.compile(pattern, re.IGNORECASE)
+        part = _without_labels(part)
+        words = self._words_in(part)
+        for idiom, one_of, plain in self._idioms:
+            if one_of.isdisjoint(words):
+                continue
+            part, restatements = idiom.subn(partial(restated, plain=plain), part)
+            words = self._words_in(part) if restatements else words
+        return part, left
+
+    def _words_in(self, part: str) -> list[str]:
+        said = part.lower()
+        return [word for word in self._words if word in said]
 
 
 def in_order(part: str, words: OrderWords, steps: StepCounter) -> str:
     """Return the text restated in the order of doing; unchanged if nothing in it can be."""
     text = _without_labels(part)
-    text = _SENTENCE.sub(lambda sentence: _restated(sentence[0], words, steps), text)
-    return text
+    if not any(pattern.search(text) for pattern in (words.timed, words.requested, words.denied)):
+        return text
+    return _SENTENCE.sub(lambda sentence: _restated(sentence[0], words, steps), text)
 
 
 def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
@@ -146,6 +167,8 @@ def _restated(sentence: str, words: OrderWords, steps: StepCounter) -> str:
             lambda m: m[1] + words.base.get(m[2].lower(), words.base.get(m[2].split()[0].lower(), m[2])),
             sentence,
         ).removeprefix(", ")
+    if not words.timed.search(sentence):
+        return sentence
     if found := words.fronted.match(sentence):
         first = words.imperative(found["first"])
         if steps(first) == 1:
@@ -185,9 +208,13 @@ def _divided(rest: str, words: OrderWords, steps: StepCounter) -> tuple[str, str
     return found[0] if len(found) == 1 else None
 
 
+def _labels(part: str) -> list[re.Match[str]]:
+    return list(_LABEL.finditer(part)) if _LABEL_END.search(part) else []
+
+
 def items_of(part: str) -> list[str]:
     """Return the items of a list on one line whose first number Markdown has taken: "sit 2. wave 3) stand up"."""
-    found = list(_LABEL.finditer(part))
+    found = _labels(part)
     if not found or [int(m["number"]) for m in found] != list(range(2, len(found) + 2)):
         return []
     ends = [*(m.start() for m in found), len(part)]
@@ -197,7 +224,7 @@ def items_of(part: str) -> list[str]:
 
 def _without_labels(part: str) -> str:
     """Replace the numbers of a list by sentence ends: "1. turn left 2. wave", "step 1: …"; they count from one."""
-    found = list(_LABEL.finditer(part))
+    found = _labels(part)
     if (
         len(found) < 2
         or part[: found[0].start()].strip()

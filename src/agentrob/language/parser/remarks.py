@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import cache, cached_property
 
 from agentrob.language.locale import Locale
 from agentrob.language.parser.amounts import with_amounts, with_pictures
@@ -68,17 +68,172 @@ _MEANT = (
 )
 
 
-def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
+class Clauses(dict[str, "Clause"]):
+    """The clauses of one post by their words; each is read once."""
+
+    def __init__(self, known: Locale) -> None:
+        super().__init__()
+        self.known = known
+
+    def __missing__(self, words: str) -> Clause:
+        clause = self[words] = Clause(words, self.known)
+        return clause
+
+
+class Clause:
+    """What a clause may be: a remark, a deed, or a statement and a command without a pause between them."""
+
+    def __init__(self, words: str, known: Locale) -> None:
+        self.words = words
+        self.known = known
+
+    @cached_property
+    def tokens(self) -> list[Token]:
+        tokens = with_pictures(with_amounts(tokens_of(self.words, self.known.words)[0], self.words))
+        return self.known.phrases(tokens, self.words) if self.known.phrases else tokens
+
+    @cached_property
+    def plain(self) -> str:
+        return " ".join(self._straight.split())
+
+    @property
+    def _straight(self) -> str:
+        return self.words.lower().replace("’", "'").translate(self.known.words.twins)
+
+    @cached_property
+    def is_remark(self) -> bool:
+        known, said = self.known, self.plain
+        if not _found(known.remark, said) and not self.introduces:
+            return False
+        aside = _compiled(known.aside)
+        if _found(known.weighty, aside.sub(" ", said)):
+            return False
+        rest = Clause(aside.sub(lambda found: " " * len(found[0]), self._straight), known)
+        return not rest.commands and not (_found(known.fragment, said) and rest.has_side)
+
+    @cached_property
+    def introduces(self) -> bool:
+        """Whether it introduces the command before a colon, and not the words of somebody else."""
+        return _found(self.known.introduction, self.plain)
+
+    @property
+    def weighs(self) -> bool:
+        """Whether it may change the meaning or the danger of a command."""
+        return _found(self.known.weighty, self.plain)
+
+    @property
+    def unsettles(self) -> bool:
+        """Whether it may change what a command means, if the grammar knows its words."""
+        return _found(self.known.unsettling, self.plain)
+
+    @property
+    def has_side(self) -> bool:
+        """Whether it names a direction, other than as its first word: "right, my friends"."""
+        kinds = [token.kind for token in self.tokens]
+        return any(kind in _SIDES for kind in kinds[1:]) or kinds in ([TokenKind.DIR], [TokenKind.BACK])
+
+    @property
+    def commands(self) -> bool:
+        """Whether it holds words that may command something."""
+        if any(token.kind in _MEANT and token.value != "after" for token in self.tokens):  # "after the night": a time
+            return True
+        return self._directs or self._acts
+
+    @property
+    def names_deed(self) -> bool:
+        """Whether it names a deed: an action other than a noun, a request, or a direction with an amount."""
+        return any(token.kind is TokenKind.REQUEST for token in self.tokens) or self._directs or self._acts
+
+    @property
+    def _directs(self) -> bool:
+        kinds = [token.kind for token in self.tokens]
+        return TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
+
+    @property
+    def _acts(self) -> bool:
+        return any(token.kind in _ACTIONS and not self.is_noun(token) for token in self.tokens)
+
+    def holds_action(self, *, asked: bool = False) -> bool:
+        """Return whether a remark holds an action, which may be meant: "it's sunny make a heart".
+
+        In a question only a direction with an amount counts: "is fine and 5 feet forward". Elsewhere that says where a
+        thing is, which the screen judges, unless the direction is never said of a place: "it's fun ten feet forward".
+        """
+        kinds = [token.kind for token in self.tokens if not self.is_noun(token)]
+        directs = TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
+        if directs and (asked or any(self.is_never_where(token) for token in self.tokens)):
+            return True
+        return not asked and any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
+
+    def is_noun(self, token: Token) -> bool:
+        """Return whether a word that may be an action is a noun or an adjective here: "my turn", "is wide open"."""
+        if " " in self.words[token.start : token.end]:  # in "filming this turn around" the turn is commanded
+            return False
+        return bool(self.known.noun_after) and _found(self.known.noun_after, self.words[: token.start].lower())
+
+    def is_never_where(self, token: Token) -> bool:
+        """Return whether a token is a direction that is never said of a place."""
+        side = self.words[token.start : token.end].lower()
+        return token.kind is TokenKind.DIR and side in self.known.never_where.split("|")
+
+    @cached_property
+    def meeting(self) -> int:
+        """Where a statement and a command meet without a pause, in either order; 0 if nowhere."""
+        known = self.known
+        if not known.run_on or len(self.words) > _LONGEST_RUN_ON:
+            return 0
+        tokens = self.tokens
+        beginnings = [at for at in range(len(tokens)) if self._begins_command(at)][:_MOST_BEGINNINGS]
+        for at in map(self._first_of_command, beginnings):
+            if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
+                return 0
+            before = self.words[: tokens[at].start]
+            if before.strip() and _found(known.run_on, _plain(before, known)):
+                return tokens[at].start
+        return self._statement_after(tokens[beginnings[0]].end) if beginnings else 0
+
+    def _statement_after(self, first: int) -> int:
+        """Return where a statement begins after the first word of a command; 0 if none does."""
+        known = self.known
+        for begun in _compiled(known.begins).finditer(self.words.lower(), first):
+            statement = Clause(self.words[begun.start() :], known)
+            if _found(known.open_end, _plain(self.words[: begun.start()], known)):
+                continue  # "go forward once the light is green"
+            if any(token.kind is TokenKind.DIR for token in statement.tokens):
+                continue  # "move one metre to the left beforehand"
+            if _found(known.run_on, statement.plain) and statement.is_remark:
+                return begun.start()
+        return 0
+
+    def _first_of_command(self, at: int) -> int:
+        while at and self._belongs(self.tokens[at - 1]):
+            at -= 1
+        return at
+
+    def _belongs(self, token: Token) -> bool:
+        """Return whether a token before the first word of a command may belong to it: "… and turn", "… slowly walk"."""
+        return token.kind in _BEFORE_BEGINNING and not (token.kind in _ACTIONS and self.is_noun(token))
+
+    def _begins_command(self, at: int) -> bool:
+        """Return whether a command may begin here: with a verb, or with a direction that is never said of a place."""
+        token, following = self.tokens[at], self.tokens[at + 1].kind if at + 1 < len(self.tokens) else TokenKind.END
+        if token.kind is TokenKind.DIR:
+            after_action = at > 0 and self.tokens[at - 1].kind in _ACTIONS
+            return not after_action and following in _AMOUNTS and self.is_never_where(token)
+        return token.kind in _BEGINNING and not self.is_noun(token)
+
+
+def without_remarks(part: str, clauses: Clauses) -> tuple[str, list[str]]:
     """Blank out the remarks of a post; also return them, in order."""
-    if not locale.remark:
+    if not clauses.known.remark:
         return part, []
-    spans = list(clauses_of(part, locale))
+    spans = list(_spans(part, clauses))
     found = [
         (start, end)
         for start, end in spans
-        if _is_remark(part[start:end], locale) or _is_aside(part, start, end, locale)
+        if clauses[part[start:end]].is_remark or _is_aside(part, start, end, clauses)
     ]
-    if any(_says_where(part, end, spans, locale) for _, end in found):
+    if any(_says_where(part, end, spans, clauses) for _, end in found):
         return part, []
     blanked = part
     for start, end in found:
@@ -88,53 +243,18 @@ def without_remarks(part: str, locale: Locale) -> tuple[str, list[str]]:
     return blanked, [part[start:end].strip() for start, end in found]
 
 
-def holds_action(words: str, locale: Locale, *, asked: bool = False) -> bool:
-    """Return whether a remark holds an action, which may be meant: "it's sunny make a heart".
-
-    In a question only a direction with an amount counts: "is fine and 5 feet forward". Elsewhere that says where a
-    thing is, which the screen judges, unless the direction is never said of a place: "it's fun ten feet forward".
-    """
-    tokens = _tokens(words, locale)
-    kinds = [token.kind for token in tokens if not _is_noun(words, token, locale)]
-    if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
-        sides = (words[t.start : t.end].lower() for t in tokens if t.kind is TokenKind.DIR)
-        if asked or any(side in locale.never_where.split("|") for side in sides):
-            return True
-    return not asked and any(kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP) for kind in kinds)
-
-
-def unsettles(words: str, locale: Locale) -> bool:
-    """Return whether a remark in words of the grammar may change what a command means."""
-    return _compiled(locale.unsettling).search(_plain(words, locale)) is not None
-
-
-def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], locale: Locale) -> bool:
-    """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
-    following = next(((start, stop) for start, stop in spans if start >= end), None)
-    if following is None or not locale.run_on or _LEADS_ON.match(part, end):
-        return False
-    clause = part[slice(*following)]
-    tokens = _tokens(clause, locale)
-    kinds = [token.kind for token in tokens]
-    sides = [clause[token.start : token.end].lower() for token in tokens if token.kind is TokenKind.DIR]
-    if TokenKind.ANGLE in kinds or any(side in locale.never_where.split("|") for side in sides):
-        return False
-    verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
-    sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
-    return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
-
-
-def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
+def _spans(part: str, clauses: Clauses) -> Iterator[tuple[int, int]]:
     """Yield the clauses between punctuation marks, each split where a purpose or a reason begins, or where a statement
     and a command meet. Questions and what introduces a quotation are passed over."""
-    purpose = _compiled(locale.purpose) if locale.purpose else None
+    purpose = clauses.known.purpose
     for match in _CLAUSE.finditer(part):
         if not match[0].strip() or _ASKED.match(part, match.end()):
             continue
-        if _LEADS_ON.match(part, match.end()) and not _introduces(match[0], locale):
+        clause = clauses[match[0]]
+        if _LEADS_ON.match(part, match.end()) and not clause.introduces:
             continue
-        begun = purpose.search(match[0].lower()) if purpose else None
-        at = begun.start() if begun and match[0][: begun.start()].strip() else _meeting(match[0], locale)
+        begun = _compiled(purpose).search(match[0].lower()) if purpose else None
+        at = begun.start() if begun and match[0][: begun.start()].strip() else clause.meeting
         if at:
             yield match.start(), match.start() + at
             yield match.start() + at, match.end()
@@ -142,123 +262,35 @@ def clauses_of(part: str, locale: Locale) -> Iterator[tuple[int, int]]:
             yield match.start(), match.end()
 
 
-def _meeting(clause: str, locale: Locale) -> int:
-    """Return where a statement and a command meet without a pause, in either order; 0 if nowhere."""
-    if not locale.run_on or len(clause) > _LONGEST_RUN_ON:
-        return 0
-    tokens = _tokens(clause, locale)
-    first = 0
-    for found in [at for at in range(len(tokens)) if _begins_command(clause, tokens, at, locale)][:_MOST_BEGINNINGS]:
-        first = first or tokens[found].end
-        at = found
-        while at and _belongs(clause, tokens[at - 1], locale):
-            at -= 1
-        if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
-            return 0
-        before = clause[: tokens[at].start]
-        if before.strip() and _compiled(locale.run_on).search(_plain(before, locale)):
-            return tokens[at].start
-    if not first:
-        return 0
-    for begun in _compiled(locale.begins).finditer(clause.lower(), first):
-        statement = clause[begun.start() :]
-        if _compiled(locale.open_end).search(_plain(clause[: begun.start()], locale)):
-            continue  # "go forward once the light is green"
-        if any(token.kind is TokenKind.DIR for token in _tokens(statement, locale)):
-            continue  # "move one metre to the left beforehand"
-        if _compiled(locale.run_on).search(_plain(statement, locale)) and _is_remark(statement, locale):
-            return begun.start()
-    return 0
-
-
-def _belongs(clause: str, token: Token, locale: Locale) -> bool:
-    """Return whether a token before the first word of a command may belong to it: "… and turn", "… slowly walk"."""
-    acts = token.kind in _ACTIONS
-    return token.kind in _BEFORE_BEGINNING and not (acts and _is_noun(clause, token, locale))
-
-
-def _begins_command(clause: str, tokens: Sequence[Token], at: int, locale: Locale) -> bool:
-    """Return whether a command may begin with this token: a verb, or a direction that is never said of a place."""
-    token, following = tokens[at], tokens[at + 1].kind if at + 1 < len(tokens) else TokenKind.END
-    if token.kind is TokenKind.DIR:
-        if at and tokens[at - 1].kind in _ACTIONS:
-            return False
-        return following in _AMOUNTS and clause[token.start : token.end].lower() in locale.never_where.split("|")
-    return token.kind in _BEGINNING and not _is_noun(clause, token, locale)
-
-
-def _tokens(clause: str, locale: Locale) -> list[Token]:
-    tokens = with_pictures(with_amounts(tokens_of(clause, locale.words)[0], clause))
-    return locale.phrases(tokens, clause) if locale.phrases else tokens
-
-
-def _plain(words: str, locale: Locale) -> str:
-    return " ".join(words.lower().replace("’", "'").translate(locale.words.twins).split())
-
-
-def _introduces(clause: str, locale: Locale) -> bool:
-    """Return whether a clause before a colon introduces the command, and not the words of somebody else."""
-    return _compiled(locale.introduction).search(_plain(clause, locale)) is not None
-
-
-def _is_remark(clause: str, locale: Locale) -> bool:
-    said = _plain(clause, locale)
-    if not _compiled(locale.remark).search(said) and not _compiled(locale.introduction).search(said):
+def _says_where(part: str, end: int, spans: Sequence[tuple[int, int]], clauses: Clauses) -> bool:
+    """Return whether a clause without a verb follows, which may say where: "there is a wall, five metres ahead"."""
+    following = next(((start, stop) for start, stop in spans if start >= end), None)
+    if following is None or not clauses.known.run_on or _LEADS_ON.match(part, end):
         return False
-    aside = _compiled(locale.aside)
-    if _compiled(locale.weighty).search(aside.sub(" ", said)):
+    clause = clauses[part[slice(*following)]]
+    kinds = [token.kind for token in clause.tokens]
+    if TokenKind.ANGLE in kinds or any(clause.is_never_where(token) for token in clause.tokens):
         return False
-    clause = aside.sub(
-        lambda found: " " * len(found[0]), clause.lower().replace("’", "'").translate(locale.words.twins)
-    )
-    fragment = _compiled(locale.fragment).search(said) is not None
-    return not _commands(clause, locale) and not (fragment and _has_side(clause, locale))
+    verbless = TokenKind.DIR in kinds and not any(kind in _BEGINNING for kind in kinds)
+    sentence_ends = _SENTENCE_END.search(part, end, following[0]) is not None
+    return verbless and (not sentence_ends or kinds[0] in _AMOUNTS)
 
 
-def _is_aside(part: str, start: int, end: int, locale: Locale) -> bool:
+def _is_aside(part: str, start: int, end: int, clauses: Clauses) -> bool:
     """Return whether a clause stands in parentheses and holds only words that ask for nothing: "(much uglier)"."""
     if part[start - 1 : start] not in _OPENING or part[end : end + 1] not in _CLOSING or not start:
         return False
-    clause = part[start:end]
-    known = any(token.kind not in (TokenKind.WORD, TokenKind.SOFT) or token.value for token in _tokens(clause, locale))
-    return not known and not _compiled(locale.weighty).search(_plain(clause, locale))
+    clause = clauses[part[start:end]]
+    known = any(token.kind not in (TokenKind.WORD, TokenKind.SOFT) or token.value for token in clause.tokens)
+    return not known and not clause.weighs
 
 
-def _has_side(clause: str, locale: Locale) -> bool:
-    """Return whether a clause names a direction, other than as its first word: "right, my friends"."""
-    tokens = _tokens(clause, locale)
-    return any(t.kind in _SIDES for t in tokens[1:]) or [t.kind for t in tokens] in ([TokenKind.DIR], [TokenKind.BACK])
+def _plain(words: str, known: Locale) -> str:
+    return " ".join(words.lower().replace("’", "'").translate(known.words.twins).split())
 
 
-def _commands(clause: str, locale: Locale) -> bool:
-    """Return whether a clause holds words that may command something."""
-    tokens = _tokens(clause, locale)
-    kinds = [token.kind for token in tokens]
-    if any(token.kind in _MEANT and token.value != "after" for token in tokens):  # "… after the night" is a time
-        return True
-    if TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds):
-        return True
-    return any(not _is_noun(clause, token, locale) for token in _actions(tokens))
-
-
-def names_deed(clause: str, locale: Locale) -> bool:
-    """Return whether a clause names a deed: an action other than a noun, a request, or a direction with an amount."""
-    tokens = _tokens(clause, locale)
-    kinds = [token.kind for token in tokens]
-    if TokenKind.REQUEST in kinds or (TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)):
-        return True
-    return any(not _is_noun(clause, token, locale) for token in _actions(tokens))
-
-
-def _actions(tokens: Sequence[Token]) -> Iterator[Token]:
-    return (token for token in tokens if token.kind in _ACTIONS)
-
-
-def _is_noun(clause: str, token: Token, locale: Locale) -> bool:
-    """Return whether a word that may be an action is a noun or an adjective here: "my turn", "is wide open"."""
-    if " " in clause[token.start : token.end]:  # in "filming this turn around" the turn is commanded
-        return False
-    return bool(locale.noun_after) and _compiled(locale.noun_after).search(clause[: token.start].lower()) is not None
+def _found(pattern: str, text: str) -> bool:
+    return _compiled(pattern).search(text) is not None
 
 
 @cache

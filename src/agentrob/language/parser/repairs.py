@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import Token, TokenKind
@@ -182,7 +181,7 @@ def _in_same_unit(amount: Token | None, before: Token | None) -> Token | None:
     if amount is None or before is None or amount.kind is not TokenKind.NUMBER or not before.unit:
         return amount or before
     value = amount.value * before.unit if isinstance(amount.value, float) else amount.value
-    return replace(amount, kind=before.kind, value=value, unit=before.unit)
+    return amount._replace(kind=before.kind, value=value, unit=before.unit)
 
 
 def _alike(amount: Token, other: Token) -> bool:

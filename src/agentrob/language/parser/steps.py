@@ -15,7 +15,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
-from agentrob.language.parser.remarks import holds_action, unsettles
+from agentrob.language.parser.remarks import Clause
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
@@ -214,11 +214,14 @@ class _StepBuilder:
         return settled_drafts
 
     def _object_to_contradictions(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> None:
-        """Object to a gesture that is also denied, and to one named after "again": "backflip. again! backflip!"."""
+        """Object to what is also denied, and to a gesture named after "again": "backflip. again! backflip!"."""
         denied: set[Op | None] = {op for sentence in sentences for op in sentence.denied_ops}
         for draft in drafts:
             if draft.op in denied or (draft.bare_picture and Op.GET_FRONT_IMAGE in denied):
                 self.reading.object_to(self._say("ask.denial", self.text[draft.start : draft.end]))
+        for motion in (motion for sentence in sentences for motion in sentence.denied_motions):
+            if any(_is_denied(draft, motion) for draft in drafts):
+                self.reading.object_to(self._say("ask.denial", self.text[motion.start : motion.end]))
         for before, draft in pairwise(drafts):
             if _turns_again(before, draft) or _repeats_gesture(before, draft, drafts):
                 self.reading.object_to(self._say("ask.again_which", self.text[before.start : draft.end]))
@@ -265,9 +268,9 @@ class _StepBuilder:
         known, remark = locale(self.language), self.text[beside.start : beside.end]
         question = beside.kind is RemarkKind.QUESTION
         if not sentence.report and not sentence.asked:
-            if holds_action(remark, known, asked=question):
+            if Clause(remark, known).holds_action(asked=question):
                 return True
-            if beside.kind is RemarkKind.REMARK and unsettles(self._to_pause(beside, sentence), known):
+            if beside.kind is RemarkKind.REMARK and Clause(self._to_pause(beside, sentence), known).unsettles:
                 return True
         return re.search(known.claims, remark.lower()) is not None
 
@@ -471,6 +474,27 @@ class _StepBuilder:
 
 def _is_length(amount: Token | None) -> bool:
     return amount is not None and amount.kind is TokenKind.LENGTH
+
+
+def _is_denied(draft: Draft, denied: Draft) -> bool:
+    """Return whether a walk or turn is the one that is denied, as far as that is described: "walk 1 m, don't walk".
+
+    "Don't run", "don't go back" and "don't turn 180" leave another walk or turn.
+    """
+    if (
+        draft.unknown
+        or denied.unknown
+        or denied.verb is None
+        or draft.motion is not denied.verb
+        or (denied.gait and not draft.gait)
+    ):
+        return False
+    usual = Direction.FORWARD if draft.motion is TokenKind.MOVE else None
+    towards = denied.direction in (None, draft.direction or usual)
+    amount, other = draft.amount, denied.amount
+    return towards and (
+        other is None or (amount is not None and (amount.kind, amount.value) == (other.kind, other.value))
+    )
 
 
 def _repeats_gesture(again: Draft, draft: Draft, drafts: Sequence[Draft]) -> bool:

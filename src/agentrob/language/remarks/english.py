@@ -185,7 +185,8 @@ WORDS = RemarkWords(
             |degrees?)(?! (?:of|long|wide|tall|high|outside|inside|today|in here|celsius)\b)""",
         "request": r"""please|pls|tell|let me|let us|show me|send|report|i'd|we'd|i want|we want|i need|we need|i would
            |we would
-           |(?:wants?|needs?|likes?|loves?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?
+           |(?:likes?|loves?) (?:\w+ ){0,2}?(?:to|(?:you|it|the robot|him)(?!$))
+           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?
             |have) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
         # Within a statement these ask for nothing: "that's where the plant was".
         "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)

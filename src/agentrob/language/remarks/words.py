@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +11,7 @@ _LINE_END = re.compile(r"\s*\n\s*(?=\|)")
 _INNER = r"\([^()]*\)"
 for _ in range(3):  # parentheses within parentheses
     _INNER = rf"\((?:[^()]|{_INNER})*\)"
+_LETTER = re.compile(r"[a-z '](?![?{+])")
 _PHRASE = re.compile(rf"(?:[^|()]|{_INNER})+")
 
 
@@ -21,7 +22,17 @@ def one_of(*lists: str) -> str:
     """
     joined = [_LINE_END.sub("", words) for words in lists]
     phrases = {" ".join(phrase.split()) for words in joined for phrase in _PHRASE.findall(words)} - {""}
-    return "(?:" + "|".join(p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))) + ")"
+    return _either([p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))])
+
+
+def _either(phrases: Sequence[str]) -> str:
+    """Return a pattern for any of these; those that begin with the same letter are tried only where it stands."""
+    by_letter: dict[str, list[str]] = {}
+    for phrase in phrases:
+        begins = _LETTER.match(phrase)
+        by_letter.setdefault(begins[0] if begins else phrase, []).append(phrase)
+    found = (f"{letter}{_either([p[1:] for p in same])}" if same[1:] else same[0] for letter, same in by_letter.items())
+    return f"(?:{'|'.join(found)})"
 
 
 @dataclass(frozen=True)
@@ -136,7 +147,7 @@ class RemarkWords:
         plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)(?!.*\b{one_of(self.joins_verb)}(?: [\w'-]+){{0,3}}$)"
         words = r"[\w' -]*"
         others = one_of(self.musings, self.verbless, self.feelings)
-        whole = rf"{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{others}(?!\w){words})$"
+        whole = rf"^{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{others}(?!\w){words})$"
         return rf"{whole}|{self._lead}{one_of(self.settings)}$"
 
     @cached_property

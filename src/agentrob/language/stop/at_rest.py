@@ -116,7 +116,7 @@ def _read_clause(clause: str) -> Intent | object | None:
 def _segments(clause: str) -> Iterator[str | None]:
     """Split a clause into stop words and politeness, longest first; yield None at the first other word."""
     plain = clause.casefold().replace("’", "'").replace(OMITTED, " ")
-    words = [_LONG_RUN.sub(r"\1", word) for word in _WORD.findall(plain)]
+    words = _WORD.findall(_LONG_RUN.sub(r"\1", plain))
     lists = stop_words()
     at = 0
     while at < len(words):

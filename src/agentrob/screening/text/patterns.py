@@ -5,18 +5,17 @@ verb in all its English forms, `~` for up to thirty characters within one senten
 same within one clause. Everything else is a regular expression over lower-case text with single spaces.
 
 Compiling all of them takes most of a second. A process that serves compiles them when it starts (`Phrases.prepare`). A
-process that reads a single text compiles only the phrases that can match it: `needs` derives from a phrase which
-literal words a text must contain.
+process that reads a single text compiles only the phrases that can match it (`language.needed_words`).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 
-#: A text must contain at least one of these strings.
-OneOf = frozenset[str]
+from agentrob.language.needed_words import OneOf, either, needs
+
 _NOT = r"(?!\b(?:don't|dont|not|never|without|avoid|instead of|rather than)\b|不要|别|不许|避免|小心|以免)"
 GAP = rf"(?:{_NOT}[^.!?;\n。！？；]){{0,30}}?"
 CLAUSE_GAP = (
@@ -155,74 +154,3 @@ def _forms(verb: str) -> str:
     more = f"|{double}(?:ed|ing)" if double and first[-3] not in _VOWELS else ""
     optional = "" if first.endswith("e") else "?"
     return f"{base}(?:{endings}{more}){optional}{space}{rest}"
-
-
-# ---------------------------------------------------------------------- what a text must contain
-_TOKEN = re.compile(
-    r"(?P<group><\w+\+?>)|(?P<open>\((?:\?(?:[:>=!]|<[=!]))?)|(?P<close>\))|(?P<either>\|)"
-    r"|(?P<times>(?:[?*+]|\{\d*,?\d*\})[?+]?)|(?P<other>\[\^?\]?(?:\\.|[^\]\\])*\]|\\.|[.~…^$])"
-    r"|(?P<text>[^<(\[\]{}?*+|\\.~…^$)]+)"
-)
-#: Most phrases: a word, possibly with an ending.
-_PLAIN = re.compile(r"([\w' -]*[\w'-]) ?(?:\w\?|\(\?:[\w|]*\)\??)?")
-#: Lookarounds, whose content is not part of the match.
-_LOOKS = {"(?=", "(?!", "(?<=", "(?<!"}
-
-
-def needs(phrase: str, group: Callable[[str], tuple[OneOf, ...]]) -> tuple[OneOf, ...]:
-    """Return sets of strings, of each of which a text must contain one to match the phrase; empty if nothing is
-    certain.
-
-    `group` returns the same for a reference `<name+>`. The result is necessary, never sufficient: a phrase that can
-    match is still searched for.
-    """
-    if plain := _PLAIN.fullmatch(phrase):
-        return _literal(plain[1])
-    return _Reader(phrase, group).alternatives()
-
-
-class _Reader:
-    def __init__(self, phrase: str, group: Callable[[str], tuple[OneOf, ...]]) -> None:
-        self._tokens = iter([(match.lastgroup, match[0]) for match in _TOKEN.finditer(phrase)])
-        self._group = group
-
-    def alternatives(self) -> tuple[OneOf, ...]:
-        """Read up to the closing bracket."""
-        found: list[list[OneOf]] = [[]]
-        last, rest = tuple[OneOf, ...](), tuple[OneOf, ...]()  # of the newest part, and of it when a `?` follows
-        for kind, said in self._tokens:
-            if kind == "times":
-                last = rest if said[0] in "?*" or said.startswith(("{0", "{,")) else last
-                continue
-            found[-1] += last
-            last = rest = ()
-            if kind == "close":
-                break
-            if kind == "either":
-                found.append([])
-            elif kind == "open":
-                within = self.alternatives()
-                last = () if said in _LOOKS else within
-            elif kind == "group":
-                last = self._group(said)
-            elif kind == "text":  # a `?` takes away its last letter only
-                last, rest = _literal(said), _literal(said[:-1])
-        found[-1] += last
-        return either(found)
-
-
-def _literal(said: str) -> tuple[OneOf, ...]:
-    return (frozenset([said.strip()]),) if said.strip() else ()
-
-
-def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
-    """Return what all alternatives require together: the most selective requirement of each."""
-    if len(found) == 1:
-        return tuple(found[0])
-    best = [max(sequence, key=_telling, default=frozenset()) for sequence in found]
-    return (frozenset().union(*best),) if all(best) else ()
-
-
-def _telling(one_of: OneOf) -> int:
-    """Return how unlikely a chance match is: the length of the shortest string."""
-    return min(map(len, one_of))

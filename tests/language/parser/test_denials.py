@@ -1,0 +1,56 @@
+"""What is asked for and denied in one post is asked about; what is denied besides is not done (law 18)."""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.model import Intent
+from tests.language.saying import read, short
+
+CONTRADICTED = """
+walk 1 m, don't walk|walk 1 m. don't walk|walk 1 m, great, don't walk|don't walk, walk 1 m|walk 1 m but do not go
+walk 1 m, don't move|walk 1 m, don't walk forward|walk 1 m, don't walk 1 m|walk 1 m, you shouldn't walk|walk 1 m, don't
+walk 1 m, no don't walk|walk 1 m, please don't do it|walk 1 m and don't you dare walk|walk 1 m without walking
+run 1 m, don't run|go back 1 m, don't go back|forward 1 m, don't walk|strafe left 1 m, don't strafe
+turn left, don't turn left|turn left. never turn left|don't turn left, turn left|turn left 90 degrees, don't turn
+left 90 degrees, don't turn|turn around, don't turn around|turn left, wave, don't turn
+wave, don't wave|wave, no don't|sit, don't sit|take a photo, don't take a photo
+前进一米，太好了，不要走|前进一米，别走|前进一米。别走|前进一米，不要往前走|前进一米但是不要走|不要走，走一米
+前进一米，不许走|后退一米，别退|向左平移一米，不要平移|左转，不要左转|左转，别转|左转90度，不要转|不要左转，左转
+掉头，不要掉头|挥手，不要挥手|挥手，别|坐下，别坐|拍照，别拍|跑一米，不要跑
+"""
+DENIED_BESIDES = {
+    "walk 1 m, don't run": "F1",
+    "don't run, walk 1 m": "F1",
+    "walk 1 m, don't turn": "F1",
+    "walk 1 m, don't walk backward": "F1",
+    "don't walk backward, walk forward 1 m": "F1",
+    "walk 1 m, don't go back": "F1",
+    "walk 1 m, don't walk 2 m": "F1",
+    "walk 1 m, don't go too far": "F1",
+    "walk 1 m, don't walk into the wall": "F1",
+    "turn left, don't turn right": "l90",
+    "don't turn right, turn left": "l90",
+    "turn left, don't walk": "l90",
+    "turn left 90, don't turn 180": "l90",
+    "前进一米，不要跑": "F1",
+    "不要跑，走一米": "F1",
+    "前进一米，不要后退": "F1",
+    "前进一米，不要走两米": "F1",
+    "走一米就好，别多走": "F1",
+    "左转，不要右转": "l90",
+    "左转，不要走": "l90",
+    "左转90度，不要转180度": "l90",
+}
+
+
+@pytest.mark.parametrize("text", [t for line in CONTRADICTED.strip().splitlines() for t in line.split("|")])
+def test_law_18_what_is_asked_for_and_denied_moves_nothing(text: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK, short(understood.plan)
+    assert not understood.plan.steps
+
+
+@pytest.mark.parametrize(("text", "plan"), DENIED_BESIDES.items())
+def test_another_motion_than_the_denied_one_is_done(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan
