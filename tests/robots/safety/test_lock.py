@@ -13,6 +13,7 @@ import pytest
 
 from agentrob.errors import RobotError
 from agentrob.model import EMERGENCY_STOP
+from agentrob.robots.safety import lock as halts
 from agentrob.robots.safety.lock import Halt, sentence
 
 
@@ -77,12 +78,12 @@ def test_law_17_a_halt_that_comes_while_one_is_released_stays(tmp_path: Path, mo
     halt.save()
     keeping: list[threading.Thread] = []
 
-    def again() -> None:
+    def again(_: Path) -> None:
         halt.set("eve", EMERGENCY_STOP)
         keeping.append(threading.Thread(target=halt.save))
         keeping[0].start()
 
-    monkeypatch.setattr(halt, "_sync_folder", again)
+    monkeypatch.setattr(halts, "sync_folder", again)
     with pytest.raises(RobotError, match="locked again during the release"):
         halt.release()
     monkeypatch.undo()
