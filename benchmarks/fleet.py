@@ -232,8 +232,9 @@ class Fleet:
 class Traffic:
     """People who command the robots, and what the forum shows of it."""
 
-    def __init__(self, fleet: Fleet, commands: int, rate: float) -> None:
+    def __init__(self, fleet: Fleet, commands: int, rate: float, limit_s: float = math.inf) -> None:
         self._fleet, self._rate, self._begun_s = fleet, rate, time.monotonic()
+        self._end_s = self._begun_s + limit_s
         self._left = iter(range(commands))
         self.commands: dict[str, Command] = {}
         #: (robot, when its stop was sent)
@@ -255,6 +256,8 @@ class Traffic:
         topic = ""
         for count, number in enumerate(self._left):
             await asyncio.sleep(max(0.0, self._begun_s + number / self._rate - time.monotonic()))
+            if time.monotonic() > self._end_s:
+                return
             robot = self._fleet.robots[number % len(self._fleet.robots)]
             text = f"@{robot} turn {'left' if number % 2 else 'right'} 90 degrees"
             begun_s = time.monotonic()
@@ -391,12 +394,18 @@ async def _again_and_again(times: int, seconds: float, done: asyncio.Event, kill
 
 
 async def run(
-    fleet: Fleet, commands: int, rate: float, kills: int, database: PostgresServer | None, database_kills: int
+    fleet: Fleet,
+    commands: int,
+    rate: float,
+    kills: int,
+    database: PostgresServer | None,
+    database_kills: int,
+    limit_s: float = math.inf,
 ) -> Traffic:
     """Let people command the fleet while workers and the database are killed; return what they saw."""
     forum = app.make_forum(fleet.config, app.board_token(fleet.config, "alice"))
-    traffic, done = Traffic(fleet, commands, rate), asyncio.Event()
-    seconds = commands / rate
+    traffic, done = Traffic(fleet, commands, rate, limit_s), asyncio.Event()
+    seconds = min(commands / rate, limit_s)
     killing = [asyncio.create_task(_again_and_again(kills, seconds, done, lambda: fleet.kill(fleet.working())))]
     if database is not None:
         killing.append(
@@ -441,6 +450,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--kills", type=int, default=6, help="How often a worker is killed.")
     parser.add_argument("--postgres", action="store_true", help="Board and journals on PostgreSQL.")
     parser.add_argument("--database-kills", type=int, default=0, help="How often PostgreSQL is killed.")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="Post no more commands after this time.")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--no-times", action="store_true", help="Judge only what must never happen, no times.")
     parser.add_argument("--keep", type=Path, help="Keep logs and ledger in this folder.")
@@ -458,7 +468,15 @@ def main(argv: Sequence[str] | None = None) -> None:
         start_s = fleet.start()
         begun_s = time.monotonic()
         traffic = asyncio.run(
-            run(fleet, options.commands, options.rate, options.kills, database, options.database_kills)
+            run(
+                fleet,
+                options.commands,
+                options.rate,
+                options.kills,
+                database,
+                options.database_kills,
+                60 * options.minutes,
+            )
         )
         missed = report(fleet, judge(traffic, fleet), time.monotonic() - begun_s, start_s)
     if options.no_times:
