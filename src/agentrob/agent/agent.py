@@ -568,6 +568,9 @@ class RobotAgent:
 
     def triage(self, post: Post, edited: bool = False) -> TriagedPost:
         """Triage a post. An error while reading one never keeps the next posts from being handled."""
+        assert self._me is not None
+        if post.removed or not obeyed(post.author, self._me):  # most posts of a fleet are those of its robots
+            return TriagedPost(Route.NOTHING)
         try:
             return triage(post, self._addressing(), edited)
         except Exception:
