@@ -118,10 +118,10 @@ async def test_law_11_over_the_network_a_shared_robot_is_leased_only_with_a_fenc
         with pytest.raises(Fenced, match="over the network a lease needs one"):
             async with other.lease("without"):
                 pass
-        assert (await other.stop("without")).confirmed, "a stop needs none"
         for client in (worker, near):
             async with client.lease("with, or on the robot's machine"):
                 pass
+        assert (await other.stop("without")).confirmed, "a stop needs none"
 
 
 # ------------------------------------------------------------------ who gets in
