@@ -114,7 +114,9 @@ class UnitreeRobot:
         came_on = (moved_m or 0.0) > STOP_ADVANCE_M or abs(turned_rad or 0.0) > STOP_ADVANCE_RAD
         coming = is_advancing(recent)
         # a standing body sways: momentary speed counts only in our own walk, or if nothing else is known
-        was_moving = gesturing or came_on or coming is True or ((walking or coming is None) and is_moving(before))
+        fast = (walking or coming is None) and is_moving(before)
+        in_doubt = walking and coming is None
+        was_moving = gesturing or came_on or coming is True or fast or in_doubt
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
@@ -203,9 +205,11 @@ def is_advancing(recent: tuple[tuple[float, Pose], ...]) -> bool | None:
     for at_s, pose in recent:
         if odometry.update(at_s, RobotState(age_s=0.0, pose=pose)) is not None:
             kept.clear()  # it jumped: what was before tells nothing
-        if at_s >= end_s - ADVANCE_S:
-            kept.append((at_s, pose))
-    start_s, start = kept[0]
+        kept.append((at_s, pose))
+    within = next(i for i, (at_s, _) in enumerate(kept) if at_s >= end_s - ADVANCE_S)
+    if end_s - kept[within][0] < 0.6 * ADVANCE_S:  # on a busy machine none may have come for a while
+        within = max(0, within - 1)
+    start_s, start = kept[within]
     if (seconds := end_s - start_s) < 0.6 * ADVANCE_S:
         return None
     metres, radians = math.hypot(end.x_m - start.x_m, end.y_m - start.y_m), abs(wrap(end.yaw_rad - start.yaw_rad))
