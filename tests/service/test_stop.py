@@ -62,7 +62,7 @@ async def test_law_14_a_stop_also_ends_posts_that_the_agent_does_not_know_yet(dr
         assert (await service.call("alice", "POST", "/scan")).json()["heard"]
         ended = await service.call("watcher", "GET", f"/commands/{post.id}?wait_s=10")
         assert ended.json()["state"] == "cancelled"
-        assert await service.x_m() == at_m
+        assert abs(await service.x_m() - at_m) < 0.001  # it may still come to rest from the test before
 
 
 async def test_law_15_no_limit_applies_to_a_stop(driver: Driver, tmp_path: Path) -> None:
