@@ -134,7 +134,7 @@ async def test_law_1_the_account_decides_and_no_text_changes_it(service: Service
     assert refused["author"] == "bob"
     ignored = await service.submit("other-robot", "walk forward 1 m")
     assert (ignored["state"], ignored["ended"]) == ("nothing", True)
-    assert await service.x_m() == before_m
+    assert abs(await service.x_m() - before_m) < 0.001  # it may still come to rest from the test before
 
 
 async def test_law_2_a_member_may_look_and_stop_but_not_command(service: Service) -> None:
