@@ -19,8 +19,8 @@ from agentrob.process.tls import tls
 USER_AGENT = "AgentRob/0.1"
 #: Longer waits are cut to an hour, in case the forum is wrong.
 LONGEST_RETRY_S = 3600.0
-#: Idle connections that are kept for the robots of a worker.
-KEPT_OPEN = 20
+#: Idle connections that the robots of a worker keep open.
+MAX_IDLE = 20
 _shared: ContextVar[httpx2.AsyncHTTPTransport | None] = ContextVar("shared connections", default=None)
 
 
@@ -36,7 +36,7 @@ def http_client(url: str, timeout_s: float, **options: Any) -> httpx2.AsyncClien
         timeout=httpx2.Timeout(timeout_s, connect=5.0),
         trust_env=False,
         verify=tls(),
-        transport=None if pool is None else _Lent(pool),
+        transport=None if pool is None else _SharedTransport(pool),
         **options,
     )
 
@@ -46,7 +46,7 @@ async def shared_connections() -> AsyncIterator[None]:
     """Clients that are made in this block share connections, which are closed with it. Their number is not limited: a
     stop never waits for a free one."""
     async with httpx2.AsyncHTTPTransport(
-        verify=tls(), trust_env=False, limits=httpx2.Limits(max_connections=None, max_keepalive_connections=KEPT_OPEN)
+        verify=tls(), trust_env=False, limits=httpx2.Limits(max_connections=None, max_keepalive_connections=MAX_IDLE)
     ) as pool:
         token = _shared.set(pool)
         try:
@@ -55,7 +55,7 @@ async def shared_connections() -> AsyncIterator[None]:
             _shared.reset(token)
 
 
-class _Lent(httpx2.AsyncBaseTransport):
+class _SharedTransport(httpx2.AsyncBaseTransport):
     """Connections of a pool that stay open when one of its clients is closed."""
 
     def __init__(self, pool: httpx2.AsyncHTTPTransport) -> None:

@@ -72,11 +72,11 @@ class IsolatedMind:
         _log.error("mind hangs; its thread is abandoned", mind=self.name, times=self._hung)
         self._thread.end()
         self._thread = _EventLoopThread(self.name)
-        self._mind = await self._thread.run(self._made_again())
+        self._mind = await self._thread.run(self._make_again())
         self._given_up = False
         await self.prepare()
 
-    async def _made_again(self) -> Mind:
+    async def _make_again(self) -> Mind:
         return self._make()
 
 

@@ -82,7 +82,7 @@ class Worker:
         self.serving: set[str] = set()
         #: When each robot whose agent ended may be taken again, and after which delay.
         self._again: dict[str, tuple[float, float]] = {}
-        self._told_held: set[str] = set()
+        self._held_logged: set[str] = set()
         self._draining = False
         self._tasks: dict[str, asyncio.Task[None]] = {}
         #: The agents that answer posts.
@@ -131,10 +131,10 @@ class Worker:
             if len(self.serving) >= self._room or self._draining:
                 return
             if robot not in free:
-                self._tell_held(robot)
+                self._log_held(robot)
             elif (journal := await self._open(robot)) is not None:
-                if robot in self._told_held:
-                    self._told_held.discard(robot)
+                if robot in self._held_logged:
+                    self._held_logged.discard(robot)
                     self._observer.taken_over(robot)
                 self.serving.add(robot)
                 self._tasks[robot] = group.create_task(self._serve(robot, journal), name=f"robot {robot}")
@@ -143,16 +143,16 @@ class Worker:
         try:
             return await self._journals.open(robot)
         except JournalHeld:
-            self._tell_held(robot)
+            self._log_held(robot)
         except JournalError as e:
             _log.error("journal not opened; trying again", robot=robot, error=str(e))
             self._observer.journal_failed(robot)
         return None
 
-    def _tell_held(self, robot: str) -> None:
-        if robot not in self._told_held:
+    def _log_held(self, robot: str) -> None:
+        if robot not in self._held_logged:
             _log.info("robot held by another worker; waiting for it", robot=robot)
-            self._told_held.add(robot)
+            self._held_logged.add(robot)
 
     async def _serve(self, robot: str, journal: Journal) -> None:
         """Serve a robot until its agent fails; then it is free again."""
@@ -164,7 +164,7 @@ class Worker:
         except Exception as e:
             expected = isinstance(e, JournalError)  # as one line; with a trace where it is a defect
             trace = None if expected else traceback.format_exc()
-            _log.error("agent ended; starting it again", robot=robot, error=_told(e), trace=trace)
+            _log.error("agent ended; starting it again", robot=robot, error=_one_line(e), trace=trace)
             if expected:
                 self._observer.journal_failed(robot)
             self._observer.restarted(robot)
@@ -195,8 +195,8 @@ class Worker:
         self._on_ready(robot)
 
 
-def _told(error: BaseException) -> str:
+def _one_line(error: BaseException) -> str:
     """An error as one line; of a group, its parts."""
     if isinstance(error, BaseExceptionGroup):
-        return "; ".join(_told(part) for part in error.exceptions)
+        return "; ".join(_one_line(part) for part in error.exceptions)
     return f"{type(error).__name__}: {error}"
