@@ -46,11 +46,13 @@ def test_an_excerpt_of_a_robots_report_says_what_happened_without_its_table() ->
     walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
     done = ActionResult(walk, Outcome.DONE, {"distance_m": 1.02})
     text = excerpt(html(robot_report(CommandState.DONE, done)))
-    assert text == "Done. Pictures: photo of step 1."
+    assert text == "Done: walked 1.02 m."
 
     blocked = ActionResult(walk, Outcome.FAILED, {"distance_m": 0.41}, "obstacle", "Something is 0.5 m ahead.")
     text = excerpt(html(robot_report(CommandState.FAILED, done, blocked)))
-    assert text == "Failed at step 2. Something is 0.5 m ahead. Pictures: photo of step 1."
+    assert text == (
+        "Failed at step 2. Something is 0.5 m ahead. Clear the way, or ask for a shorter distance or another direction."
+    )
 
 
 @pytest.mark.parametrize(
