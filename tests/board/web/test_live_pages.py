@@ -306,7 +306,7 @@ def test_the_camera_runs_only_while_somebody_watches(site: Site, windows: Window
     page.set_viewport_size({"width": 390, "height": 300})
     page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
     wait_viewers(site, 0)
-    page.evaluate("window.scrollTo(0, 0)")
+    page.locator(".camera").scroll_into_view_if_needed()
     wait_viewers(site, 1)
     page.goto("/robots")
     wait_viewers(site, 0)

@@ -49,8 +49,9 @@ _SENTENCE_END = re.compile(r"[.!?…]+(?=\s)|[。！？]+")
 
 def excerpt(html: str) -> str:
     """The first sentences of a post, in one line: without tables, pictures and code, and without quotations, headings
-    and small print if anything else is said."""
-    html = without_details(html[:EXCERPT_FROM])
+    and small print if anything else is said. Of a robot's report only what stands above its table."""
+    parts = report_parts(html[:EXCERPT_FROM])
+    html = parts.lead if parts.heading else html[:EXCERPT_FROM]
     text = _joined(_paragraphs(html, prose=True)) or _joined(_paragraphs(html, prose=False))
     if not text:
         return next((name for tag, name in _NAMED.items() if tag in html), _PICTURE)
@@ -152,7 +153,3 @@ def report_parts(html: str) -> ReportParts:
     lead, rest = (above, "") if at < 0 else (above[:at], above[at:])
     return ReportParts(lead, rest, details.strip(), heading)
 
-
-def without_details(html: str) -> str:
-    """The HTML of a post up to the heading of its details."""
-    return _DETAILS.split(html, maxsplit=1)[0]

@@ -21,8 +21,14 @@ ABOUT = {
 }
 #: How many examples a page shows.
 EXAMPLES = 3
+_OPS = {
+    "get_front_image": "take a photo",
+    "hello": "wave",
+    "heart": "make a heart",
+    "shake": "shake hands",
+}
 _GESTURES = (Op.HEART, Op.CLAP, Op.STRETCH, Op.SHAKE, Op.HELLO, Op.SIT)
-_CHAIN = (Op.MOVE, Op.TURN, Op.HELLO, Op.GET_FRONT_IMAGE)
+_CHAIN = (Op.MOVE, Op.TURN, Op.HELLO)
 
 
 def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
@@ -44,6 +50,10 @@ def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
     )
 
 
+def op_in_words(op: str) -> str:
+    return _OPS.get(op, op.replace("_", " "))[:40]
+
+
 def _members(kind: type[Op] | type[Direction], told: object) -> Iterator[Any]:
     for word in told[:40] if isinstance(told, (list, tuple)) else ():
         if isinstance(word, str) and word in frozenset(kind):
@@ -63,12 +73,21 @@ def commands_of(can: Capabilities) -> list[str]:
     """Sentences that a robot with these abilities understands: several steps at once, a gesture, a photo, one step of
     each kind."""
     singles = {step.op: step for step in reversed(examples(can))}
-    chain = [singles[op] for op in _CHAIN if op in singles]
+    chain = [singles[op] for op in _CHAIN if op in singles] or [singles[op] for op in _GESTURES if op in singles][:2]
     plans: list[Sequence[Primitive]] = [chain] if len(chain) > 1 else []
     plans += [[singles[op]] for op in _GESTURES if op in singles][:1]
     plans += [[singles[Op.GET_FRONT_IMAGE]]] if Op.GET_FRONT_IMAGE in singles else []
     plans += [[step] for step in examples(can)]
     return list(dict.fromkeys(sentence(plan, "en") for plan in plans))
+
+
+def abilities_of(name: str, can: Capabilities | None) -> tuple[tuple[str, str], ...]:
+    """Each operation of the robot of this name in words, with a post that asks for it."""
+    if can is None:
+        return ()
+    singles = {step.op: step for step in reversed(examples(can))}
+    known = [op for op in Op if op in singles]
+    return tuple((op_in_words(op), f"@{name} {sentence([singles[op]], 'en')}") for op in known)
 
 
 def example_commands(robots: Sequence[tuple[str, Capabilities | None]]) -> tuple[str, ...]:

@@ -16,6 +16,8 @@ from agentrob.model import Account, AccountKind, CommandState
 
 #: The number of replies in which the last picture is searched.
 _LOOK_BACK = 10
+#: On a forum with more robots, their pictures are only on their own pages.
+MOST_PICTURES = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +36,17 @@ class RobotNow:
         return self.robot.live and (self.robot.moves or bool(self.command))
 
 
-def now(services: Services, viewer: Account | None) -> tuple[RobotNow, ...]:
-    """All robots, connected ones first."""
-    return tuple(_now(services, robot, viewer) for robot in robots(services))
+def now(services: Services, viewer: Account | None, *, pictures: bool = True) -> tuple[RobotNow, ...]:
+    """All robots, connected ones first; with their pictures, unless there are too many robots."""
+    found = robots(services)
+    pictures = pictures and len(found) <= MOST_PICTURES
+    return tuple(robot_now(services, robot, viewer, pictures=pictures) for robot in found)
 
 
-def _now(services: Services, robot: RobotView, viewer: Account | None) -> RobotNow:
+def robot_now(services: Services, robot: RobotView, viewer: Account | None, *, pictures: bool = True) -> RobotNow:
     post, doing = running(services, robot)
-    return RobotNow(robot, doing, post.reply_to or "" if post else "", last_picture(services, robot.name, viewer))
+    picture = last_picture(services, robot.name, viewer) if pictures else None
+    return RobotNow(robot, doing, post.reply_to or "" if post else "", picture)
 
 
 def running(services: Services, robot: RobotView) -> tuple[StoredPost | None, str]:

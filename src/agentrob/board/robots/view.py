@@ -11,7 +11,7 @@ from typing import Any
 from agentrob.board.auth import rights
 from agentrob.board.db.records import StoredPost, from_text
 from agentrob.board.events.presence import LIVE_FOR
-from agentrob.board.robots.abilities import capabilities_of
+from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.services import Services
 from agentrob.model import Account, AccountKind, Capabilities
@@ -54,12 +54,6 @@ _LIMITS = {
     "command_m": ("One command", "m"),
     "command_s": ("One command", "s"),
     "command_steps": ("One command", "steps"),
-}
-_OPS = {
-    "get_front_image": "take a photo",
-    "hello": "wave",
-    "heart": "make a heart",
-    "shake": "shake hands",
 }
 
 
@@ -206,10 +200,6 @@ def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _is_id(value: object) -> bool:
     return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
-
-
-def op_in_words(op: str) -> str:
-    return _OPS.get(op, op.replace("_", " "))[:40]
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:

@@ -7,7 +7,7 @@ import hmac
 import math
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,9 +22,9 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from agentrob.board import access
 from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
-from agentrob.board.content.excerpts import excerpt
+from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import from_text
+from agentrob.board.db.records import Image, from_text
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -84,6 +84,11 @@ def word(value: object) -> str:
     return re.sub(r"[^a-z_]", "", str(value))[:24]
 
 
+def still(images: Sequence[Image]) -> Image | None:
+    """The first picture that is not a recording."""
+    return next((image for image in images if not image.moving), None)
+
+
 def tone(name: str) -> int:
     """One of five colours, always the same for a name."""
     return sum(name.encode()) % 5
@@ -124,7 +129,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
-    made.filters["inline_code"] = inline_code
+    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "still": still}
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
@@ -144,6 +149,7 @@ def render_page(
     settings = services.settings
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    frame["reads"] = services.reading is not None  # commands while they are written
     frame["unread"] = _unread(services.store.reader, viewer)
     html = _TEMPLATES.get_template(template).render(
         {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)

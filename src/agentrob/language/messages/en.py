@@ -56,7 +56,6 @@ PHRASES = {
     "did.times": "{deed} {times} times",
     # ---------------------------------------------------------------- what a command would do, while it is written
     "read.would": "I would {steps}.",
-    "read.each": "@{name}: {line}",
     "read.limit.step_distance": "Too far: {limit} m a step at most.",
     "read.limit.command_distance": "Too far: {limit} m a command at most.",
     "read.limit.step_degrees": "Too far: I turn {limit}° a step at most.",
@@ -64,7 +63,6 @@ PHRASES = {
     "read.limit.command_steps": "Too much: {limit} steps a command at most.",
     "read.limit.speed": "Too fast: {limit} m/s at most.",
     "read.approval": "I would {steps}, after an approval.",
-    "read.thread": "That depends on what was done before in the thread.",
     "read.stop": "I would stop.",
     "read.answer": "I would answer, without moving.",
     "read.no_command": "I read no command in this.",

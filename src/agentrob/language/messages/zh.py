@@ -56,7 +56,6 @@ PHRASES = {
     "did.times": "{deed}（{times} 次）",
     # ---------------------------------------------------------------- what a command would do, while it is written
     "read.would": "我会{steps}。",
-    "read.each": "@{name}：{line}",
     "read.limit.step_distance": "太远：每步最多 {limit} 米。",
     "read.limit.command_distance": "太远：每条命令最多 {limit} 米。",
     "read.limit.step_degrees": "转得太多：每步最多 {limit}°。",
@@ -64,7 +63,6 @@ PHRASES = {
     "read.limit.command_steps": "太多：每条命令最多 {limit} 步。",
     "read.limit.speed": "太快：最多 {limit} 米/秒。",
     "read.approval": "经批准后，我会{steps}。",
-    "read.thread": "这取决于本主题里之前做过什么。",
     "read.stop": "我会停下。",
     "read.answer": "我会回答，不会移动。",
     "read.no_command": "我在这里没有读到命令。",
