@@ -7,7 +7,7 @@ from dataclasses import asdict
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from agentrob.board.access import Member, ReadingViewer
+from agentrob.board.access import Member, ReadingViewer, Stopper
 from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response
 from agentrob.board.api.forum import post_written
 from agentrob.board.api.models import (
@@ -31,7 +31,7 @@ router = APIRouter(prefix="/api/v1", responses=documented(404), tags=["commands"
 
 
 @router.post("/commands/read", response_model=ReadingOut, responses=documented(429))
-async def read_command(services: AppServices, draft: DraftIn, by: Member) -> Response:
+async def read_command(services: AppServices, draft: DraftIn, by: Stopper) -> Response:
     """Read a command without carrying it out: what each robot that it addresses would do, by rules alone. Stores
     nothing."""
     found = await reading.read(services, by, draft.text, draft.board_id, draft.topic_id)

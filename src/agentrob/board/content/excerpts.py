@@ -152,4 +152,3 @@ def report_parts(html: str) -> ReportParts:
     at = above.find("<table")
     lead, rest = (above, "") if at < 0 else (above[:at], above[at:])
     return ReportParts(lead, rest, details.strip(), heading)
-

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from itertools import islice
@@ -19,6 +18,8 @@ ABOUT = {
     "g1": "A humanoid robot by Unitree, the height of a child: 35 kg, 1.3 m. It walks slowly and gestures with its "
     "arms.",
 }
+#: A limit beyond this is taken as unknown.
+MOST_LIMIT = 1e6
 #: How many examples a page shows.
 EXAMPLES = 3
 _OPS = {
@@ -64,7 +65,7 @@ def _limits(told: object) -> Limits:
     numbers = {}
     for field in fields(Limits):
         value = told.get(field.name) if isinstance(told, Mapping) else None
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value) and value > 0:
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < MOST_LIMIT:
             numbers[field.name] = int(value) if field.name == "command_steps" else value
     return Limits(**numbers)
 

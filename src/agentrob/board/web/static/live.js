@@ -183,7 +183,7 @@ async function refresh(id) {
     // The robot's agent sends its record, which names the pictures, a moment after the report.
     if (fresh && "uncaptioned" in fresh.dataset && !asked.has(id)) { asked.add(id); setTimeout(refresh, 1500, id); }
   } catch { setTimeout(refresh, 2000, id); } // the event is not sent again
-  for (const renew of parts) renew();
+  for (const [address, renew] of parts) if (address.startsWith("/robots?")) renew();
   const again = pending.get(id);
   pending.delete(id);
   if (again) refresh(id);
@@ -276,7 +276,7 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
       localTimes(part);
     } catch { /* retried with the next update */ }
   };
-  parts.push(renew);
+  parts.push([part.dataset.refresh, renew]);
   setInterval(renew, Number(part.dataset.every) || 3000);
 }
 
