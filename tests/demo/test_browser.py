@@ -179,6 +179,7 @@ def test_a_post_moves_the_robot_and_the_thread_gets_a_report(page: Page, demo: R
     )
     assert len(widths) >= 2, "a photo and the plot of the path"
     assert min(widths) >= 400
+    expect(answer.locator(".pictures figcaption").first).to_be_visible()
     screenshot(page, "thread")
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390

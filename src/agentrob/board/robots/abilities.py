@@ -62,7 +62,7 @@ def _members(kind: type[Op] | type[Direction], told: object) -> Iterator[Any]:
 
 
 def _limits(told: object) -> Limits:
-    numbers = {}
+    numbers: dict[str, Any] = {}
     for field in fields(Limits):
         value = told.get(field.name) if isinstance(told, Mapping) else None
         if isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < MOST_LIMIT:

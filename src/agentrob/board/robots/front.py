@@ -63,17 +63,19 @@ def running(services: Services, robot: RobotView) -> tuple[StoredPost | None, st
 
 
 def last_picture(services: Services, robot: str, viewer: Account | None) -> Image | None:
-    """The latest still picture in a robot's replies, if the viewer may see its camera."""
+    """The latest photo in a robot's replies, else another picture, if the viewer may see its camera."""
     reader = services.store.reader
     account = reader.account(robot)
     if account is None or not rights.sees_camera(rights.settings_of(reader, robot), viewer, robot):
         return None
-    return first_still(reader.posts_by(account, _LOOK_BACK))
+    return telling([image for post in reader.posts_by(account, _LOOK_BACK) for image in post.images])
 
 
-def first_still(posts: Sequence[StoredPost]) -> Image | None:
-    """The first picture that is not a recording. Photos come before plots."""
-    return next((image for post in posts for image in post.images if not image.moving), None)
+def telling(images: Sequence[Image]) -> Image | None:
+    """The picture that tells most in a list: the first photo, else recording, else plot; None without any."""
+    return min(
+        images, key=lambda image: 0 if image.media_type == "image/jpeg" else 1 if image.moving else 2, default=None
+    )
 
 
 def outcomes(services: Services, topics: Collection[Topic]) -> Mapping[str, StoredPost]:

@@ -195,7 +195,7 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
     robots = [actions.known_robot(services, view.name)]
     asking = [one for post in line for one in approvals.waiting(services, post, robots, viewer.account)]
-    about = {
+    about: dict[str, Any] = {
         "owner": actions.owner_of(services, view.name),
         "line": line,
         "abilities": abilities_of(view.name, view.can),

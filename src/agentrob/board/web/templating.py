@@ -8,7 +8,7 @@ import hmac
 import math
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,7 +25,8 @@ from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
 from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.reader import Reader
-from agentrob.board.db.records import Image, from_text
+from agentrob.board.db.records import from_text
+from agentrob.board.robots.front import telling
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -87,11 +88,6 @@ def word(value: object) -> str:
     return re.sub(r"[^a-z_]", "", str(value))[:24]
 
 
-def still(images: Sequence[Image]) -> Image | None:
-    """The first picture that is not a recording."""
-    return next((image for image in images if not image.moving), None)
-
-
 def tone(name: str) -> int:
     """One of five colours, always the same for a name."""
     return sum(name.encode()) % 5
@@ -132,7 +128,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
-    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "still": still}
+    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "telling": telling}
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
