@@ -64,11 +64,13 @@ def excerpt(html: str) -> str:
 def around(html: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
     """The part of a post with the words of a query, in pieces, each with whether it is such a word.
 
-    The excerpt of the post if its words are only in its title, in tables or in code.
+    The excerpt of the post if its words are only in its title, in tables, in code or in the details of a report.
     """
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
         return ((excerpt(html), False),)
+    parts = report_parts(html)
+    html = parts.lead + parts.rest
     pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
     begin = _window(html, words)
     window = html[begin : begin + AROUND_FROM]

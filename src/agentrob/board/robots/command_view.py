@@ -85,7 +85,7 @@ class CommandView:
     facts: tuple[tuple[str, str], ...]
     models: tuple[ModelView, ...]
     calls: tuple[CallView, ...]
-    pictures: tuple[tuple[str, Image], ...]
+    pictures: tuple[tuple[str, Image, str], ...]
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
@@ -236,15 +236,16 @@ def _call(turn: Mapping[str, Any]) -> CallView:
     )
 
 
-def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
-    """The pictures of the reply with captions; generic ones if the record lists another number of pictures."""
+def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image, str], ...]:
+    """The reply's pictures with captions and kinds; generic ones if the record lists another number of pictures."""
     if reply is None:
         return ()
     named = len(kinds) == len(reply.images)
     shown = []
     for n, image in enumerate(reply.images):
         kind = _map(kinds[n]) if named else {}
-        shown.append((_picture(kind, "Recording" if image.moving else "Picture"), image))
+        words = _picture(kind, "Recording" if image.moving else "Picture")
+        shown.append((words, image, _text(kind.get("kind"), 20)))
     return tuple(shown)
 
 
