@@ -51,7 +51,7 @@ TABLE = {
         side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
-    "move dir=backward": """edge back|edge backwards|inch back|inch backwards|ease back|scooch back|scooch backwards|
+    "move dir=backward": """back straight up|back it straight up|back right up|back on up|back up straight|edge back|edge backwards|inch back|inch backwards|ease back|scooch back|scooch backwards|
         shuffle back|shuffle backwards|nudge back|nudge backwards|crawl back|slide back|
         slide backwards|creep back|withdraw|go backwards|walk backwards|run back|run backwards|
         travel backwards|come backwards|move yourself back|back yourself off|give ground|
@@ -680,6 +680,14 @@ _DONE = ("when you're done", "when you are done", "once you're done", "once you 
 TABLE["talk=tell"] += "".join(f"|{tell} {done}" for tell in ("let me know", "tell me", "let us know") for done in _DONE)
 TABLE["condition"] += "".join(f"|once done {doing}" for doing in _DOING if doing.endswith("ing"))
 TABLE["and"] += "|" + "|".join(f"{done} {doing}" for done in _DONE for doing in _DOING)
+#: For what somebody is thanked is done: nothing is asked.
+TABLE["talk"] += "".join(
+    f"|{thanks} for {what}"
+    for thanks in ("thanks", "thank you", "thx", "ty", "cheers", "many thanks", "thanks again", "thanks a lot",
+        "thank you so much", "thanks so much", "thank you very much", "thank you again", "props", "kudos")
+    for what in ("the", "your", "all", "such", "being", "taking", "sending", "showing", "waving", "turning", "walking",
+        "moving", "doing", "making", "helping", "a", "coming", "sitting", "sharing", "posting")
+)  # fmt: skip
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,

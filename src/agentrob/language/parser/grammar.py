@@ -272,7 +272,7 @@ class _Reader:
         )
 
     def _names_deed(self, words: str) -> bool:
-        return self._clauses[words].names_deed
+        return self._clauses[words].without_asides.names_deed
 
 
 def asks_for_picture_at_rest(text: str) -> bool:

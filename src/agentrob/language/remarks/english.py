@@ -86,7 +86,8 @@ WORDS = RemarkWords(
        |new)\b[\w' ]*)?$|merry|long live|god bless|bless (?:you|them|him|her)|congrat\w*
        |(?:thanks|thank you|cheers)(?: (?:a|again|for|to|so|very|from|everyone|all|guys|team|folks)\b[\w' ]*)?$
        |good (?:luck|night|morning|afternoon|evening|job|boy|girl|stuff|to see|to be|thing|point|question|old|news)
-       |my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
+       |(?:folks|guys|everyone|everybody|team|people|friends|mates|gang|y'all|ladies and gentlemen|class|chat|fam)$
+       |dear (?:all|team|friends|everyone|class|robot)$|my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
        |rest in peace|case closed|long story|fair enough|true story|same here|me too|us too
        |first things first|side note|note to self|random thought|quick note|purpose|background
        |(?:in|from|here in) [a-z]+ (?:with love|today|tonight)$""".replace("FEELINGS", _WORDS_OF_FEELING),
@@ -97,6 +98,8 @@ WORDS = RemarkWords(
        |(?:one|two|three|another|a|my|our|first|last)(?: \w+)? (?:wish|wishes|request|requests|vote|votes)
         (?:from|by|of|on behalf of)(?: [\w'-]+){1,4}
        |(?:greetings|hello|hi|a request|a wish|message)(?: \w+)? from(?: [\w'-]+){1,5}
+       |(?:i|we)(?: just)? (?:bet|wagered|promised) (?:[\w']+ ){0,6}?(?:that )?(?:you|it|the robot)
+        (?:can|could|will|would)(?: [\w']+){1,4}
        |would be (?:an honou?r|a pleasure|a dream|lovely|great|nice|cool|awesome)""",
     prefaces=r"""if (?:i|we) (?:remember|recall|understand|see|know)(?: (?:it|that|this))?
         (?: correctly| right| rightly| well)?
@@ -114,6 +117,22 @@ WORDS = RemarkWords(
        |(?:be|am|i'm|is|are|was|were|came|got|welcome) (?:right )?back(?! (?:up|off|away)\b)
        |back (?=in \d{4}\b|then\b|home\b|at (?:home|work|school)\b|(?:from|to) (?:work|school|lunch|the office)\b)
        |look(?:ing)? forward(?= to\b)|should be (?:plenty|enough|fine|ok|okay|good|easy|fun|nice|interesting|great)$
+       |(?:will|would|might|should|does|did|may|must|could) look (?!left|right|up|down|back|around|at|ahead|behind
+       |forward|over|into)
+       |(?:this|that|the|a|different|better|good|nice|another|camera|viewing|whole) angle(?! of\b)
+       |(?:have|has|had|got) (?:\w+ ){1,4}?ready
+       |(?:been|was|were|am|i'm|we're|kept) (?:\w+ )?waiting(?! (?:for|until|till) (?:\w+ ){1,2}to\b)
+       |(?:late|long|short|old|double|duplicate|boring|silly|off topic) (?:posts?|repl(?:y|ies)|messages?)
+       |(?:internet|connection|wifi|network|stream|feed|video|computer|laptop|phone|page|site|server|traffic|bus|day
+       |morning|week|typing) (?:is|was|has been|seems|feels|got|looks) (?:\w+ )?(?:slow|slower|fast|quick)
+       |(?:slow|fast|quick) (?:connection|internet|wifi|day|morning|week|typist|typing|reader|learner|computer|laptop
+       |phone|news day)
+       |you must (?:be|feel) (?:so |very |pretty |really )?(?:FEELINGS|stiff|busy|popular|famous|lonely|freezing|dizzy
+       |starving)
+       |(?:i|we) (?:have|had|still have|must|need)(?: to)? (?:go|run|head|leave|move|drive|walk|come|sit|get|sleep|rest)
+        (?:out|off|home|soon|now|later|away|early|again|to bed|to work|to sleep|to school|there|in a \w+)
+       |i(?:'ve)? (?:got to|gotta) (?:go|run|leave|sleep)|thanks (?:[\w' ]+ )?in advance
+       |(?:you|it|the robot|he|she) (?:can|could|will|would) (?:do|manage|handle|pull off) (?:it|this|that|so)
        |the same (?!as\b|way\b|thing\b|again\b|but\b|turn|walk|move|please)(?=[a-z]+)""".replace(
         "FEELINGS", _WORDS_OF_FEELING
     ),

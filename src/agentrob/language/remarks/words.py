@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+_ANY_ENDING = re.compile(r"(?<=[a-z])\*")
 _LINE_END = re.compile(r"\s*\n\s*(?=\|)")
 _INNER = r"\([^()]*\)"
 for _ in range(3):  # parentheses within parentheses
@@ -22,7 +23,7 @@ def one_of(*lists: str) -> str:
     """
     joined = [_LINE_END.sub("", words) for words in lists]
     phrases = {" ".join(phrase.split()) for words in joined for phrase in _PHRASE.findall(words)} - {""}
-    return _either([p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))])
+    return _either([_ANY_ENDING.sub(r"[\\w'-]*", p) for p in sorted(phrases, key=lambda p: (-len(p), p))])
 
 
 def _either(phrases: Sequence[str]) -> str:

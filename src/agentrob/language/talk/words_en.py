@@ -34,6 +34,11 @@ _PAST = (
     r"|indeed)"
     r"[a-z]{2,}[^aeiou\W]ed|tried|moved|waved|rotated|finished)\b(?! me)"
 )
+_IT = r"(?:it|he|she|they|that|(?:the|that|this|your|my|our) [a-z]+)(?: (?:just|also|really|almost|even|always|never|once))?"
+_FORUM = (
+    r"(?:moving|closing|locking|merging|pinning|splitting|quoting|editing|bumping|following|deleting|reporting"
+    r"|subscribing to) (?:this|the|my|that|your)(?: \w+)? (?:thread|topic|posts?|question|discussion|title|reply|message)\b"
+)
 _WHEN = (
     r"(?:yesterday|last (?:night|week|month|year|time|monday|tuesday|wednesday|thursday|friday|saturday|sunday)"
     r"|earlier|this morning|previously|(?:\d+|a|two|three|few|an?) (?:day|hour|week|minute|month|year)s? ago"
@@ -71,7 +76,7 @@ _THIRD = (
 
 FORMS = TalkForms(
     lead=_LEAD,
-    clauses=(rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"),
+    clauses=(rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|{_IT} {_PAST}|{_FORUM}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"),
     sentences=(rf"^(?:{_QUESTION}.*|{_WHEN}.*|(?:{_HUMAN}),? (?:can|could|would|will) you\b.*)"),
     named=(
         r"^(?:(?i:dear |hey |ok |okay )*(?i:admins?|mods?|moderators?|webmaster),? .*"
