@@ -173,5 +173,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         rf"\b(turn|rotate|pivot|spin|swivel|swing)(?: yourself)? back (?=(?:by |about )?{_NUMBER}\b.*\b(?:left|right)\b)",
         r"\1 ",
     ),
+    (rf",? (?:let's |i'd |i would )?say,? (?=(?:about |another |a |an )?{_NUMBER}\b)", " "),
+    (rf"(\b(?:{_PICTURE})) (?:straight|directly|facing|looking|pointing)? ?(?:ahead|forwards?|straight){_END}", r"\1"),
     (r",? (?:and )?(?:at|in) the end(?: of (?:that|it|this|the (?:turn|move|walk|rotation)))?(?=[.!]*$)", " "),
 )

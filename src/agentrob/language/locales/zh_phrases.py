@@ -124,6 +124,7 @@ def _told(tokens: list[Token], said: str) -> list[Token]:
     return found
 
 
+_OF_ALL = re.compile(r"(?:都|均|全)(?:是|为|转|走|按|用)?(?=[\d一二两三四五六七八九十半百])")
 _REST = re.compile("(?:千万)?(?:别|不要|不许|不准|不能|不可以|请勿|勿)(?:再|乱|随便|到处)*动(?![手作脑弹力])")
 _RESTS = ("不动", "别动", "停")
 
@@ -136,6 +137,13 @@ def _waits(tokens: list[Token], said: str) -> list[Token]:
         following = [t.kind for t in tokens[at + 1 : at + 3] if _text(t, said) != "动"] if rests else []
         timed = following[:1] == [TokenKind.DURATION]
         found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if timed else token)
+    return found
+
+
+def _shared_later(tokens: list[Token], said: str) -> list[Token]:
+    """先左转再右转，都是四十五度: what is said of all deeds before is not the amount of the last one."""
+    starts = [found.start() for found in _OF_ALL.finditer(said)]
+    found = [t._replace(kind=TokenKind.WORD, value=None) if t.start in starts else t for t in tokens]
     return found
 
 
@@ -594,6 +602,7 @@ def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
 _REWRITES = (
     (_pictures_told, frozenset("谢收看存拍照很真太不好挺糊模清漂美歪反倒黑亮没呢")),
     (_rests_after, frozenset("动")),
+    (_shared_later, frozenset("都均全")),
     (_sits_or_does, frozenset("做")),
     (_enumerated, frozenset("1")),
     (_rather, frozenset("是")),

@@ -188,7 +188,10 @@ class Clause:
         if not known.run_on or len(self.words) > _LONGEST_RUN_ON:
             return 0
         tokens = self.tokens
-        beginnings = [at for at in range(len(tokens)) if self._begins_command(at)][:_MOST_BEGINNINGS]
+        masked = self.without_asides.words
+        beginnings = [
+            at for at, token in enumerate(tokens) if not masked[token.start].isspace() and self._begins_command(at)
+        ][:_MOST_BEGINNINGS]
         for at in map(self._first_of_command, beginnings):
             if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
                 return 0

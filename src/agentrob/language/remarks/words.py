@@ -148,7 +148,7 @@ class RemarkWords:
         plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)(?!.*\b{one_of(self.joins_verb)}(?: [\w'-]+){{0,3}}$)"
         words = r"[\w' -]*"
         others = one_of(self.musings, self.verbless, self.feelings)
-        whole = rf"^{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{others}(?!\w){words})$"
+        whole = rf"^{finished}{self._lead}{plain}(?:{self._statement} {words}\w|{others}(?!\w){words})$"
         return rf"{whole}|{self._lead}{one_of(self.settings)}$"
 
     @cached_property
