@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from agentrob.board.auth import rights
+from agentrob.board.auth import rights, visibility
 from agentrob.board.db.records import StoredPost, from_text
 from agentrob.board.events.presence import LIVE_FOR
+from agentrob.board.robots import live
 from agentrob.board.robots.actions import known_robot
+from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
 from agentrob.model import Account, AccountKind
 
@@ -32,6 +34,7 @@ _KNOWN = {
     "homed",
     "lock",
     "told",
+    "map",
     "worker",
     "version",
     "since",
@@ -111,6 +114,7 @@ class RobotView:
     lock: LockView | None = None
     homed: bool | None = None
     told: ToldView | None = None
+    map: MapView | None = None
 
 
 def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
@@ -138,6 +142,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         lock=_lock(card.get("lock")),
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
         told=_told(card.get("told")),
+        map=live.map_view(card.get("map")),
     )
 
 
@@ -183,7 +188,8 @@ def owners(services: Services, posts: Iterable[StoredPost]) -> dict[str, str]:
 
 def _look(services: Services, account: Account) -> RobotView:
     now = services.presence.robot(account.name)
-    return robot_view(account.name, now.card, now.seen_at)
+    view = robot_view(account.name, now.card, now.seen_at)
+    return view if live.shows(now.card, visibility.readable_boards()) else replace(view, map=None)
 
 
 def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:

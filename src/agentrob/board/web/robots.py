@@ -65,6 +65,7 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
         else None
     )
     data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(services, view, viewer)
+    data["neighbours"] = robot_view.robots(services)
     data["releases"] = actions.may_release(services, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return render_page(

@@ -7,7 +7,7 @@ import hmac
 import math
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,6 +25,9 @@ from agentrob.board.content import notifications
 from agentrob.board.content.excerpts import excerpt
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
+from agentrob.board.robots import live
+from agentrob.board.robots.live import RoomView
+from agentrob.board.robots.view import RobotView
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -110,6 +113,13 @@ def status_card(card: Mapping[str, Any]) -> StatusCard:
     )
 
 
+def _rooms(robots: Sequence[RobotView], board: str = "", robot: str = "") -> Sequence[RoomView]:
+    """The rooms of the robots that act on a board, or the room of one robot; by default all."""
+    chosen = [one for one in robots if not board or board in one.boards]
+    found = live.rooms((one.name, one.map) for one in chosen)
+    return [room for room in found if not robot or robot in (name for name, _ in room.robots)]
+
+
 def _count(value: object) -> int:
     return min(max(value, 0), 10_000) if isinstance(value, int) else 0
 
@@ -128,6 +138,8 @@ def _environment() -> Environment:
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
+    made.globals["rooms"] = _rooms
+    made.globals["maps"] = made.get_template("live_view.html").module
     made.globals["parts"] = made.get_template("parts.html").module
     return made
 

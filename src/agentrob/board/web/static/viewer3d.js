@@ -1,0 +1,1 @@
+export async function openView() { throw new Error("not built"); }
