@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fastapi import APIRouter
+from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.web import (
@@ -27,8 +28,8 @@ for module in (topics, posts, robots, commands, find, sign_in, feeds, api_docs, 
 
 
 @router.get("/static/{version}/{name}")
-async def static(version: str, name: str) -> Response:
-    return static_file(version, name)
+async def static(request: Request, version: str, name: str) -> Response:
+    return static_file(version, name, request.headers.get("accept-encoding", ""))
 
 
 @router.get("/favicon.ico")

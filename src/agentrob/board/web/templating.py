@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import hmac
 import math
@@ -10,6 +11,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -64,6 +66,8 @@ ROLES = {
 _HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
+#: Static files of more bytes are worth compressing.
+LARGE = 100_000
 _HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
 
 
@@ -292,9 +296,18 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")
 
 
-def static_file(version: str, name: str) -> Response:
-    """A static file; cacheable for a year if requested with its hash. Raises `BoardError` 404."""
+@cache
+def _gzipped(name: str) -> bytes:
+    return gzip.compress(_STATIC[name], mtime=0)
+
+
+def static_file(version: str, name: str, encodings: str = "") -> Response:
+    """A static file; cacheable for a year if requested with its hash. Large ones are compressed if the client accepts
+    it (`encodings`, the header Accept-Encoding). Raises `BoardError` 404."""
     if name not in _STATIC:
         raise BoardError(404, "no_such_file", "there is no such file")
     kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
-    return Response(_STATIC[name], media_type=_MEDIA_TYPES[Path(name).suffix], headers={"Cache-Control": kept})
+    kind, headers = _MEDIA_TYPES[Path(name).suffix], {"Cache-Control": kept}
+    if len(_STATIC[name]) > LARGE and "gzip" in encodings:
+        return Response(_gzipped(name), media_type=kind, headers=headers | {"Content-Encoding": "gzip"})
+    return Response(_STATIC[name], media_type=kind, headers=headers)

@@ -53,6 +53,7 @@ class View {
     this.svg = section.querySelector(".map");
     this.names = [...this.map.robots.keys()];
     this.three = null;
+    this.fault = ""; // why there is no 3D view
     this.plans = new Map();
     this.poses = new Map();
     this.changed = () => {};
@@ -63,7 +64,10 @@ class View {
     }
   }
 
-  say(text) { if (this.state.textContent !== text) this.state.textContent = text; }
+  say(text) {
+    const said = [this.fault, text].filter(Boolean).join(" · ");
+    if (this.state.textContent !== said) this.state.textContent = said;
+  }
 
   place(name, pose, body) {
     this.poses.set(name, [pose, body]);
@@ -106,7 +110,8 @@ class View {
         for (const [name, plan] of this.plans) this.three.way(name, plan, []);
       } catch (error) {
         this.button.remove();
-        this.say(`3D is not available here (${error.message}); this is the map`);
+        this.fault = `3D is not available here: ${error.message}`;
+        this.say("");
         return;
       }
       this.button.disabled = false;
@@ -216,7 +221,7 @@ async function replay(section) {
 
   let at = end, playing = false, speed = 1, before = 0;
   const play = made("button", { type: "button", textContent: "Play" });
-  const slider = made("input", { type: "range", min: 0, max: end, step: 50, value: end });
+  const slider = made("input", { type: "range", min: 0, max: 100 * Math.ceil(end / 100), step: 100, value: end });
   slider.setAttribute("aria-label", "Time in the replay");
   const clock = made("output");
   const fast = made("select", {}, ...[0.25, 0.5, 1, 2, 4].map((one) => made("option", { value: one, textContent: `${one}×`, selected: one === 1 })));
