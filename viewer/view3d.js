@@ -155,7 +155,7 @@ export async function openView(stage, shapes, follow) {
 
   const camera = new PerspectiveCamera(42, 1, 0.05, 80);
   camera.up.copy(UP);
-  camera.position.set(-2.6, -2.8, 2);
+  camera.position.set(-2, -2.3, 1.6);
   const canvas = renderer.domElement;
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `3D view of the room, following ${follow}; drag to look around`);

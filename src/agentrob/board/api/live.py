@@ -14,10 +14,9 @@ from starlette.responses import Response
 from agentrob.board.access import Member, ReadingViewer
 from agentrob.board.api.dependencies import documented, json_response, still_allowed
 from agentrob.board.api.models import GeometryOut, MapOut, PoseViewers, Viewers
-from agentrob.board.content import geometry
 from agentrob.board.db.reader import not_found
 from agentrob.board.events.poses import PoseStream
-from agentrob.board.robots import actions, live, replays
+from agentrob.board.robots import actions, geometry, live, replays
 from agentrob.board.robots.actions import check_own_robot
 from agentrob.board.services import AppServices
 from agentrob.errors import BoardError

@@ -46,7 +46,7 @@ from agentrob.robots.unitree.robot import (
     gesture_timeout_s,
     is_moving,
     poses,
-    posture,
+    posture_of,
     read,
     refused,
 )
@@ -140,7 +140,7 @@ class G1(UnitreeRobot):
         return replace(state, mode=mode_of(state, self._fsm.id, gesturing=self._gesturing))
 
     def posture(self) -> Posture:
-        return posture(self._odometry.newest(), self._joints)
+        return posture_of(self._odometry.newest(), self._joints.now())
 
     def _recent(self) -> tuple[tuple[float, Pose], ...]:
         return poses(self._odometry)

@@ -27,7 +27,7 @@ from agentrob.robots.unitree.robot import (
     failed,
     gesture_timeout_s,
     poses,
-    posture,
+    posture_of,
     refused,
 )
 
@@ -116,7 +116,7 @@ class Go2(UnitreeRobot):
         return replace(state, upright=True, mode="gesture") if self._flipping and state.mode == "fallen" else state
 
     def posture(self) -> Posture:
-        return posture(self._state.newest(), self._joints)
+        return posture_of(self._state.newest(), self._joints.now())
 
     @property
     def _flipping(self) -> bool:

@@ -198,7 +198,7 @@ def read(message: Any) -> RobotState:
     )
 
 
-def posture(newest: tuple[float, Any] | None, joints: JointAngles) -> Posture:
+def posture_of(newest: tuple[float, Any] | None, joints_rad: tuple[float, ...]) -> Posture:
     """Height and tilt of the newest `SportModeState_`, with the joint angles."""
     if newest is None:
         return Posture(math.inf)
@@ -211,7 +211,7 @@ def posture(newest: tuple[float, Any] | None, joints: JointAngles) -> Posture:
         c, s = math.cos(state.pose.yaw_rad / 2), math.sin(state.pose.yaw_rad / 2)
         tilt = (c * w + s * z, c * x + s * y, c * y - s * x, c * z - s * w)
     height = height_m if math.isfinite(height_m) else None
-    return Posture(time.monotonic() - came_s, state.pose, height, tilt, joints.now())
+    return Posture(time.monotonic() - came_s, state.pose, height, tilt, joints_rad)
 
 
 class JointAngles:
