@@ -24,11 +24,11 @@ from agentrob.model import Account, AccountKind
 
 router = APIRouter(prefix="/api/v1", responses=documented(404))
 
-#: Robots of one stream.
-MOST_ROBOTS = 20
+#: 1 to 20 names of robots.
+ROBOTS = r"^[a-z0-9_-]{1,32}(,[a-z0-9_-]{1,32}){0,19}$"
 _FOREVER = {"Cache-Control": "private, max-age=31536000, immutable"}
 _KEPT = {"Cache-Control": "private, no-cache"}
-_GZIP: dict[str, Any] = {"content": {"application/gzip": {"schema": {"type": "string", "format": "binary"}}}}
+_GZIP: dict[str, Any] = {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
 _Metres = Annotated[float, Field(ge=-1000, le=1000, allow_inf_nan=False)]
 _Point = Annotated[list[_Metres], Field(min_length=2, max_length=2)]
 
@@ -37,7 +37,7 @@ class PoseIn(BaseModel):
     """A pose in metres and radians of the robot's room; `body`: height, tilt (w, x, y, z), joint angles. `plan` and
     `trail`, the requested and the measured path, come with the first pose of a command."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     pose: Annotated[list[_Metres], Field(min_length=3, max_length=3)]
     body: Annotated[list[_Metres], Field(max_length=80)] = []
@@ -62,15 +62,11 @@ async def publish_pose(services: AppServices, name: str, frame: PoseIn, by: Memb
 async def stream_poses(
     services: AppServices,
     who: ReadingViewer,
-    robots: Annotated[str, Query(max_length=700, description="names, separated by commas")],
+    robots: Annotated[str, Query(pattern=ROBOTS, description="names, separated by commas")],
     body: Annotated[bool, Query(description="also how each robot holds its body")] = False,
 ) -> Response:
     """Poses of robots as server-sent events. The first viewer causes a `robot.poses` event."""
-    names = tuple(sorted(dict.fromkeys(name for name in robots.split(",") if name)))
-    if not 0 < len(names) <= MOST_ROBOTS:
-        hint = f"1 to {MOST_ROBOTS} names, separated by commas"
-        raise BoardError(422, "bad_robots", f"robots has {len(names)} names", hint)
-    names = tuple(actions.known_robot(services, name).name for name in names)
+    names = tuple(sorted({actions.known_robot(services, name).name for name in robots.split(",")}))
 
     def check(account: Account | None) -> None:
         for name in names:

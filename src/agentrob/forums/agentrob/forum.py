@@ -188,11 +188,11 @@ class BoardForum:
         return await self._call("PUT", path, _pose_viewers, frame)
 
     async def publish_geometry(self, robot: str, geometry: bytes) -> str:
-        path, headers = f"/robots/{quote(robot, safe='')}/geometry", {"Content-Type": "application/gzip"}
+        path, headers = f"/robots/{quote(robot, safe='')}/geometry", {"Content-Type": "application/octet-stream"}
         return await self._call("PUT", path, lambda answer: str(answer["name"]), content=geometry, headers=headers)
 
     async def publish_replay(self, post_id: str, replay: bytes) -> None:
-        path, headers = f"/commands/{quote(post_id, safe='')}/replay", {"Content-Type": "application/gzip"}
+        path, headers = f"/commands/{quote(post_id, safe='')}/replay", {"Content-Type": "application/octet-stream"}
         await self._call("PUT", path, _nothing, content=replay, headers=headers)
 
     async def robot_page(self, robot: str) -> str:
