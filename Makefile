@@ -30,6 +30,7 @@ test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
 	@scripts/axe
+	@scripts/viewer --check
 	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim" $(ARGS)
 	$(BIN)/pytest -q $(WORLDS) --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
 

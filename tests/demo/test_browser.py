@@ -259,6 +259,45 @@ def position(truth: str) -> tuple[float, float]:
     return robot["x_m"], robot["y_m"]
 
 
+def marked_at(page: Page, robot: str) -> tuple[float, float]:
+    """Where the map shows a robot, in metres of the room."""
+    told = page.locator(f'[data-robot="{robot}"] .map-mark').first.get_attribute("transform") or ""
+    x, y = told.removeprefix("translate(").split(")")[0].split()
+    return float(x), -float(y)
+
+
+def test_the_robot_is_seen_moving_on_the_map_and_its_page_replays_it(page: Page, demo: RunningDemo) -> None:
+    wrong = listen_for_errors(page)
+    write_post(page, demo.url, "On the map", "@quadruped walk forward 0.6 metres and turn left 90 degrees")
+    expect(page.locator(".live-state")).to_have_text("now")
+    begun, post = marked_at(page, "quadruped"), page.locator("article.post").first.get_attribute("data-post")
+    page.wait_for_function(
+        """([x, y]) => {
+          const told = document.querySelector('[data-robot="quadruped"] .map-mark').getAttribute("transform");
+          const [, a, b] = /translate\\(([-.\\d]+) ([-.\\d]+)\\)/.exec(told);
+          return Math.hypot(a - x, -b - y) > 0.4;
+        }""",
+        arg=list(begun),
+        timeout=MOTION_MS,
+    )
+    assert page.locator('[data-robot="quadruped"] .map-plan').get_attribute("points")
+    screenshot(page, "map")
+    wait_for(page.locator("article.by-robot").last, "done")
+    ended = marked_at(page, "quadruped")
+    page.get_by_role("button", name="3D").first.click()
+    expect(page.locator(".live-stage canvas, .live-state:has-text('3D is not available')").first).to_be_visible()
+    page.goto(f"{demo.url}/c/{post}")
+    slider = page.get_by_label("Time in the replay")
+    slider.fill("0")
+    assert math.dist(marked_at(page, "quadruped"), begun) < 0.15
+    page.get_by_label("Speed").select_option("4")
+    page.get_by_role("button", name="Play").click()
+    expect(page.get_by_role("button", name="Play")).to_be_visible(timeout=MOTION_MS)
+    assert math.dist(marked_at(page, "quadruped"), ended) < 0.15
+    screenshot(page, "replay")
+    assert not wrong
+
+
 def test_law_17_the_visitor_can_release_a_locked_robot_on_its_page(page: Page, demo: RunningDemo) -> None:
     write_post(page, demo.url, "Emergency", "@quadruped emergency stop")
     answer = page.locator("article.by-robot").last

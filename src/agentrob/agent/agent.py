@@ -27,8 +27,11 @@ from agentrob.agent.intake.reconcile import close_unknown, gap_after, is_open, r
 from agentrob.agent.intake.triage import Addressing, Route, TriagedPost, obeyed, triage
 from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
+from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.poses import PoseStream
 from agentrob.agent.media.recorder import Recorder, look_of
+from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
@@ -60,7 +63,7 @@ from agentrob.errors import (
     RobotError,
     RobotUnreachable,
 )
-from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum, RobotPages
+from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum, PosePages, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
 from agentrob.model import Account, Command, Decision, EndReason, EventKind, Post, Report, StopResult
@@ -149,7 +152,11 @@ class RobotAgent:
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
         pages = forum if isinstance(forum, RobotPages) else None
-        self.presence = self._make_presence(pages)
+        live = forum if isinstance(forum, PosePages) else None
+        room = RoomMap(name, settings)
+        self.geometry = Geometry(live, name, settings.map.geometry)
+        self.poses = PoseStream(live, driver, name, room)
+        self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
         self.camera = self._make_camera(pages)
         self._journal: Journal | None = None
@@ -165,11 +172,11 @@ class RobotAgent:
         self._ending = False
         self._draining = asyncio.Event()
 
-    def _make_presence(self, pages: RobotPages | None) -> Presence | None:
+    def _make_presence(self, pages: RobotPages | None, room: RoomMap | None) -> Presence | None:
         if pages is None:
             return None
-        posts = lambda: self.queue.posts  # noqa: E731
-        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity)
+        posts, shape = lambda: self.queue.posts, lambda: self.geometry.name
+        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape)
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
         recording = self.settings.recording
@@ -406,11 +413,11 @@ class RobotAgent:
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
         motion = Motion(
             self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
-            surroundings, lambda: assessor.vision_model, ending, self._queue_changed,
+            self.poses, surroundings, lambda: assessor.vision_model, ending, self._queue_changed,
         )  # fmt: skip
         final_report = FinalReport(
             self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
-            self.owner, self._ended,
+            self.owner, self._ended, self.poses, self.geometry,
         )  # fmt: skip
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
@@ -431,7 +438,9 @@ class RobotAgent:
             _log.error("stop not counted", robot=self.name, trace=traceback.format_exc())
 
     def _display_tasks(self) -> list[Coroutine[Any, Any, None]]:
-        return [self._restarted(part.run) for part in (self.presence, self.camera) if part is not None]
+        poses = self.poses if isinstance(self.forum, PosePages) else None
+        parts = (self.presence, self.camera, poses)
+        return [self._restarted(part.run) for part in parts if part is not None]
 
     async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
         """Run a display task until cancelled. Its errors are logged and never end the agent, which must hear stops."""
@@ -520,6 +529,9 @@ class RobotAgent:
             self._spawn(self._pressed(event, self._me))
         elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
             self.camera.wake()
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_POSES:
+            self.poses.watch()
+            self._spawn(self.geometry.publish())
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:

@@ -9,21 +9,23 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
+from agentrob.agent.media.poses import PoseStream
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
-from agentrob.agent.reporting.command_page import page_of, publish
+from agentrob.agent.reporting.command_page import TRIES, page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, summary_text
-from agentrob.agent.reporting.status_post import DeniedWrites, Shown
+from agentrob.agent.reporting.status_post import DeniedWrites, Shown, retry_until_answered
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
-from agentrob.forums.protocol import Forum
+from agentrob.forums.protocol import Forum, PosePages
 from agentrob.model import CommandState, Report, StatusCard
 
 _log = structlog.get_logger()
@@ -45,6 +47,8 @@ class FinalReport:
     ending: Callable[[], bool]
     owner: OwnerActions
     on_end: Callable[[Report], None]
+    poses: PoseStream
+    geometry: Geometry
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""
@@ -78,6 +82,8 @@ class FinalReport:
             return  # another agent of this account posted the end, and keeps its record and pictures
         with job.log_errors("record not published"):
             await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        with job.log_errors("replay not published"):
+            await self._publish_replay(report)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -85,6 +91,15 @@ class FinalReport:
                 late = Shown(text((*pictures, recording)), card)
                 await job.status.add(late, [recording.data] if recording.attached else [])
                 await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+
+    async def _publish_replay(self, report: Report) -> None:
+        """Publish how the robot moved, if the forum replays commands."""
+        if not isinstance(self.forum, PosePages) or self.ending():
+            return
+        geometry, post_id = await self.geometry.publish(), report.command.post_id
+        replay = await self.poses.replay(post_id, geometry)
+        if replay:
+            await retry_until_answered(partial(self.forum.publish_replay, post_id, replay), TRIES)
 
     async def _composed(
         self, job: QueuedCommand, report: Report

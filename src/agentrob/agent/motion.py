@@ -15,6 +15,7 @@ from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.intake.event_stream import EventStream
+from agentrob.agent.media.poses import PoseStream
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.stop.replies import StopReplies
@@ -45,6 +46,7 @@ class Motion:
     stops: StopReplies
     records: Records
     recorder: Recorder
+    poses: PoseStream
     surroundings: Surroundings
     vision_model: Callable[[], ChatModel | None]
     ending: Callable[[], bool]
@@ -67,6 +69,11 @@ class Motion:
         self.on_motion()
         known = job.assessment is not None and job.assessment.goal is not None
         terms = replace(terms, known=known, approval=job.decided)
+
+        def begin_step(step: Primitive, number: int) -> None:
+            self.poses.begin_step(step)
+            on_step(step, number)
+
         hooks = ExecutionHooks(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=partial(self._permitted, job, terms),
@@ -74,12 +81,13 @@ class Motion:
             alive=self.event_stream.prove,
             silent=lambda: self.event_stream.silent,
             stop=self.stops.stop_running,
-            on_step=on_step,
+            on_step=begin_step,
             step_s=self.event_stream.step_s,
             on_run=partial(setattr, job, "run"),
         )
         try:
-            with self.event_stream, self.recorder.filming(job.command.post_id):
+            post_id = job.command.post_id
+            with self.event_stream, self.recorder.filming(post_id), self.poses.recording(post_id, plan.steps):
                 execution = await self._execute_plan(job, plan, hooks)
         finally:
             job.moving = False

@@ -20,7 +20,7 @@ from agentrob import __version__
 from agentrob.board.admin import retention
 from agentrob.board.admin.local_admin import bootstrap
 from agentrob.board.admin.serving_lock import serve_database
-from agentrob.board.api import admin, commands, forum, health, moderation, robots
+from agentrob.board.api import admin, commands, forum, health, live, moderation, robots
 from agentrob.board.api.event_stream import encode
 from agentrob.board.command_reading import CommandReader, ReadingQueue
 from agentrob.board.content import unread, uploads
@@ -118,7 +118,7 @@ def create_app(
     app.add_middleware(SecurityMiddleware, settings=settings)
     if metrics is not None:
         app.add_middleware(RequestMetrics, registry=metrics.registry)
-    for module in (forum, robots, commands, moderation, admin, health):
+    for module in (forum, robots, live, commands, moderation, admin, health):
         app.include_router(module.router, dependencies=[Depends(refuse_repeated_parameters)])
     app.include_router(robots.files)
     app.include_router(routes.router)

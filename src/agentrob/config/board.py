@@ -34,11 +34,12 @@ class BoardRetentionConfig(Section):
 
     An event is deleted when it is older than `event_days` and not among the newest `events`. A client that was
     disconnected for longer must reload everything. Posts and their earlier versions, command records and the audit
-    log are never deleted.
+    log are never deleted. Replays of commands are deleted after `replay_days`.
     """
 
     event_days: Annotated[float, Field(ge=8, le=3650)] = 30.0
     events: Annotated[int, Field(ge=1)] = 10_000
+    replay_days: Annotated[float, Field(gt=0, le=3650)] = 365.0
 
 
 class BoardConfig(WithMetrics):

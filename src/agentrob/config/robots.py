@@ -28,6 +28,7 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, model_validator
 
+from agentrob.config.map import MapConfig
 from agentrob.config.section import Section, WithMetrics
 from agentrob.model import ActionClass
 from agentrob.process.listen import is_loopback, parse_listen
@@ -143,6 +144,7 @@ class RobotConfig(WithMetrics):
     the robot ask back; if it cannot be loaded or does not answer, the rules decide alone.
     `summary` lets the model describe in words what was done, from the measured figures.
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
+    `map` describes the room for the live map.
 
     The driver serves its Unix socket, and with `driver_listen` (host:port) also other machines; there, agents reach it
     at `driver_url`. `driver_cert` and `driver_key` are the certificate of this machine, `driver_ca` the authority that
@@ -180,6 +182,7 @@ class RobotConfig(WithMetrics):
     driver_ca: str = ""
     driver_token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
     fence: FenceConfig = Field(default_factory=FenceConfig)
+    map: MapConfig = Field(default_factory=MapConfig)
     limits: LimitsConfig = Field(default_factory=LimitsConfig)
     rates: RatesConfig = Field(default_factory=RatesConfig)
     approval: ApprovalConfig = Field(default_factory=ApprovalConfig)

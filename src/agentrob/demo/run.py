@@ -24,7 +24,7 @@ from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.load import Config
 from agentrob.config.minds import MindConfig
-from agentrob.config.robots import RatesConfig
+from agentrob.config.robots import RatesConfig, RobotConfig
 from agentrob.errors import AgentRobError, ConfigError
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process.child import Child, ChildError, terminate_all
@@ -196,12 +196,12 @@ class Demo:
         minds, mind = self._minds()
         # the visitor owns the robots and the forum, and has no rate limit
         own = {"owner": VISITOR, "rates": RatesConfig(commands_per_hour=0), "mind": mind}
-        room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset"} if room_url else {}
         robots = {
-            name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(
-                update=own | room if app.in_world(model) else own  # the room's camera sees only robots in the world
-            )
+            name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(update=own)
             for name, model in self.robots.items()
+        }
+        robots |= {  # the room's camera sees only robots in the world
+            name: _in_room(robot, room_url) for name, robot in robots.items() if room_url and app.in_world(robot.model)
         }
         config = Config(
             data=str(self.data),
@@ -268,6 +268,13 @@ class Demo:
         for child in self.children:
             if not child.alive:
                 raise ChildError(f"{child.name} has ended: {child.last_line()} (log: {child.log})")
+
+
+def _in_room(robot: RobotConfig, room_url: str) -> RobotConfig:
+    """The settings of a robot in the world, with the addresses of the room's HTTP server."""
+    shown = robot.map.model_copy(update={"geometry": f"{room_url}/geometry/{robot.model}"})
+    room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset", "map": shown}
+    return robot.model_copy(update=room)
 
 
 def config_for(robot: str | None, path: Path | None) -> Config:

@@ -169,6 +169,31 @@ class RobotPages(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class PoseViewers:
+    """The number of viewers of a robot's map, and after how many seconds they get the next pose."""
+
+    viewers: int
+    every_s: float
+
+
+@runtime_checkable
+class PosePages(Protocol):
+    """A forum that shows where robots are while somebody watches, and replays commands."""
+
+    async def publish_pose(self, robot: str, frame: dict[str, Any]) -> PoseViewers:
+        """Show a pose, in metres and radians of the robot's room."""
+        ...
+
+    async def publish_geometry(self, robot: str, geometry: bytes) -> str:
+        """Store the gzipped shape of the robot for the 3D view; return its name."""
+        ...
+
+    async def publish_replay(self, post_id: str, replay: bytes) -> None:
+        """Store the gzipped replay of a post's command, replacing an earlier one."""
+        ...
+
+
 @runtime_checkable
 class RobotControls(Protocol):
     """A forum whose robot pages have buttons: emergency stop for everybody, release and home for the owner. Presses

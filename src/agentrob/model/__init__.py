@@ -14,7 +14,7 @@ from agentrob.model.lifecycle import CommandState, EndReason
 from agentrob.model.plans import Direction, Op, Plan, Primitive
 from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
-from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, RobotState
+from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, Posture, RobotState
 
 __all__ = [
     "EMERGENCY_STOP",
@@ -42,6 +42,7 @@ __all__ = [
     "Plan",
     "Pose",
     "Post",
+    "Posture",
     "Primitive",
     "Report",
     "RobotRights",

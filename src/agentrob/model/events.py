@@ -17,4 +17,5 @@ class EventKind(StrEnum):
     ROBOT_HOME = "robot.home"
     ROBOT_RESET = "robot.reset"
     ROBOT_WATCH = "robot.watch"
+    ROBOT_POSES = "robot.poses"
     HEARTBEAT = "heartbeat"

@@ -75,3 +75,19 @@ class RobotState:
     halted: bool = False
     error_code: int | None = None
     lock: Lock | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """How the robot holds its body now, by its own sensors, for the live view.
+
+    `pose` is odometry in the frame of its home (x forward at home), None without a home or a position. `height_m` is
+    that of the base. `tilt` is the base's attitude without its yaw, as a quaternion (w, x, y, z). `joints_rad` are in
+    the order of the robot's motors, empty if they are not known.
+    """
+
+    age_s: float
+    pose: Pose | None = None
+    height_m: float | None = None
+    tilt: tuple[float, float, float, float] | None = None
+    joints_rad: tuple[float, ...] = ()

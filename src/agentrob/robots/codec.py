@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Lock, Pose, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Lock, Pose, Posture, Primitive, RobotState, StopResult
 
 T = TypeVar("T")
 
@@ -24,9 +24,12 @@ _RESULT = TypeAdapter(ActionResult)
 _STOP = TypeAdapter(StopResult)
 _LOCK = TypeAdapter(Lock)
 _POSE = TypeAdapter(Pose)
+_POSTURE = TypeAdapter(Posture)
 
 
-def encode(fact: Capabilities | RobotState | Primitive | ActionResult | StopResult | Lock | Pose) -> dict[str, Any]:
+def encode(
+    fact: Capabilities | RobotState | Primitive | ActionResult | StopResult | Lock | Pose | Posture,
+) -> dict[str, Any]:
     """Return JSON data: enums as strings, sets and tuples as lists, images as base64, infinity and NaN as null."""
     if not isinstance(fact, ActionResult):
         return _plain(asdict(fact))  # type: ignore[no-any-return]
@@ -87,6 +90,10 @@ def decode_lock(data: Any) -> Lock:
 
 def decode_pose(data: Any) -> Pose:
     return _read(_POSE, data)
+
+
+def decode_posture(data: Any) -> Posture:
+    return _read(_POSTURE, {**data, "age_s": float("inf") if data.get("age_s") is None else data["age_s"]})
 
 
 def _read(adapter: TypeAdapter[T], data: Any) -> T:

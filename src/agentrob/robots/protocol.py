@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 from agentrob.config.robots import RobotConfig
-from agentrob.model import ActionResult, Capabilities, Limits, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, Capabilities, Limits, Posture, Primitive, RobotState, StopResult
 
 #: Called at every control period (20 times a second) while a step runs. Returns a reason to stop now (a stable code as
 #: in `ActionResult.reason`) or None to continue. The guard and the driver pass their own.
@@ -52,6 +52,15 @@ class HasCamera(Protocol):
         """Return a JPEG of its own camera. Called on a separate thread, also while a step runs, which it must not
         delay. Raises `RobotError` if there is no picture.
         """
+        ...
+
+
+@runtime_checkable
+class HasPosture(Protocol):
+    """A robot that also reports the attitude of its body and its joint angles, for the live view."""
+
+    def posture(self) -> Posture:
+        """Return the newest known posture; never blocks. Its `pose` is in the robot's own odometry frame."""
         ...
 
 

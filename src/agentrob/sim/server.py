@@ -134,7 +134,8 @@ class _Process:
         from agentrob.sim.services.room_http import Room, RoomServer
 
         describe = self.world.scene.description
-        room = Room(lambda: self.cameras.jpeg("overview"), describe, self.reset, self.truth, self.health, self.faults)
+        overview = lambda: self.cameras.jpeg("overview")  # noqa: E731
+        room = Room(overview, describe, self.reset, self.truth, self.health, self.faults, self.geometry)
         server = RoomServer(room, self.settings.http_port)
         self.stack.callback(server.close)
         self.cameras.ready.wait(CAMERA_LIMIT_S)
@@ -196,6 +197,13 @@ class _Process:
             found["robots"] = {name: _truth(body) for name, body in self.bodies.items()}
 
         return found if self._in_world(work) else {"error": "the world did not answer"}
+
+    def geometry(self, robot: str) -> bytes | None:
+        """The gzipped shape of a robot and its room; reads only the compiled model, which never changes."""
+        from agentrob.sim.rendering.geometry import geometry
+
+        body = self.bodies.get(robot)
+        return None if body is None else geometry(self.world.model, body, self.world.scene)
 
     def health(self) -> Mapping[str, Any]:
         cameras = self.cameras

@@ -494,12 +494,13 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
     the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
     """
     from agentrob.sim.world.scene import load
+    from agentrob.wiring.room_map import map_of
 
     settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
     if not in_world(model):
         return settings
     place = load(world)
-    changes: dict[str, Any] = {"scene": place.in_words}
+    changes: dict[str, Any] = {"scene": place.in_words, "map": map_of(place, model)}
     if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
         changes |= {"allow_unknown_ranges": True, "fence": free.fence}
     return settings.model_copy(update=changes)

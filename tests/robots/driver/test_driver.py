@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import math
 import os
 import signal
 import socket
@@ -53,6 +54,23 @@ async def test_after_a_step_that_is_not_done_the_rest_is_skipped(drivers: Driver
     results = await asyncio.to_thread(run_plan, name, plan, "script", socket=drivers.folder / f"{name}.sock")
     assert [r.outcome for r in results] == [Outcome.REFUSED, Outcome.SKIPPED]
     assert results[0].reason == "limit_step_m"
+
+
+async def test_the_posture_is_in_the_frame_of_the_home_and_unknown_without_one(drivers: Drivers) -> None:
+    name, _ = drivers.start(options={"time_scale": 20})
+    async with drivers.client(name) as robot:
+        await until(robot, lambda state: state.homed)
+        async with robot.lease("walker") as lease:
+            assert (await robot.step(lease, NEAR, 60)).ok
+            assert (await robot.step(lease, Primitive(Op.TURN, Direction.LEFT, degrees=90), 60)).ok
+        seen = await robot.posture()
+        assert seen.pose is not None
+        assert (seen.pose.x_m, seen.pose.y_m) == pytest.approx((0.3, 0), abs=0.1)
+        assert math.degrees(seen.pose.yaw_rad) == pytest.approx(90, abs=5)
+        assert (seen.height_m, seen.tilt, seen.joints_rad) == (None, None, ()), "the fake robot has no joints"
+    name, _ = drivers.start(home_on_start=False)
+    async with drivers.client(name) as robot:
+        assert (await robot.posture()).pose is None
 
 
 async def test_capabilities_and_state_say_what_is(drivers: Drivers) -> None:

@@ -9,6 +9,7 @@ from unitree_sdk2py.idl.default import unitree_go_msg_dds__SportModeState_
 
 import agentrob.process.dds  # noqa: F401  before any type of the SDK
 from agentrob.robots.unitree.go2 import read
+from agentrob.robots.unitree.robot import posture_of
 from agentrob.robots.unitree.sdk import CODES, explain
 
 
@@ -91,3 +92,27 @@ def test_law_9_odometry_that_is_no_number_is_unknown(bad: float) -> None:
 def test_every_code_reads_as_a_sentence_with_its_number(code: int) -> None:
     assert str(code) in explain(code)
     assert " " in explain(code).split("(")[0].strip()
+
+
+@pytest.mark.parametrize("yaw_deg", [0, 90, -170])
+@pytest.mark.parametrize("roll_deg", [0, 20, 170])
+def test_the_posture_tells_the_tilt_apart_from_the_heading(yaw_deg: float, roll_deg: float) -> None:
+    yaw, roll = math.radians(yaw_deg) / 2, math.radians(roll_deg) / 2
+    state = message(position=[1.0, 2.0, 0.31])
+    turned = [math.cos(yaw) * math.cos(roll), math.cos(yaw) * math.sin(roll)]
+    turned += [math.sin(yaw) * math.sin(roll), math.sin(yaw) * math.cos(roll)]
+    state.imu_state.quaternion = turned  # type: ignore[attr-defined]
+    seen = posture_of((0.0, state), (0.1, 0.2))
+    assert seen.height_m == pytest.approx(0.31)
+    assert seen.joints_rad == (0.1, 0.2)
+    assert seen.tilt is not None
+    assert seen.pose is not None
+    half, (w, x, y, z) = seen.pose.yaw_rad / 2, seen.tilt
+    again = [math.cos(half) * w - math.sin(half) * z, math.cos(half) * x - math.sin(half) * y]
+    again += [math.cos(half) * y + math.sin(half) * x, math.cos(half) * z + math.sin(half) * w]
+    assert abs(sum(a * b for a, b in zip(again, turned, strict=True))) == pytest.approx(1), "heading after tilt"
+    assert z == pytest.approx(0, abs=1e-6), "the tilt has no heading"
+
+
+def test_a_robot_that_sent_nothing_has_no_posture() -> None:
+    assert posture_of(None, ()).pose is None

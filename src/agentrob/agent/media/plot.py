@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
 from PIL import Image
 
-from agentrob.model import ActionResult, Direction, Op, Pose
+from agentrob.model import ActionResult, Direction, Op, Pose, Primitive
 
 # A slate background, which suits light and dark pages.
 _CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
@@ -110,10 +110,15 @@ def seen_from(start: Pose, pose: Pose) -> Pose:
 
 
 def asked_path(results: Sequence[ActionResult]) -> Iterator[Pose]:
-    """Yield the requested path, as if every step were exact."""
+    """Return the requested path, as if every step were exact."""
+    return path_of(r.primitive for r in results)
+
+
+def path_of(steps: Iterable[Primitive]) -> Iterator[Pose]:
+    """Yield the path of steps in the frame of its start, as if every step were exact."""
     x = y = yaw = 0.0
     yield Pose(x, y, yaw)
-    for step in (r.primitive for r in results):
+    for step in steps:
         if step.op is Op.TURN and step.degrees:
             yaw += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
         elif step.op is Op.MOVE and step.distance_m:

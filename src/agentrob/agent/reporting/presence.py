@@ -12,12 +12,14 @@ from typing import Any
 import httpx2
 import structlog
 
+from agentrob.agent.media.poses import has_moved
+from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.reporting.activity import AgentActivity
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import RobotPages
-from agentrob.model import Capabilities, Lock, RobotState
+from agentrob.model import Capabilities, Lock, Pose, Posture, RobotState
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
@@ -45,6 +47,8 @@ class Presence:
         waiting: Callable[[], Sequence[str]],
         owner: OwnerActions | None = None,
         activity: AgentActivity | None = None,
+        room: RoomMap | None = None,
+        geometry: Callable[[], str] = lambda: "",
     ) -> None:
         self._pages = pages
         self._driver = driver
@@ -53,6 +57,8 @@ class Presence:
         self._waiting = waiting
         self._owner = owner
         self._activity = activity
+        self._room, self._geometry = room, geometry
+        self._stands: Pose | None = None
         self._changed = asyncio.Event()
         self._capabilities: Capabilities | None = None
         self._asked_s = -math.inf
@@ -86,12 +92,26 @@ class Presence:
         """Return the current card; a robot whose driver does not answer is `offline`."""
         try:
             state = await self._driver.state()
+            if self._room is not None and state.homed:
+                self._note_pose(await self._driver.posture(), self._room)
             if self._capabilities is None or time.monotonic() - self._asked_s >= REFRESH_S:
                 self._capabilities, self._asked_s = await self._driver.capabilities(), time.monotonic()
         except RobotError:
             self._capabilities = None  # another driver may answer next, with other limits
             return self._card(None, None)
         return self._card(self._capabilities, state)
+
+    def _note_pose(self, posture: Posture, room: RoomMap) -> None:
+        """Note where it stands; a robot that only sways has not moved, so that its card does not change."""
+        if posture.pose is not None and has_moved(self._stands, pose := room.in_room(posture.pose)):
+            self._stands = pose
+
+    def _map(self) -> dict[str, Any]:
+        if self._room is None:
+            return {}
+        stands = self._stands
+        pose = [round(v, 2) for v in (stands.x_m, stands.y_m, stands.yaw_rad)] if stands else None
+        return {"map": {**self._room.as_data(), "pose": pose, "geometry": self._geometry()}}
 
     def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
         battery = state.battery_percent if state else None
@@ -113,6 +133,7 @@ class Presence:
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,
+            **self._map(),
             **(self._activity.card() if self._activity else {}),
         }
 

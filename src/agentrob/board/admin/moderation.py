@@ -113,6 +113,8 @@ def erase(t: Transaction, actor: str, name: str) -> tuple[int, int, frozenset[st
         t.connection.execute(update(db.posts).where(p.id.in_(some)).values(**empty))
     wrote, c = select(p.id).where(p.author_id == number), db.commands.c
     t.connection.execute(delete(db.commands).where(or_(c.post_id.in_(wrote), c.robot_id == number)))
+    r = db.replays.c
+    t.connection.execute(delete(db.replays).where(or_(r.post_id.in_(wrote), r.robot_id == number)))
     topics = db.topics.c
     for row in rows:
         if not row.removed:

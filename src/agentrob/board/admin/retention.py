@@ -1,4 +1,4 @@
-"""Delete old events, old idempotency keys and expired pictures of robots' cameras.
+"""Delete old events, old idempotency keys, old replays and expired pictures of robots' cameras.
 
 Posts, earlier texts, records of commands and the audit log are never deleted here.
 """
@@ -35,7 +35,7 @@ async def keep_pruning(parts: Services) -> None:
     keep = parts.settings.retention
     while True:
         try:
-            for job in (prune_keys, prune_events):  # keys first: they point to events
+            for job in (prune_keys, prune_events, prune_replays):  # keys first: they point to events
                 while await parts.store.do(partial(job, keep=keep)):
                     pass
         except BoardError as e:
@@ -62,6 +62,15 @@ def prune_events(t: Transaction, keep: BoardRetentionConfig, now: datetime | Non
     old = [row.id for row in t.connection.execute(oldest) if row.at_us < before]
     if old:
         t.connection.execute(delete(db.events).where(e.id.in_(old)))
+    return len(old) == AT_ONCE
+
+
+def prune_replays(t: Transaction, keep: BoardRetentionConfig, now: datetime | None = None) -> bool:
+    """Delete replays of commands that are older than `replay_days`; return whether there may be more."""
+    r, before = db.replays.c, _us(now, timedelta(days=keep.replay_days))
+    old = t.connection.execute(select(r.post_id, r.robot_id).where(r.at_us < before).limit(AT_ONCE)).all()
+    for row in old:
+        t.connection.execute(delete(db.replays).where(r.post_id == row.post_id, r.robot_id == row.robot_id))
     return len(old) == AT_ONCE
 
 

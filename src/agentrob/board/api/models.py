@@ -315,6 +315,25 @@ class Viewers(_Out):
     viewers: int
 
 
+class PoseViewers(_Out):
+    """`every_s`: after how many seconds the viewers get the next pose."""
+
+    viewers: int
+    every_s: float
+
+
+class MapOut(_Out):
+    """`map` as the robot's agent describes it, in metres and degrees of the room; `geometry` names its shape."""
+
+    robot: str
+    map: dict[str, Any]
+    geometry: str | None
+
+
+class GeometryOut(_Out):
+    name: str
+
+
 # -------------------------------------------------------------------- records to models
 def time_out(at: datetime) -> str:
     return at.astimezone(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")

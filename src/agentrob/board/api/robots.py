@@ -28,9 +28,10 @@ from agentrob.board.db.reader import not_found
 from agentrob.board.db.records import THUMB, Image, StoredEvent
 from agentrob.board.events.presence import CameraStream
 from agentrob.board.robots import actions, commands
+from agentrob.board.robots.actions import check_own_robot
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account
 
 router = APIRouter(prefix="/api/v1", responses=documented(404))
 #: Files of pictures in posts. They are not below `/api/v1` since pages show them too.
@@ -67,10 +68,12 @@ async def get_robot_rights(
 @router.put("/robots/{name}", response_model=RobotOut, tags=["robots"])
 async def publish_robot(services: AppServices, name: str, robot: RobotIn, by: Member) -> Response:
     """Publish the robot's card. Its agent does so at least every 5 s while it runs."""
-    _check_own_robot(by, name)
+    check_own_robot(by, name)
     commands.check(robot.card, "card", CARD_BYTES, CARD_DEPTH)  # 413 too large, 422 not plain JSON
     if services.presence.publish(name, robot.card).kept_waiting:
         actions.watch(services, name)
+    if services.presence.poses.robot(name).kept_waiting:
+        actions.watch_poses(services, name)
     return json_response(_robot(services, by))
 
 
@@ -83,7 +86,7 @@ async def publish_robot(services: AppServices, name: str, robot: RobotIn, by: Me
 )
 async def publish_frame(request: Request, services: AppServices, name: str, by: Member) -> Response:
     """Publish a live picture. Returns the number of viewers of the camera."""
-    _check_own_robot(by, name)
+    check_own_robot(by, name)
     jpeg = await request.body()
     images.check_frame(jpeg)
     return json_response(Viewers(viewers=services.presence.show(name, jpeg)))
@@ -162,12 +165,8 @@ def _robot(services: Services, account: Account) -> RobotOut:
     now = services.presence.robot(account.name)
     url = f"{services.settings.base_url}/robots/{now.name}"
     has_frame = services.presence.live_frame(account.name) is not None
-    return robot_out(now.name, url, now.card, now.seen_at, now.watched, has_frame)
-
-
-def _check_own_robot(by: Account, name: str) -> None:
-    if by.kind is not AccountKind.ROBOT_AGENT or by.name != name:
-        raise BoardError(403, "not_this_robot", f"only the robot agent {name[:64]!r} may do this", "use its token")
+    card = {key: value for key, value in now.card.items() if key != "map"}  # has rights of its own
+    return robot_out(now.name, url, card, now.seen_at, now.watched, has_frame)
 
 
 # -------------------------------------------------------------------- images

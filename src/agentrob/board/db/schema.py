@@ -299,6 +299,17 @@ commands = Table(
     PrimaryKeyConstraint("post_id", "robot_id"),
 )
 
+#: Replays of commands by robots' agents: gzipped JSON as base64, deleted after a while (`retention`).
+replays = Table(
+    "replays",
+    metadata,
+    Column("post_id", Id, ForeignKey("posts.id"), nullable=False),
+    _account("robot_id"),
+    Column("at_us", BigInteger, nullable=False, index=True),
+    Column("replay", Text, nullable=False),
+    PrimaryKeyConstraint("post_id", "robot_id"),
+)
+
 # -------------------------------------------------------------------- short-lived, not in backups
 FLEETING = {"fleeting": True}
 
@@ -325,13 +336,15 @@ stage = Table(
     info=FLEETING,
 )
 
-#: The number of viewers of a robot's camera on one process; void after `until_us`, in case the process has ended.
+#: The number of viewers of a robot's camera, and of its map (`poses`), on one process; void after `until_us`, in case
+#: the process has ended.
 stage_viewers = Table(
     "stage_viewers",
     metadata,
     Column("process", String(16), primary_key=True),
     Column("robot", String(32), primary_key=True),
     Column("viewers", Integer, nullable=False),
+    Column("poses", Integer, nullable=False, default=0, server_default="0"),
     Column("until_us", BigInteger, nullable=False),
     info=FLEETING,
 )

@@ -38,7 +38,8 @@ GONE_S = 5
 _PROOF = (
     "SELECT (SELECT coalesce(max(id), 0) FROM events), extract(epoch FROM clock_timestamp())::float8, "
     f"CASE WHEN %(leads)s THEN true ELSE pg_try_advisory_lock({LEADING_LOCK}) END, "
-    "(SELECT coalesce(json_object_agg(robot, n), '{}') FROM (SELECT robot, sum(viewers)::int AS n FROM stage_viewers "
+    "(SELECT coalesce(json_object_agg(robot, json_build_array(n, m)), '{}') FROM "
+    "(SELECT robot, sum(viewers)::int AS n, sum(poses)::int AS m FROM stage_viewers "
     f"WHERE process <> %(me)s AND until_us > {NOW_US} GROUP BY robot) AS looking)"
 )
 _CARDS = f"SELECT robot, card, {NOW_US} - seen_us FROM stage"
@@ -67,7 +68,8 @@ class Cluster:
         self._proven_s = 0.0
         self._cut_off = False
         self._messenger = ClusterMessenger(me, presence, self._connect)
-        hub.tell_others, presence.changed = self._messenger.announce, self._messenger.changed
+        hub.tell_others = self._messenger.announce
+        presence.changed = presence.poses.changed = self._messenger.changed
 
     @property
     def cut_off(self) -> bool:
@@ -178,7 +180,8 @@ class Cluster:
             newest, clock, leads, viewers = await asked.fetchone() or (0, before, False, {})
         check_clock(before, clock, time.time())
         self._proven_s = time.monotonic()
-        self._presence.receive_viewers(viewers)
+        self._presence.receive_viewers({robot: cameras for robot, (cameras, _) in viewers.items()})
+        self._presence.poses.receive_viewers({robot: maps for robot, (_, maps) in viewers.items()})
         self._hub.proven(newest)
         if leads and self._duty is None:
             log.info("board.has_the_duties", taken_over=self._asked_to_lead)
@@ -191,6 +194,9 @@ class Cluster:
             if what == "card" or (what == "frame" and self._presence.wants(more)):
                 async with asyncio.timeout(PATIENCE_S):
                     await self._look_around(connection, what, more)
+            elif what == "pose":
+                robot, _, frame = more.partition(" ")
+                self._presence.poses.receive(robot, frame)
             elif what == "event":
                 self._hub.receive_unwritten(event_from_json(more, self._hub))
         except (ValueError, KeyError, TypeError) as e:

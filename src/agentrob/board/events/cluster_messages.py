@@ -1,7 +1,8 @@
 """Send the other processes that serve the same PostgreSQL database what they cannot read from its tables.
 
-These are stops that could not be written, which go first; robots' cards and live pictures; and the number of viewers
-of each camera here. Only the newest card and picture are sent. A picture stays in the database only while it is live.
+These are stops that could not be written, which go first; robots' cards, live pictures and poses; and the number of
+viewers of each camera and map here. Only the newest card, picture and pose are sent. A picture stays in the database
+only while it is live.
 """
 
 from __future__ import annotations
@@ -45,11 +46,15 @@ _FRAME = (
     "ON CONFLICT (robot) DO UPDATE SET frame = excluded.frame, shown_us = excluded.shown_us, seen_us = excluded.seen_us"
 )
 _LOOKING = (
-    f"INSERT INTO stage_viewers (process, robot, viewers, until_us) VALUES (%s, %s, %s, {NOW_US} + %s) "
-    "ON CONFLICT (process, robot) DO UPDATE SET viewers = excluded.viewers, until_us = excluded.until_us"
+    f"INSERT INTO stage_viewers (process, robot, viewers, poses, until_us) VALUES (%s, %s, %s, %s, {NOW_US} + %s) "
+    "ON CONFLICT (process, robot) DO UPDATE SET viewers = excluded.viewers, poses = excluded.poses, "
+    "until_us = excluded.until_us"
 )
 _NOT_LIVE = f"UPDATE stage SET frame = NULL, shown_us = NULL WHERE frame IS NOT NULL AND shown_us < {NOW_US} - %s"
 _GONE = f"DELETE FROM stage_viewers WHERE until_us < {NOW_US}"
+
+
+_ANNOUNCED = (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH, EventKind.ROBOT_POSES)
 
 
 class ClusterMessenger:
@@ -62,8 +67,9 @@ class ClusterMessenger:
         self._events: deque[tuple[float, str]] = deque(maxlen=1000)
         self._cards: set[str] = set()
         self._frames: set[str] = set()
+        self._poses: set[str] = set()
         self._framed_s: dict[str, float] = {}
-        self._looking: dict[str, int] = {}
+        self._looking: dict[str, tuple[int, int]] = {}
         self._renewed_s = 0.0
         self._wake = asyncio.Event()
 
@@ -73,7 +79,7 @@ class ClusterMessenger:
         self._wake.set()
 
     def changed(self, robot: str, what: str) -> None:
-        """Note that a robot's `card`, `frame` or `viewers` changed here."""
+        """Note that a robot's `card`, `frame`, `pose` or `viewers` changed here."""
         if what == "frame":
             rare = time.monotonic() - self._framed_s.get(robot, 0.0) < IDLE_FRAME_S
             if rare and not self._presence.robot(robot).elsewhere:
@@ -81,6 +87,8 @@ class ClusterMessenger:
             self._frames.add(robot)
         elif what == "card":
             self._cards.add(robot)
+        elif what == "pose":
+            self._poses.add(robot)
         self._wake.set()
 
     async def run(self) -> None:
@@ -119,6 +127,10 @@ class ClusterMessenger:
             await connection.execute(_FRAME, [robot, self._presence.robot(robot).frame])
             await self._notify(connection, f"frame {robot}")
             await self._tell_events(connection)
+        while self._poses:
+            robot = self._poses.pop()
+            await self._notify(connection, f"pose {robot} {self._presence.poses.shared(robot)}")
+            await self._tell_events(connection)
         await self._tell_viewers(connection)
 
     async def _tell_events(self, connection: AsyncConnection[Any]) -> None:
@@ -130,12 +142,15 @@ class ClusterMessenger:
 
     async def _tell_viewers(self, connection: AsyncConnection[Any]) -> None:
         """Share the number of viewers repeatedly, and once more when it becomes zero."""
-        looking = {robot.name: robot.viewers for robot in self._presence.robots() if robot.viewers}
+        looking = {robot.name: (robot.viewers, 0) for robot in self._presence.robots() if robot.viewers}
+        for watched in self._presence.poses.robots():
+            if watched.viewers:
+                looking[watched.name] = (looking.get(watched.name, (0, 0))[0], watched.viewers)
         if looking == self._looking and time.monotonic() - self._renewed_s < RENEW_S:
             return
         for robot in looking.keys() | self._looking.keys():
             holds_us = int(HOLDS_S * _SECONDS) if robot in looking else -1
-            await connection.execute(_LOOKING, [self.me, robot, looking.get(robot, 0), holds_us])
+            await connection.execute(_LOOKING, [self.me, robot, *looking.get(robot, (0, 0)), holds_us])
         if looking != self._looking:
             await self._notify(connection, "viewers")
         self._looking, self._renewed_s = looking, time.monotonic()
@@ -156,7 +171,7 @@ def event_to_json(event: StoredEvent) -> str:
 def event_from_json(words: str, hub: Hub) -> StoredEvent:
     """Parse an event from another process. Raises `ValueError` for kinds that are never sent."""
     kind, at_us, robot, name = json.loads(words)
-    if kind not in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP, EventKind.ROBOT_WATCH) or not isinstance(robot, str):
+    if kind not in _ANNOUNCED or not isinstance(robot, str):
         raise ValueError("no event that is announced")
     account = None
     if name is not None and hub.reader is not None:

@@ -16,6 +16,7 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from agentrob.board.events import streams
+from agentrob.board.events.poses import PoseTracker
 
 BOUNDARY = b"frame"
 #: An agent renews its card at least every 5 s; after three missed ones in a row it counts as gone.
@@ -69,6 +70,7 @@ class PresenceTracker:
     def __init__(self) -> None:
         self.closed = asyncio.Event()
         self.changed: Callable[[str, str], None] = lambda robot, what: None
+        self.poses = PoseTracker()
         self._robots: dict[str, RobotPresence] = {}
 
     def robots(self) -> tuple[RobotPresence, ...]:
@@ -130,7 +132,7 @@ class PresenceTracker:
         self.changed(name, "viewers")
 
     def close(self) -> None:
-        """End all camera streams."""
+        """End all streams of cameras and poses."""
         self.closed.set()
 
     def live_frame(self, name: str) -> bytes | None:

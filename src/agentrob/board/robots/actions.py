@@ -12,6 +12,8 @@ from agentrob.board.auth import rights
 from agentrob.board.db.reader import not_found
 from agentrob.board.db.records import StoredEvent, from_us, now_us
 from agentrob.board.events import presence
+from agentrob.board.events.poses import RobotPoses
+from agentrob.board.events.presence import RobotPresence
 from agentrob.board.services import Services
 from agentrob.errors import BoardError
 from agentrob.language.messages.durations import duration
@@ -105,6 +107,12 @@ def check_resets(services: Services, robot: str, by: Account) -> str:
     return name
 
 
+def check_own_robot(by: Account, name: str) -> None:
+    """403 unless the account is the agent of this robot."""
+    if by.kind is not AccountKind.ROBOT_AGENT or by.name != name:
+        raise BoardError(403, "not_this_robot", f"only the robot agent {name[:64]!r} may do this", "use its token")
+
+
 def check_camera(services: Services, robot: str, viewer: Account | None) -> None:
     """403 unless the viewer may see pictures of this robot's camera."""
     kept = rights.settings_of(services.store.reader, robot)
@@ -119,28 +127,34 @@ def watch(services: Services, robot: str) -> None:
     The event is not stored: reading leaves nothing in the database. An agent that misses it is told again when it next
     publishes its card.
     """
-    now = services.presence.robot(robot)
+    _tell_agent_soon(services, services.presence.robot(robot), EventKind.ROBOT_WATCH)
+
+
+def watch_poses(services: Services, robot: str) -> None:
+    """Tell the robot's agent that its map has viewers, as `watch`."""
+    _tell_agent_soon(services, services.presence.poses.robot(robot), EventKind.ROBOT_POSES)
+
+
+def _tell_agent_soon(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     wait_s = now.called_s + presence.WATCH_EVERY_S - time.monotonic()
     if wait_s <= 0:
-        _tell_agent(services, robot)
+        _tell_agent(services, now, kind)
     elif now.call is None:
-        now.call = asyncio.get_running_loop().call_later(wait_s, _tell_agent_again, services, robot)
+        now.call = asyncio.get_running_loop().call_later(wait_s, _tell_agent_again, services, now, kind)
 
 
-def _tell_agent(services: Services, robot: str) -> None:
-    now = services.presence.robot(robot)
+def _tell_agent(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     if now.call is not None:  # its timer is late
         now.call.cancel()
         now.call = None
     now.called_s = time.monotonic()
-    services.hub.announce(StoredEvent(services.hub.last_id, EventKind.ROBOT_WATCH, from_us(now_us()), robot=robot))
+    services.hub.announce(StoredEvent(services.hub.last_id, kind, from_us(now_us()), robot=now.name))
 
 
-def _tell_agent_again(services: Services, robot: str) -> None:
-    now = services.presence.robot(robot)
+def _tell_agent_again(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     now.call = None  # this timer
     if now.watched:
-        _tell_agent(services, robot)
+        _tell_agent(services, now, kind)
 
 
 async def _record_or_announce(

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from agentrob.board.auth import rights
+from agentrob.board.auth import rights, visibility
 from agentrob.board.db.records import StoredPost, from_text
 from agentrob.board.events.presence import LIVE_FOR
+from agentrob.board.robots import live
 from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
+from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
 from agentrob.model import Account, AccountKind, Capabilities
 
@@ -34,6 +36,7 @@ _KNOWN = {
     "homed",
     "lock",
     "told",
+    "map",
     "worker",
     "version",
     "since",
@@ -110,6 +113,7 @@ class RobotView:
     homed: bool | None = None
     told: ToldView | None = None
     can: Capabilities | None = None
+    map: MapView | None = None
 
     @property
     def moves(self) -> bool:
@@ -143,6 +147,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
         told=_told(card.get("told")),
         can=capabilities_of(card),
+        map=live.map_view(card.get("map")),
     )
 
 
@@ -188,7 +193,8 @@ def owners(services: Services, posts: Iterable[StoredPost]) -> dict[str, str]:
 
 def _look(services: Services, account: Account) -> RobotView:
     now = services.presence.robot(account.name)
-    return robot_view(account.name, now.card, now.seen_at)
+    view = robot_view(account.name, now.card, now.seen_at)
+    return view if live.shows(now.card, visibility.readable_boards()) else replace(view, map=None)
 
 
 def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.access import AnyViewer, ReadingViewer
-from agentrob.board.robots import approvals, commands
+from agentrob.board.robots import approvals, commands, live, replays
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.command_view import command_view
-from agentrob.board.services import AppServices
+from agentrob.board.robots.live import RoomView
+from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import KeyedForm, Line
 from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
@@ -30,6 +32,7 @@ async def command(
     views = [command_view(post, one) for one in told]
     hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": services.store.reader.topic(post.topic_id), "hidden": hidden}
+    data["replays"] = _replays(services, post_id, [view.robot for view in views])
     data["board"] = services.store.reader.board(post.board_id)
     data |= {"waiting": approvals.of_post(services, post, viewer.account), "key": forms.nonce()}
     ended = {view.robot for view in views}
@@ -38,6 +41,13 @@ async def command(
     ]
     template = "command_views.html" if part == "views" else "command.html"
     return render_page(request, viewer, template, data, here="home")
+
+
+def _replays(services: Services, post_id: str, robots: Sequence[str]) -> dict[str, RoomView]:
+    """The last picture of each robot's replay, by robot."""
+    found = {robot: replays.replay_of(services.store.reader, post_id, robot) for robot in robots}
+    maps = [(robot, replays.last_picture(replay)) for robot, replay in found.items() if replay is not None]
+    return {robot: live.rooms([(robot, one)])[0] for robot, one in maps if one is not None}
 
 
 class DecisionForm(KeyedForm):

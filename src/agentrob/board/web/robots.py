@@ -66,6 +66,7 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
     data = {"robot": view, "account": account, "latest": latest, "hidden": hidden} | _about(services, view, viewer)
     data |= {"about": ABOUT.get(view.model, ""), "examples": example_commands([(view.name, view.can)])}
     data |= {"typed": Composed(draft=say[:READ_CHARS] or f"@{view.name} "), "box_path": f"/robots/{view.name}"}
+    data["neighbours"] = robot_view.robots(services)
     data["releases"] = actions.may_release(services, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
     return render_page(

@@ -8,9 +8,10 @@ import hmac
 import math
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -26,7 +27,10 @@ from agentrob.board.content import notifications
 from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
+from agentrob.board.robots import live
 from agentrob.board.robots.front import telling
+from agentrob.board.robots.live import RoomView
+from agentrob.board.robots.view import RobotView
 from agentrob.board.services import get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
@@ -63,8 +67,6 @@ ROLES = {
 _HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
-#: The same compressed; they hold nothing secret, unlike pages.
-_COMPRESSED = {name: gzip.compress(content, 9, mtime=0) for name, content in _STATIC.items()}
 _HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
 
 
@@ -114,6 +116,13 @@ def status_card(card: Mapping[str, Any]) -> StatusCard:
     )
 
 
+def _rooms(robots: Sequence[RobotView], board: str = "", robot: str = "") -> Sequence[RoomView]:
+    """The rooms of the robots that act on a board, or the room of one robot; by default all."""
+    chosen = [one for one in robots if not board or board in one.boards]
+    found = live.rooms((one.name, one.map) for one in chosen)
+    return [room for room in found if not robot or robot in (name for name, _ in room.robots)]
+
+
 def _count(value: object) -> int:
     return min(max(value, 0), 10_000) if isinstance(value, int) else 0
 
@@ -132,6 +141,8 @@ def _environment() -> Environment:
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
+    made.globals["rooms"] = _rooms
+    made.globals["maps"] = made.get_template("live_view.html").module
     made.globals["parts"] = made.get_template("parts.html").module
     return made
 
@@ -285,6 +296,12 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?…" else ".")
 
 
+@cache
+def _gzipped(name: str) -> bytes:
+    """A static file compressed; it holds nothing secret, unlike pages."""
+    return gzip.compress(_STATIC[name], 9, mtime=0)
+
+
 def static_file(version: str, name: str, *, compressed: bool = False) -> Response:
     """A static file, gzip-compressed if the browser accepts that; cacheable for a year if requested with its hash.
     Raises `BoardError` 404."""
@@ -292,5 +309,5 @@ def static_file(version: str, name: str, *, compressed: bool = False) -> Respons
         raise BoardError(404, "no_such_file", "there is no such file")
     kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
     headers = {"Cache-Control": kept, "Vary": "Accept-Encoding"} | ({"Content-Encoding": "gzip"} if compressed else {})
-    content = _COMPRESSED[name] if compressed else _STATIC[name]
+    content = _gzipped(name) if compressed else _STATIC[name]
     return Response(content, media_type=_MEDIA_TYPES[Path(name).suffix], headers=headers)

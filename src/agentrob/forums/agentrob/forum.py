@@ -24,7 +24,7 @@ from agentrob.forums.http import (
     text_of,
     translate_errors,
 )
-from agentrob.forums.protocol import TRACE_ID, Board, Event, Notification, Registered, Topic, Written
+from agentrob.forums.protocol import TRACE_ID, Board, Event, Notification, PoseViewers, Registered, Topic, Written
 from agentrob.model import (
     Account,
     AccountKind,
@@ -45,7 +45,7 @@ _log = structlog.get_logger()
 
 
 class BoardForum:
-    """Our board over HTTP, signed in with a bearer token; fulfils `Forum` and `RobotPages`.
+    """Our board over HTTP, signed in with a bearer token; fulfils `Forum`, `RobotPages` and `PosePages`.
 
     Cookies are never kept, since they would conflict with the token. Makes no request before the first call.
     """
@@ -182,6 +182,18 @@ class BoardForum:
     async def publish_frame(self, robot: str, jpeg: bytes) -> int:
         path, headers = f"/robots/{quote(robot, safe='')}/frame", {"Content-Type": "image/jpeg"}
         return await self._call("PUT", path, lambda answer: int(answer["viewers"]), content=jpeg, headers=headers)
+
+    async def publish_pose(self, robot: str, frame: dict[str, Any]) -> PoseViewers:
+        path = f"/robots/{quote(robot, safe='')}/pose"
+        return await self._call("PUT", path, _pose_viewers, frame)
+
+    async def publish_geometry(self, robot: str, geometry: bytes) -> str:
+        path, headers = f"/robots/{quote(robot, safe='')}/geometry", {"Content-Type": "application/octet-stream"}
+        return await self._call("PUT", path, lambda answer: str(answer["name"]), content=geometry, headers=headers)
+
+    async def publish_replay(self, post_id: str, replay: bytes) -> None:
+        path, headers = f"/commands/{quote(post_id, safe='')}/replay", {"Content-Type": "application/octet-stream"}
+        await self._call("PUT", path, _nothing, content=replay, headers=headers)
 
     async def robot_page(self, robot: str) -> str:
         return await self._call("GET", f"/robots/{quote(robot, safe='')}", lambda answer: str(answer["url"]))
@@ -384,6 +396,10 @@ def _post(p: _JSON) -> Post:
 
 def _page(read: Callable[[Any], T], found: _JSON) -> Page[T]:
     return Page(tuple(read(item) for item in found["items"]), found.get("next"))
+
+
+def _pose_viewers(answer: _JSON) -> PoseViewers:
+    return PoseViewers(int(answer["viewers"]), float(answer["every_s"]))
 
 
 def _boards(found: _JSON) -> tuple[Board, ...]:

@@ -141,6 +141,7 @@ def app(driver: Driver, *, remote: bool = False) -> Starlette:
         ("/capabilities", "GET", handlers.capabilities),
         ("/clock", "GET", handlers.clock),
         ("/state", "GET", handlers.state),
+        ("/pose", "GET", handlers.posture),
         ("/look", "GET", handlers.look),
         ("/fence", "POST", handlers.fence),
         ("/lease", "POST", handlers.take),
@@ -172,6 +173,9 @@ class _Handlers:
         holder = self.driver.leases.holder
         lease = None if holder is None else {"holder": holder}
         return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
+
+    async def posture(self, _: Request) -> JSONResponse:
+        return JSONResponse(encode(self.driver.posture()))
 
     async def look(self, _: Request) -> Response:
         return Response(await run_in_thread(self.driver.look), media_type="image/jpeg")

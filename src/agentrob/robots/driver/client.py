@@ -23,6 +23,7 @@ from agentrob.model import (
     Outcome,
     Plan,
     Pose,
+    Posture,
     Primitive,
     RobotState,
     StopResult,
@@ -65,6 +66,10 @@ class DriverClient:
     async def state(self) -> RobotState:
         data = await self._call("GET", "/state")
         return codec.decode_state({k: v for k, v in data.items() if k not in ("lease", "busy")})
+
+    async def posture(self) -> Posture:
+        """How the robot holds its body now, with its pose in the frame of its home."""
+        return codec.decode_posture(await self._call("GET", "/pose"))
 
     async def holder(self) -> str | None:
         """The holder of the current lease."""

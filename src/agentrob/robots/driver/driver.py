@@ -9,7 +9,7 @@ import time
 from dataclasses import replace
 
 from agentrob.errors import RobotBusy, RobotError
-from agentrob.model import ActionResult, FencingToken, Lock, Pose, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, FencingToken, Lock, Pose, Posture, Primitive, RobotState, StopResult
 from agentrob.robots.codec import display_name
 from agentrob.robots.driver.fencing import FencingNumbers
 from agentrob.robots.driver.lease import Leases
@@ -40,6 +40,9 @@ class Driver:
 
     def state(self) -> RobotState:
         return self.guard.state()
+
+    def posture(self) -> Posture:
+        return self.guard.posture()
 
     def fence(self, fence: FencingToken) -> None:
         """Lock out workers with a smaller fencing number of the same database, also after a restart of the driver; a

@@ -57,15 +57,16 @@ from agentrob.model import (
     Op,
     Outcome,
     Pose,
+    Posture,
     Primitive,
     RobotState,
     StopResult,
 )
-from agentrob.robots.control.controller import known
+from agentrob.robots.control.controller import known, wrap
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.control.picture_check import fail_blank_picture
 from agentrob.robots.control.step_runner import JUMPED, LOST, unmeasured
-from agentrob.robots.protocol import HasCamera, Robot, Watch
+from agentrob.robots.protocol import HasCamera, HasPosture, Robot, Watch
 from agentrob.robots.safety.crash_marker import CrashMarker
 from agentrob.robots.safety.fence import Fence, ahead
 from agentrob.robots.safety.limits import beyond_limits
@@ -150,6 +151,16 @@ class Guard:
         if not isinstance(self._robot, HasCamera) or Op.GET_FRONT_IMAGE not in self.capabilities.ops:
             raise RobotError("this robot has no camera that can be looked through while it moves")
         return self._robot.look()
+
+    def posture(self) -> Posture:
+        """Return how the robot holds its body, with its pose in the frame of its home. Never blocks."""
+        state = sanitized(self._robot.state())
+        seen = self._robot.posture() if isinstance(self._robot, HasPosture) else Posture(state.age_s)
+        fence = self._fence
+        if fence is None or state.pose is None:
+            return replace(seen, pose=None)
+        x_m, y_m = fence.at_home(state.pose.x_m, state.pose.y_m)
+        return replace(seen, pose=Pose(x_m, y_m, wrap(state.pose.yaw_rad - fence.home.yaw_rad)))
 
     def settle(self) -> None:
         """If the previous guard died during a step, stop the robot and wait until it is at rest (at most 3 s)."""

@@ -20,7 +20,18 @@ from typing import Any
 
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Limits, Op, Outcome, Pose, Primitive, RobotState, StopResult
+from agentrob.model import (
+    ActionResult,
+    Capabilities,
+    Limits,
+    Op,
+    Outcome,
+    Pose,
+    Posture,
+    Primitive,
+    RobotState,
+    StopResult,
+)
 from agentrob.robots.control.controller import Gait, Velocity
 from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import BODY_RADIUS_M, Watch, limits_of
@@ -29,11 +40,13 @@ from agentrob.robots.unitree import g1_fsm, sdk
 from agentrob.robots.unitree.robot import (
     IMAGE_TIMEOUT_S,
     WRITE_TIMEOUT_S,
+    JointAngles,
     UnitreeRobot,
     failed,
     gesture_timeout_s,
     is_moving,
     poses,
+    posture_of,
     read,
     refused,
 )
@@ -99,8 +112,11 @@ class G1(UnitreeRobot):
         from unitree_sdk2py.g1.loco.g1_loco_client import LocoClient
         from unitree_sdk2py.go2.video.video_client import VideoClient
         from unitree_sdk2py.idl.unitree_go.msg.dds_ import SportModeState_
+        from unitree_sdk2py.idl.unitree_hg.msg.dds_ import LowState_
 
         self._odometry = sdk.Topic("rt/odommodestate", SportModeState_, self._heard)
+        self._low = sdk.PolledTopic("rt/lowstate", LowState_, every_s=10.0)
+        self._joints = JointAngles(self._low, 29)
         makers: tuple[tuple[Callable[[], Any], float], ...] = (
             (LocoClient, ASK_TIMEOUT_S),
             (LocoClient, ASK_TIMEOUT_S),
@@ -123,6 +139,9 @@ class G1(UnitreeRobot):
         state = replace(read(newest[1]), age_s=time.monotonic() - newest[0])
         return replace(state, mode=mode_of(state, self._fsm.id, gesturing=self._gesturing))
 
+    def posture(self) -> Posture:
+        return posture_of(self._odometry.newest(), self._joints.now())
+
     def _recent(self) -> tuple[tuple[float, Pose], ...]:
         return poses(self._odometry)
 
@@ -140,6 +159,7 @@ class G1(UnitreeRobot):
         if self._gesturing:
             self._send_release()
         self._fsm.close()
+        self._low.close()
 
     # ------------------------------------------------------------ the body (agentrob.robots.control.step_runner.Body)
     def command(self, velocity: Velocity) -> None:

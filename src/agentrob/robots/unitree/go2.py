@@ -13,7 +13,7 @@ from typing import Any
 
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
-from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Primitive, RobotState
+from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Posture, Primitive, RobotState
 from agentrob.robots.control.controller import Gait, Velocity
 from agentrob.robots.control.step_runner import not_begun, run_step
 from agentrob.robots.protocol import Watch, limits_of
@@ -22,10 +22,12 @@ from agentrob.robots.unitree import sdk
 from agentrob.robots.unitree.robot import (
     IMAGE_TIMEOUT_S,
     WRITE_TIMEOUT_S,
+    JointAngles,
     UnitreeRobot,
     failed,
     gesture_timeout_s,
     poses,
+    posture_of,
     refused,
 )
 
@@ -81,6 +83,7 @@ class Go2(UnitreeRobot):
 
         self._state = sdk.Topic("rt/sportmodestate", SportModeState_, self._heard)
         self._low = sdk.PolledTopic("rt/lowstate", LowState_, every_s=2.0)
+        self._joints = JointAngles(self._low, 12)
         makers: tuple[tuple[Callable[[], Any], float], ...] = (
             (SportClient, gesture_timeout_s(GESTURE_TIMEOUT_S, simulated=settings.simulated)),
             (SportClient, WRITE_TIMEOUT_S),
@@ -111,6 +114,9 @@ class Go2(UnitreeRobot):
         percent = float(battery.bms_state.soc) if battery is not None else None
         state = replace(read(message), age_s=time.monotonic() - came_s, battery_percent=percent)
         return replace(state, upright=True, mode="gesture") if self._flipping and state.mode == "fallen" else state
+
+    def posture(self) -> Posture:
+        return posture_of(self._state.newest(), self._joints.now())
 
     @property
     def _flipping(self) -> bool:

@@ -135,7 +135,10 @@ class Topic:
 
 
 class PolledTopic:
-    """A topic published more often than needed: one message is decoded every `every_s`, the others are skipped."""
+    """A topic published more often than needed: one message is decoded every `every_s`, the others are skipped.
+
+    `hurry` makes it more often for a while.
+    """
 
     def __init__(self, name: str, kind: Any, every_s: float) -> None:
         from unitree_sdk2py.core.channel import ChannelSubscriber
@@ -143,15 +146,26 @@ class PolledTopic:
         self.newest: Any = None
         self._subscriber = ChannelSubscriber(name, kind)
         self._subscriber.Init()
-        self._closed = threading.Event()
+        self._closed, self._wake = False, threading.Event()
+        self._hurry_s, self._hurry_until_s = every_s, 0.0
         threading.Thread(target=self._poll, args=(every_s,), name=f"poll {name}", daemon=True).start()
 
+    def hurry(self, every_s: float, for_s: float) -> None:
+        """Decode a message every `every_s` from now on, until nobody has called this for `for_s`."""
+        idle = time.monotonic() >= self._hurry_until_s
+        self._hurry_s, self._hurry_until_s = every_s, time.monotonic() + for_s
+        if idle:
+            self._wake.set()
+
     def _poll(self, every_s: float) -> None:
-        while not self._closed.is_set():
+        while not self._closed:
             message = self._subscriber.Read(every_s)
             if message is not None:
                 self.newest = message
-                self._closed.wait(every_s)
+                self._wake.wait(self._hurry_s if time.monotonic() < self._hurry_until_s else every_s)
+                if not self._closed:
+                    self._wake.clear()
 
     def close(self) -> None:
-        self._closed.set()
+        self._closed = True
+        self._wake.set()

@@ -1,4 +1,4 @@
-"""The room's HTTP server on loopback: overview camera, scene, reset, faults, ground truth for tests, health.
+"""The room's HTTP server on loopback: overview camera, scene, geometry, reset, faults, ground truth for tests, health.
 
 It represents the room, not a robot: programs that drive a robot must not read `/truth`.
 """
@@ -28,6 +28,7 @@ class Room:
     truth: Callable[[], Mapping[str, Any]]
     health: Callable[[], Mapping[str, Any]]
     faults: Callable[[Any], bool]  # raises SimError for what cannot be
+    geometry: Callable[[str], bytes | None] = lambda robot: None  # gzipped; None for a robot that is not here
 
 
 class RoomServer:
@@ -71,10 +72,17 @@ class _Handler(BaseHTTPRequestHandler):
             self._json(200, self.room.scene())
         elif path == "/truth":
             self._json(200, self.room.truth())
+        elif path.startswith("/geometry/"):
+            shape = self.room.geometry(path.removeprefix("/geometry/"))
+            if shape:
+                self._send(200, "application/gzip", shape)
+            else:
+                self._json(404, {"error": "no such robot in this world"})
         elif path == "/health":
             self._json(200, self.room.health())
         else:
-            self._json(404, {"error": "valid here: GET /overview.jpg, /scene, /truth, /health; POST /reset, /faults"})
+            valid = "GET /overview.jpg, /scene, /geometry/ROBOT, /truth, /health; POST /reset, /faults"
+            self._json(404, {"error": f"valid here: {valid}"})
 
     def do_POST(self) -> None:
         body = self.rfile.read(min(int(self.headers.get("Content-Length") or 0), 65536))

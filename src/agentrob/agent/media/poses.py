@@ -1,0 +1,180 @@
+"""Sample the robot's pose while somebody watches its map or while it carries out a command.
+
+Watchers get the newest pose only, and only while there are any: a pose that the forum is too slow for is dropped. The
+poses of a command are kept for its replay. Neither delays a motion, a stop or a reply.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import structlog
+
+from agentrob.agent.media.replay import PoseLog, PoseSample, encoded
+from agentrob.agent.media.room_map import RoomMap
+from agentrob.errors import ForumError, ForumUnoffered, RobotError
+from agentrob.forums.protocol import PosePages
+from agentrob.model import Pose, Primitive
+from agentrob.robots.driver.client import DriverClient
+
+HZ = 10.0
+#: An older posture is not shown: the robot may be anywhere.
+OLD_S = 1.0
+#: A pose is still sampled this long after a command, so that its replay shows the end.
+LINGER_S = 0.6
+AGAIN_S = 1.0
+#: How many commands' poses wait for their reports.
+LOGS = 4
+#: Points of the way so far that a new watcher gets, and the distance between two of them.
+MOST_TRAIL, TRAIL_M = 300, 0.03
+_log = structlog.get_logger()
+
+
+class PoseStream:
+    """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled."""
+
+    def __init__(self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap) -> None:
+        self._pages, self._driver, self._robot, self._room = pages, driver, robot, room
+        self._watched = False
+        self._running: PoseLog | None = None
+        self._until_s = -math.inf
+        self._steps: Sequence[Primitive] = ()
+        self._logs: dict[str, PoseLog] = {}
+        self._newest: PoseSample | None = None
+        self._sent: PoseLog | None = None
+        self._wanted, self._fresh = asyncio.Event(), asyncio.Event()
+
+    def watch(self) -> None:
+        """Somebody watches: send poses until the forum says that nobody does."""
+        self._watched = True
+        self._sent = None
+        self._wanted.set()
+
+    @contextlib.contextmanager
+    def recording(self, post_id: str, steps: Sequence[Primitive]) -> Iterator[None]:
+        """Keep the poses of a command until the context ends. Neither waits nor raises."""
+        if self._pages is None:
+            yield
+            return
+        self._running, self._steps = PoseLog(), steps
+        self._logs[post_id] = self._running
+        while len(self._logs) > LOGS:  # of commands that never got a report
+            del self._logs[next(iter(self._logs))]
+        self._until_s = math.inf
+        self._wanted.set()
+        try:
+            yield
+        finally:
+            self._until_s = time.monotonic() + LINGER_S
+
+    def begin_step(self, step: Primitive) -> None:
+        """Note that a step of the running command begins."""
+        if self._running is not None:
+            self._running.steps.append((time.monotonic(), in_words(step)))
+
+    async def replay(self, post_id: str, geometry: str) -> bytes:
+        """The gzipped replay of a command, once; nothing if no poses were known."""
+        log = self._logs.pop(post_id, None)
+        if log is None:
+            return b""
+        room = self._room.as_data()
+        head = {"robot": self._robot, "map": room, "geometry": geometry}
+        return await asyncio.to_thread(encoded, log, **head)
+
+    # ------------------------------------------------------------------ sampling and sending
+    async def run(self) -> None:
+        """Sample and send until cancelled."""
+        if self._pages is None:
+            return
+        sending = asyncio.create_task(self._send(self._pages))
+        try:
+            await self._sample()
+        finally:
+            sending.cancel()
+
+    async def _sample(self) -> None:
+        while True:
+            if not self._watched and time.monotonic() > self._until_s:
+                self._running = None
+                self._wanted.clear()
+                await self._wanted.wait()
+            begun_s = time.monotonic()
+            try:
+                await self._take()
+            except RobotError as e:
+                _log.info("no pose", robot=self._robot, error=str(e))
+                await asyncio.sleep(AGAIN_S)
+            await asyncio.sleep(max(0.0, 1.0 / HZ - (time.monotonic() - begun_s)))
+
+    async def _take(self) -> None:
+        posture = await self._driver.posture()
+        if posture.pose is None or posture.age_s > OLD_S:
+            return
+        self._newest = sample = PoseSample(time.monotonic(), self._room.in_room(posture.pose), posture)
+        if (log := self._running) is not None and sample.at_s <= self._until_s:
+            if not log.samples:
+                log.plan = self._room.planned(sample.pose, self._steps)
+            log.add(sample)
+        self._fresh.set()
+
+    async def _send(self, pages: PosePages) -> None:
+        while True:
+            await self._fresh.wait()
+            self._fresh.clear()
+            if not self._watched or self._newest is None:
+                continue
+            log, begun_s = self._running, time.monotonic()
+            try:
+                seen = await pages.publish_pose(self._robot, self._frame(self._newest, log))
+                self._watched, self._sent = seen.viewers > 0, log
+                await asyncio.sleep(max(0.0, seen.every_s - (time.monotonic() - begun_s)))
+            except ForumError as e:
+                if not isinstance(e, ForumUnoffered):
+                    _log.info("pose not sent", robot=self._robot, error=str(e))
+                self._watched = False  # the forum says so again while somebody watches
+            except Exception:
+                self._watched = False
+                raise
+
+    def _frame(self, sample: PoseSample, log: PoseLog | None) -> dict[str, Any]:
+        """What the forum gets: pose, body, and with the first pose of a command its plan and its way so far."""
+        pose = [round(v, 3) for v in (sample.pose.x_m, sample.pose.y_m, sample.pose.yaw_rad)]
+        frame: dict[str, Any] = {"pose": pose, "body": sample.body}
+        if log is not None and log is not self._sent and log.samples:
+            frame |= {"plan": log.plan, "trail": trail_of(log)}
+        return frame
+
+
+def trail_of(log: PoseLog) -> list[tuple[float, float]]:
+    """The way so far, with a point every few centimetres."""
+    trail: list[tuple[float, float]] = []
+    for sample in log.samples:
+        point = round(sample.pose.x_m, 3), round(sample.pose.y_m, 3)
+        if not trail or math.dist(point, trail[-1]) >= TRAIL_M:
+            trail.append(point)
+    return trail[-MOST_TRAIL:]
+
+
+def in_words(step: Primitive) -> str:
+    """A step in a few words, for the replay."""
+    words = [str(step.op).replace("_", " ")]
+    if step.direction is not None:
+        words.append(str(step.direction))
+    if step.distance_m is not None:
+        words.append(f"{step.distance_m:g} m")
+    if step.degrees is not None:
+        words.append(f"{step.degrees:g}°")
+    return " ".join(words)
+
+
+def has_moved(before: Pose | None, now: Pose, far_m: float = 0.05, far_rad: float = 0.1) -> bool:
+    """Whether a pose differs by more than a standing robot sways."""
+    if before is None:
+        return True
+    turned_rad = abs(math.remainder(now.yaw_rad - before.yaw_rad, math.tau))
+    return math.hypot(now.x_m - before.x_m, now.y_m - before.y_m) > far_m or turned_rad > far_rad

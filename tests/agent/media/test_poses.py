@@ -1,0 +1,182 @@
+"""Poses of a robot: sent while somebody watches, kept for the replay of a command, and never in the way."""
+
+from __future__ import annotations
+
+import asyncio
+import gzip
+import json
+import math
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.agent.media.poses import PoseStream, has_moved, in_words
+from agentrob.agent.media.replay import MOST_BYTES, PoseLog, PoseSample, encoded
+from agentrob.agent.media.room_map import RoomMap
+from agentrob.config.map import MapConfig, MapThing
+from agentrob.config.robots import FenceConfig, RobotConfig
+from agentrob.errors import ForumUnreachable
+from agentrob.forums.protocol import PoseViewers
+from agentrob.model import Direction, Op, Pose, Posture, Primitive
+from tests.robots.driver_scene import Drivers
+
+WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
+ROOM = RobotConfig(
+    fence=FenceConfig(x_min_m=-1, x_max_m=3, y_min_m=-2, y_max_m=2),
+    map=MapConfig(room="lab", home_at_m=(1.0, 2.0), home_facing_deg=90, things=(MapThing(at_m=(1, 1), radius_m=0.2),)),
+)
+
+
+class Pages:
+    """A forum that shows poses; `viewers` are its viewers, `fails` makes it refuse."""
+
+    def __init__(self) -> None:
+        self.frames: list[dict[str, Any]] = []
+        self.viewers, self.fails = 1, False
+        self.slow = asyncio.Event()
+        self.slow.set()
+
+    async def publish_pose(self, robot: str, frame: dict[str, Any]) -> PoseViewers:
+        await self.slow.wait()
+        if self.fails:
+            raise ForumUnreachable("not now")
+        self.frames.append(frame)
+        return PoseViewers(self.viewers, 0.0)
+
+    async def publish_geometry(self, robot: str, geometry: bytes) -> str:
+        raise AssertionError("not asked for")
+
+    async def publish_replay(self, post_id: str, replay: bytes) -> None:
+        raise AssertionError("not asked for")
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(60):
+        while not condition():  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+
+
+@pytest.fixture
+def drivers(tmp_path: Path) -> Iterator[Drivers]:
+    found = Drivers(tmp_path)
+    yield found
+    found.close()
+
+
+@asynccontextmanager
+async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseStream, Any]]:
+    name, _ = drivers.start()
+    async with drivers.client(name) as driver:
+        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM))
+        running = asyncio.create_task(stream.run())
+        try:
+            yield stream, driver
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+
+async def test_poses_are_sent_only_while_somebody_watches(drivers: Drivers) -> None:
+    pages = Pages()
+    async with streaming(drivers, pages) as (stream, driver):
+        await until(lambda: not stream._wanted.is_set())
+        assert not pages.frames
+        stream.watch()
+        await until(lambda: len(pages.frames) >= 3)
+        assert pages.frames[0]["pose"] == pytest.approx([1, 2, math.pi / 2], abs=0.01), "at home in the room"
+        pages.viewers = 0
+        sent = len(pages.frames)
+        await until(lambda: not stream._watched)
+        assert len(pages.frames) <= sent + 2
+        assert driver is not None
+
+
+async def test_a_slow_forum_gets_the_newest_pose_and_the_others_are_dropped(drivers: Drivers) -> None:
+    pages = Pages()
+    async with streaming(drivers, pages) as (stream, driver):
+        stream.watch()
+        await until(lambda: len(pages.frames) >= 1)
+        pages.slow.clear()
+        with stream.recording("7", [WALK]):
+            async with driver.lease("me") as lease:
+                result = await asyncio.wait_for(driver.step(lease, WALK, 30), 60)
+        assert result.ok, "the walk does not wait for the forum"
+        sampled = len(stream._logs["7"].samples)
+        sent = len(pages.frames)
+        pages.slow.set()
+        await until(lambda: len(pages.frames) >= sent + 2)
+        assert sampled > 10
+        assert len(pages.frames) < sampled
+
+
+async def test_a_forum_that_fails_ends_the_sending_until_it_is_told_of_viewers_again(drivers: Drivers) -> None:
+    pages = Pages()
+    async with streaming(drivers, pages) as (stream, _):
+        pages.fails = True
+        stream.watch()
+        await until(lambda: not stream._watched)
+        pages.fails = False
+        stream.watch()
+        await until(lambda: len(pages.frames) >= 2)
+
+
+async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: Drivers) -> None:
+    pages = Pages()
+    async with streaming(drivers, pages) as (stream, driver):
+        with stream.recording("7", [WALK]):
+            await until(lambda: bool(stream._logs["7"].samples))
+            async with driver.lease("me") as lease:
+                stream.begin_step(WALK)
+                assert (await driver.step(lease, WALK, 30)).ok
+        await until(lambda: stream._running is None)
+        replay = await stream.replay("7", "f" * 32)
+        assert await stream.replay("7", "") == b"", "it is handed over once"
+    assert not pages.frames, "nobody watched"
+    assert len(replay) < 3000
+    told = json.loads(gzip.decompress(replay))
+    assert told["plan"] == [[1.0, 2.0], [1.0, pytest.approx(2.4, abs=0.01)]]
+    assert told["steps"][0][1] == "move forward 0.4 m"
+    assert told["geometry"] == "f" * 32
+    x, y, _ = ([mm / 1000 for mm in accumulate(channel)] for channel in told["pose"])
+    assert (x[0], y[0]) == pytest.approx((1, 2), abs=0.02)
+    assert (x[-1], y[-1]) == pytest.approx((1, 2.4), abs=0.1)
+    assert len(told["t"]) == len(x)
+    assert told["map"]["fence"][0] == [3.0, 1.0]
+
+
+def test_a_long_replay_of_many_joints_keeps_fewer_poses() -> None:
+    log = PoseLog()
+    for n in range(1200):
+        angles = tuple(math.sin(n / 3 + k) + math.sin(n * k * 1.7) / 50 for k in range(29))
+        posture = Posture(0.0, height_m=0.8, tilt=(1.0, 0.0, 0.0, 0.0), joints_rad=angles)
+        log.add(PoseSample(n / 10, Pose(n / 100, 0.0, 0.0), posture))
+    replay = encoded(log, robot="humanoid")
+    assert len(replay) <= MOST_BYTES
+    told = json.loads(gzip.decompress(replay))
+    assert sum(told["t"]) > 110_000, "it still shows the whole command"
+    assert len(told["body"]) == 1 + 4 + 29
+    assert encoded(PoseLog(), robot="humanoid") == b""
+
+
+def test_joint_angles_that_are_missing_for_a_moment_stay_as_they_were() -> None:
+    log, known = PoseLog(), Posture(0.0, height_m=0.3, tilt=(1.0, 0.0, 0.0, 0.0), joints_rad=(0.5,))
+    for n, posture in enumerate((Posture(0.0), known, Posture(0.0))):
+        log.add(PoseSample(float(n), Pose(0, 0, 0), posture))
+    told = json.loads(gzip.decompress(encoded(log)))
+    assert [list(accumulate(channel)) for channel in told["body"]][-1] == [500, 500, 500]
+
+
+def test_steps_are_told_in_a_few_words() -> None:
+    assert in_words(Primitive(Op.TURN, Direction.LEFT, degrees=90)) == "turn left 90°"
+    assert in_words(Primitive(Op.GET_FRONT_IMAGE)) == "get front image"
+
+
+def test_a_robot_that_sways_has_not_moved() -> None:
+    assert has_moved(None, Pose(0, 0, 0))
+    assert not has_moved(Pose(0, 0, math.pi), Pose(0.02, 0.02, -math.pi + 0.05))
+    assert has_moved(Pose(0, 0, 0), Pose(0, 0, 0.2))
+    assert has_moved(Pose(0, 0, 0), Pose(0.1, 0, 0))
