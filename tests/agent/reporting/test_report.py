@@ -205,3 +205,13 @@ def test_a_queued_command_says_behind_whom_and_about_how_long() -> None:
     )
     assert words.queued("zh", 1, "bob", 1.0) == "排队中，第 1 位，前面是 `bob` 的命令；大约 5 秒后轮到。"
     assert words.queued("en", 1, "bob") == "Queued, place 1, behind the command of `bob`."
+
+
+def test_law_17_that_a_stop_was_not_confirmed_is_said_before_the_table() -> None:
+    cut = ActionResult(WALK, Outcome.STOPPED, {"distance_m": 0.4})
+    for confirmed in (False, True):
+        stopped = report("stopped", message="alice", results=(cut,), stop=StopResult(80.0, confirmed, True, 0.05))
+        reply_text = words.final(stopped)
+        assert reply_text.startswith("**Stopped** by `alice`. Until then: walked 0.40 m.\n\n")
+        figures = "Zero velocity was commanded" if confirmed else "**I commanded a stop, but the robot did not confirm"
+        assert (reply_text.index(figures) < reply_text.index("| Step |")) is not confirmed

@@ -169,6 +169,12 @@ def test_a_report_is_split_at_its_table_and_its_details() -> None:
     assert "Assumed." in parts.rest
     assert "trace" in parts.details
     assert "z" in parts.details
+    for raw in (
+        "> **Done.**\n>\n> | a |\n> |---|\n> | 1 |",
+        "> a\n>\n> #### Details\n>\n> b",
+        "- a\n\n  #### Details\n\n  b",
+    ):
+        assert report_parts(html(raw)) == ReportParts(html(raw)), "it is not cut within a quotation or a list"
     plain = html("No report.\n\n#### Other\n\nText")
     assert report_parts(plain) == ReportParts(plain)
     assert report_parts(html("**完成**：走了。\n\n#### 详情\n\n*x*")).heading == "详情"

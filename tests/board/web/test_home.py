@@ -131,6 +131,7 @@ def test_threads_show_robot_outcome_sentence_and_picture(site: Site) -> None:
     row = site.browser("alice").get("/").text.split("walk there")[1].split("</li>")[0]
     assert '<span class="row-text" dir="auto">Done: walked 0.97 m.</span>' in row
     assert '<span class="chip small is-done">done</span> @quadruped' in row
+    assert "<summary>Done: walked 0.97 m.</summary>" in site.browser("alice").get("/feed.atom").text
     thumb = re.search(r'class="thumb" src="([^"]+)"', row)
     assert thumb
     picture = site.browser("alice").get(thumb[1])

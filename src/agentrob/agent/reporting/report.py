@@ -132,11 +132,13 @@ def final(
     language = report.command.language
     linked = any(picture.link for picture in pictures)
     shown, small = _pictures(pictures, language), [note for note in notes if _is_small(note)]
-    parts = [*_lead(report), summary, shown if linked else "", calls or _table(report)]
+    stopped = "" if report.stop is None else stop_figures(report.stop, language)
+    warned = report.stop is not None and not report.stop.confirmed  # above everything that needs scrolling
+    parts = [*_lead(report), stopped if warned else "", summary, shown if linked else "", calls or _table(report)]
     if report.plan.notes and report.status not in (CommandState.ASKS_BACK, CommandState.REFUSED):
         parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
-    if report.stop is not None:
-        parts.append(stop_figures(report.stop, language))
+    if not warned:
+        parts.append(stopped)
     if report.approved_by:
         parts.append(say("agent.approved.by", language, who=quote(report.approved_by)))
     parts += [_slower(report), *(note for note in notes if not _is_small(note))]

@@ -153,4 +153,11 @@ def report_parts(html: str) -> ReportParts:
     heading, details = found if found else ("", "")
     at = above.find("<table")
     lead, rest = (above, "") if at < 0 else (above[:at], above[at:])
+    if not all(map(_is_whole, (lead, rest, details))):
+        return ReportParts(html)
     return ReportParts(lead, rest, details.strip(), heading)
+
+
+def _is_whole(html: str) -> bool:
+    """Whether no quotation or list begins or ends in another part."""
+    return all(html.count(f"<{tag}") == html.count(f"</{tag}>") for tag in ("blockquote", "ul", "ol"))

@@ -68,7 +68,11 @@ def last_picture(services: Services, robot: str, viewer: Account | None) -> Imag
     account = reader.account(robot)
     if account is None or not rights.sees_camera(rights.settings_of(reader, robot), viewer, robot):
         return None
-    return telling([image for post in reader.posts_by(account, _LOOK_BACK) for image in post.images])
+
+    def read() -> Image | None:
+        return telling([image for post in reader.posts_by(account, _LOOK_BACK) for image in post.images])
+
+    return reader.kept(("last picture", account.id, reader.seen()), read)
 
 
 def telling(images: Sequence[Image]) -> Image | None:
