@@ -225,7 +225,7 @@ TABLE = {
     "picture": """snaps|snap shot|pictureof|pix|a look|visual|still|photo|photos|picture|pictures|pic|pics|image|images
         |photograph|snapshot|shot|selfie|camera image|front image|front photo""",
     "soft": "gimme a|gimme|come on|let me think|let me see now|show me",
-    "soft=send": "send it over|send it back|send it along|send that over|send it here|send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
+    "soft=send": "transmit it|relay it|beam it back|forward it to me|send it over|send it back|send it along|send that over|send it here|send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
         |from where you are|at your current position|at your current location|at your position|at your location
         |at this position|at this location|at that position|at that location|at this spot|at that spot
@@ -266,7 +266,7 @@ TABLE = {
     "time_unit=1": "s|second|seconds|sec|secs",
     "time_unit=60": "minute|minutes|min|mins",
     "turn angle=90": "one quarter turn|one quarter of a turn|a quarter of a full turn|1/4 turn|a 1/4 turn|1/4 of a turn|quarter turn|a quarter turn|a quarter of a turn",
-    "turn angle=180 ": "one half turn|one half of a turn|half of a full turn|1/2 turn|a 1/2 turn|half turn|a half turn|half a turn",
+    "turn angle=180 ": "a half circle|half circle|half a circle|a half rotation|half a rotation|one half turn|one half of a turn|half of a full turn|1/2 turn|a 1/2 turn|half turn|a half turn|half a turn",
     "turn angle=360": """twirl|do a twirl|a twirl|twirl around|pirouette|do a pirouette|a pirouette|do a spin|a spin
         |a full spin|do a full spin|a complete spin|do a three sixty|do a 360|do a full 360|do a full three sixty
         |full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn|a complete turn

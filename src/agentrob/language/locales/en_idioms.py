@@ -19,6 +19,7 @@ _BEGIN = r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|h
 _END = r"(?=\s*(?:$|[,.;:!?]|\b(?:and|then|please|pls|plz|thanks|thank)\b))"
 _AHEAD = "forward|forwards|backward|backwards"
 _A_TURN = r"(?:an?|another|one|the) (?:[\w-]+ ){0,4}?(?:turn|rotation|spin|about face|u turn)\b"
+_FINE = "quick|clear|nice|good|better|sharp|wide|final|last|fresh|full|detailed|proper|simple|decent|great|close up"
 _LIVE = "current|live|front|camera|clear|quick|better|fresh|updated"
 _TASK = (
     r"(?:so |now |okay )?(?:what (?:i|we)(?:'d like| would like| want| need) you to do(?: now| next| here)?"
@@ -77,7 +78,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"\byoure\b", "you're"),
     (r"\bur\b", "your"),
     (r"\bfotos?\b|\bfotograph\b", "photo"),
-    (r"\b(?:tiny|teeny|wee|slight) (?=turn|step|bit of a turn|wave|move)", ""),
+    (r"\b(?:tiny|teeny|wee|slight) (?=turn|left|right|step|bit of a turn|wave|move)", ""),
     # ---------------------------------------------------------------- one more of the same
     (
         rf"^(.*\b(?:{_PICTURE})s?\b.*?\b(?:take|snap|grab|send|get|shoot)) "
@@ -175,5 +176,16 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     ),
     (rf",? (?:let's |i'd |i would )?say,? (?=(?:about |another |a |an )?{_NUMBER}\b)", " "),
     (rf"(\b(?:{_PICTURE})) (?:straight|directly|facing|looking|pointing)? ?(?:ahead|forwards?|straight){_END}", r"\1"),
+    (
+        rf"\b((?:take|snap|grab|send|get|give|shoot|show)(?: me| us)? (?:an?|the|one|another|your))(?: (?:{_FINE})){{1,2}}"
+        rf" (?=(?:{_PICTURE})\b)",
+        r"\1 ",
+    ),
+    (rf"\b({_AHEAD}|left|right|feet|foot|met(?:er|re)s?|degrees) go{_END}", r"\1"),
+    (rf"{_BEGIN}i(?:'d)? (?:just|only|really|simply) ((?:want|need|like) )", r"\1i \2"),
+    (r"\b(?:toward|towards) (?=(?:the |your )?(?:left|right)\b)", "to "),
+    (rf",? (?:um |uh |er )?let(?:'s| me) see,? (?=(?:about |maybe )?{_NUMBER}\b)", " uh "),
+    (rf"\b(turn|spin|back|move|rotate|roll|walk|drive) you (?=around|back|up|forward|ahead|left|right|{_NUMBER}\b)", r"\1 "),
+    (rf"{_BEGIN}give (?:it|me|us) (?=(?:another )?{_NUMBER}\b[\w ]*\b(?:{_AHEAD}|back|left|right))", r"\1move "),
     (r",? (?:and )?(?:at|in) the end(?: of (?:that|it|this|the (?:turn|move|walk|rotation)))?(?=[.!]*$)", " "),
 )

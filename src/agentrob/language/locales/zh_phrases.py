@@ -43,6 +43,7 @@ _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
 _DO_ALONE = re.compile(r"(?:^|[，,。；;！!\s先再])(做下)(?=$|[，,。；;！!\s]|然后|接着|再)")
 _RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
+_BESIDE = re.compile("(?:你|的|那|这|在|到)*(?:左|右|后|背)[面边侧方手后]")
 _TRIAL = re.compile(TRIAL)
 _PICTURES = "照片|相片|图片|图像|截图|合影|合照|特写|美照|快照|画面|视图|图|照"
 _PICTURE_TOLD = re.compile(
@@ -359,7 +360,11 @@ def _pictures_told(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _judges(token: Token, said: str) -> bool:
-    """Return whether 看看 is followed by what is tried, and not by a thing: 让我看看效果如何."""
+    """Return whether 看看 is followed by what is tried, 让我看看效果如何, or by what is not ahead, 看一下左边."""
+    if said[token.end - 1] not in "看瞧瞅下眼":
+        return False
+    if _BESIDE.match(said, token.end):
+        return True
     begun = max(said.rfind(mark, 0, token.start) for mark in "，。；！？,;!? ") + 1
     return any(found.start() <= token.start < found.end() for found in _TRIAL.finditer(said, begun))
 

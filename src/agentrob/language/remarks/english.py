@@ -41,7 +41,9 @@ WORDS = RemarkWords(
        |whoever|i|we|he|she|they|it|there|here|here's|there's|that's|thats|it's|its|today|yesterday|dad|mum|mom|mummy
        |mommy|daddy|grandma|grandpa|granny|even my|even the|one of us|one of them|one of my|one of our|people|kids
        |half of us|half the|only my""",
-    verbs=f"""{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|{_THIRD_PERSON}|will|would|could|can|might|must|should|does
+    verbs=f"""{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|{_THIRD_PERSON}|will|would|could|can|might|must|should|does|happens|matters|exists|helps|starts|ends|begins|opens|depends
+       |sounds|tastes|smells|seems|feels|loves|likes|hates|knows|thinks|makes|keeps|lives|cries|laughs|smiles|rocks|rules
+       |sucks|deserves
        |[a-z]+'(?:s|re|m|ve|ll)|thats""",
     linking=f"{_BE}|looks|seems|has|have",
     bare_subjects="i|im|ive|we|they|he|she",
@@ -140,7 +142,8 @@ WORDS = RemarkWords(
        |(?:will|would|might|should|does|did|may|must|could) look (?!left|right|up|down|back|around|at|ahead|behind
        |forward|over|into)
        |(?:this|that|the|a|different|better|good|nice|another|camera|viewing|whole) angle(?! of\b)
-       |(?:have|has|had|got) (?:\w+ ){1,4}?ready
+       |(?:have|has|had|got) (?:my|our|the) (?:\w+ )?(?:camera|phone|tea|coffee|popcorn|recorder|notebook|pen|timer
+       |stopwatch|tape measure|video|recording|snacks|drink|beer|lunch|dinner|homework|notes) (?:all )?ready
        |(?:been|was|were|am|i'm|we're|kept) (?:\w+ )?waiting(?! (?:for|until|till) (?:\w+ ){1,2}to\b)
        |(?:late|long|short|old|double|duplicate|boring|silly|off topic) (?:posts?|repl(?:y|ies)|messages?)
        |(?:internet|connection|wifi|network|stream|feed|video|computer|laptop|phone|page|site|server|traffic|bus|day
@@ -158,7 +161,12 @@ WORDS = RemarkWords(
        |(?:see|seeing|check|checking|testing|test|know|measuring|finding out) (?:just |exactly )?how (?:precise|accurate
        |exact|well|good|fast|quick|smooth|strong|quiet|smart|clever|it|this|that)(?: (?:you|it|this|that|the \w+))?
         (?:are|is|can|does|do|goes|go|works?|looks?|turns? out)?
-       |(?:a (?:bit|little)|slightly|way|totally) off|in (?:my|the|those|our) days?
+       |(?:photo|picture|image|shot|colou?rs?|framing|audio|sound|music|lighting) (?:\w+ ){1,3}?(?:a (?:bit|little)|slightly
+       |way|totally) off|in (?:my|the|those|our) days?
+       |first (?:language|name|love|job|car|computer|grade|year|semester|week|term|impression)
+       |should (?:still |already |now |soon )?(?:be (?:visible|fine|nice|good|great|fun|easy|ok|okay|interesting|lovely
+       |beautiful|pretty|online)|look (?:great|good|nice|better)|come out|help)
+       |[a-z]{3,}s look (?:so |very |really )?(?:FEELINGS|pretty|clean|cozy|comfy|new|old|fresh|huge|tiny)
        |(?:figured?|find|found|works?|worked|learned|learnt|learn|know|knew|knows|forgot) (?:out )?how to
        |know how (?:you|it|they|he|she|we|i|that) (?:feels?|felt|works?|worked)
        |you (?:could|can|might) (?:use|do with) (?:some|a|an|more)|you look(?:ed)? like|what a time to
@@ -222,7 +230,8 @@ WORDS = RemarkWords(
            |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! (?:wait|believe|complain|tell|imagine|remember
        |resist|sleep|afford|speak|spell|type|cook|sing|swim
             |draw|count|thank|get over|help it|stop laughing|stop smiling|be happier|agree more|been|had)\b)
-           |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
+           |against|vot(?:e|es|ed|ing) (?:no|down|for nothing)|(?:decided|chose|agreed|voted) not
+       |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
         "time": r"""
             (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
            |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
@@ -264,7 +273,7 @@ WORDS = RemarkWords(
             (?:\w+ ){0,2}?(?:there|here|behind|under|underneath|near|beside|by|next|close|ahead|in|on|at|around|between)
            |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)""",
         "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
-           |coming|approach*|crossing|falling|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
+           |coming|approach*|crossing|falling|fall(?! (?:weather|semester|season|break|colou?rs|in love))|falls|crash*|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
            |knife|knives|weapons?""",
         "the robot's place": r"""
             (?:you're|you are|you were|the robot is) (?:\w+ ){0,3}?(?:on|in|under|at|near|above|against|inside|by

@@ -109,6 +109,14 @@ _UNRELATED = re.compile(
     r"|\b(?:photos?|pictures?|it|that|one|images?|shot)(?: \w+)? (?:came out|turned out|looked|was|is|were) (?:\w+ )?"
     r"(?:dark|blurry|grainy|bright|crooked)$"
     r"|\b(?:students?|class|kids|viewers|friends|family) (?:voted|decided|chose|agreed)\b"
+    r"|\b(?:i|we) (?:promised|owe|miss|married|met|visited|texted|thanked) (?:my|our|his|her|the) [\w']+$"
+    r"|\bi wish (?:my|our) [\w' ]+$"
+    r"|\bthis is (?:my|our) (?:\w+ )?(?:first|second|third|last) (?:post|time|day|visit|try|message|thread)[\w' ]*$"
+    r"|\b(?:collecting|framing|printing|saving|keeping|sharing|posting) (?:them|it|these|those|this|all of them) (?:in|on|for"
+    r"|with) (?:an?|my|our|the) [\w']+$"
+    r"|\b(?:your|the|this) (?:live ?)?stream (?:quality|is|was|looks|has|works?|title|chat|freezes|froze|lags?)\b"
+    r"|\b(?:my|our|the|his|her) (?:neighbou?r|roommate|brother|sister|son|daughter|kid|colleague)s?'s? (?:radio|music|tv"
+    r"|phone|computer|car|game|show)\b"
     r"|\braining cats\b|^(?:and |then )*(?:about face|(?:get )?(?:back )?(?:up )?on your feet)$"
     rf"|{_WHO}(?:都|也|很|真|特别|最|一直|可|还|就)*(?:喜欢|爱(?!抓|咬|扑)|想你|想念|夸|羡慕|崇拜|佩服|期待"
     rf"|好奇|高兴|开心|激动|兴奋|感谢"
@@ -116,6 +124,8 @@ _UNRELATED = re.compile(
     rf"|羡慕|回家|下班|放假|休息|说(?:这|你)?(?:像|真|好|可爱))"
     rf"|{_WHO}在[^，。,.]{{1,6}}(?:上班|上学|读书|工作|留学)|(?:观众|听众|嘉宾)席|楼上说|午睡(?:起来|刚醒|醒了)"
     rf"|(?:谢谢|感谢|多谢|辛苦|恭喜|麻烦|打扰|祝|祝愿|问候|欢迎){_WHO}|{_WHO}(?:见谅|包涵|谅解|理解|辛苦|加油|支持)"
+    r"|答应[过了]?(?:我|我们)?[^，。,]{1,4}[的了]?$"
+    r"|(?:邻居|隔壁|楼上|楼下)家?的?(?:音响|音乐|电视|装修|钢琴)|窗帘|机器[人狗](?:同学|老师|朋友|先生|兄弟)"
     r"|(?:听说|让|请|麻烦让)它|学开车|新人"
 )
 #: Personal introductions ("I'm your neighbour") that claim no rights.
