@@ -30,7 +30,9 @@ class Locale:
     may belong to a command; `introduction` what introduces a command before a colon; `aside` words in the form of a
     condition that set none ("if I remember correctly"); `purpose` where one begins within a clause; `weighty` what
     may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
-    out either where the grammar knows the words of the remark, whose danger the screen judges; `noun_after` the words
+    out either where the grammar knows the words of the remark, whose danger the screen judges; `private` a
+    statement about its speaker or others that names neither the robot nor the command, of which only `grave` words
+    weigh; `noun_after` the words
     before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
     where a statement may begin that follows a command without punctuation; `open_end` words after which it cannot;
     `claims` talk that is always asked about: somebody claims rights, or introduces what another person said.
@@ -60,6 +62,8 @@ class Locale:
     aside: str = "(?!)"
     purpose: str = ""
     weighty: str = "(?!)"
+    private: str = "(?!)"
+    grave: str = "(?!)"
     unsettling: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""

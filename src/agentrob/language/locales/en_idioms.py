@@ -19,10 +19,12 @@ _BEGIN = r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|h
 _END = r"(?=\s*(?:$|[,.;:!?]|\b(?:and|then|please|pls|plz|thanks|thank)\b))"
 _AHEAD = "forward|forwards|backward|backwards"
 _A_TURN = r"(?:an?|another|one|the) (?:[\w-]+ ){0,4}?(?:turn|rotation|spin|about face|u turn)\b"
+_FINE = "quick|clear|nice|good|better|sharp|wide|final|last|fresh|full|detailed|proper|simple|decent|great|close up"
 _LIVE = "current|live|front|camera|clear|quick|better|fresh|updated"
 _TASK = (
     r"(?:so |now |okay )?(?:what (?:i|we)(?:'d like| would like| want| need) you to do(?: now| next| here)?"
-    r"|what (?:i|we) (?:want|need)(?: now| next)?|your (?:next |first |new )?(?:job|task|mission|move|step|order|instruction)"
+    r"|what (?:i|we) (?:want|need)(?: now| next)?|your (?:next |first |new )?(?:job|task|mission|move|step"
+    r"|order|instruction)"
     r"|the (?:next|first|new) (?:thing|step|task|move|instruction|order|action))"
 )
 _VIEW = "view|feed|frame|scene|capture|screenshot|camera feed|visual"
@@ -77,7 +79,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"\byoure\b", "you're"),
     (r"\bur\b", "your"),
     (r"\bfotos?\b|\bfotograph\b", "photo"),
-    (r"\b(?:tiny|teeny|wee|slight) (?=turn|step|bit of a turn|wave|move)", ""),
+    (r"\b(?:tiny|teeny|wee|slight) (?=turn|left|right|step|bit of a turn|wave|move)", ""),
     # ---------------------------------------------------------------- one more of the same
     (
         rf"^(.*\b(?:{_PICTURE})s?\b.*?\b(?:take|snap|grab|send|get|shoot)) "
@@ -150,7 +152,8 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"(?<=\w) (please|pls|plz)\s*([.!]*)$", r", \1\2"),
     (
         rf"{_BEGIN}(?:you(?:'re| are) (?:gonna|going to)|you(?:'ll| will)(?: now| then| just)?|{_TASK} (?:is|would be)"
-        r"(?: for you)?(?: to)?|all (?:that )?you (?:need|have|got) to do is(?: to)?|i(?:'m| am) (?:gonna|going to) have you"
+        r"(?: for you)?(?: to)?|all (?:that )?you (?:need|have|got) to do is(?: to)?|i(?:'m| am) (?:gonna"
+        r"|going to) have you"
         r"|i(?:'d| would) (?:appreciate|love) you to|i(?:'d| would) (?:like|want) for you to) (?=[a-z])",
         r"\1please ",
     ),
@@ -160,20 +163,40 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         r"\1take ",
     ),
     (
-        rf"\b(?:proceed with|perform|execute|initiate|carry out|conduct|complete|go for|make|go ahead with) (?={_A_TURN})",
+        rf"\b(?:proceed with|perform|execute|initiate|carry out|conduct|complete|go for|make"
+        rf"|go ahead with) (?={_A_TURN})",
         "do ",
     ),
-    (rf"\b(?:move in a |make a |do a )?({_AHEAD}) (?:motion|movement)(?: of| by| for)?\b(?=.*\d|.*{_NUMBER})", r"move \1"),
+    (
+        rf"\b(?:move in a |make a |do a )?({_AHEAD}) (?:motion|movement)(?: of| by| for)?\b(?=.*\d|.*{_NUMBER})",
+        r"move \1",
+    ),
     (
         rf"{_BEGIN}(?:show|send|give)(?: me| us)? (?:an?|the|your|another|one more)(?: new)? (?:(?:{_LIVE}) )?"
         rf"(?:{_VIEW})(?: of what(?:'s| is) (?:ahead|in front of you|there)| from (?:here|there|where you are))?{_END}",
         r"\1take a photo",
     ),
     (
-        rf"\b(turn|rotate|pivot|spin|swivel|swing)(?: yourself)? back (?=(?:by |about )?{_NUMBER}\b.*\b(?:left|right)\b)",
+        rf"\b(turn|rotate|pivot|spin|swivel|swing)(?: yourself)? back (?=(?:by |about )?{_NUMBER}\b.*\b(?:left"
+        rf"|right)\b)",
         r"\1 ",
     ),
     (rf",? (?:let's |i'd |i would )?say,? (?=(?:about |another |a |an )?{_NUMBER}\b)", " "),
     (rf"(\b(?:{_PICTURE})) (?:straight|directly|facing|looking|pointing)? ?(?:ahead|forwards?|straight){_END}", r"\1"),
+    (
+        rf"\b((?:take|snap|grab|send|get|give|shoot|show)(?: me| us)? (?:an?|the|one|another"
+        rf"|your))(?: (?:{_FINE})){{1,2}}"
+        rf" (?=(?:{_PICTURE})\b)",
+        r"\1 ",
+    ),
+    (rf"\b({_AHEAD}|left|right|feet|foot|met(?:er|re)s?|degrees) go{_END}", r"\1"),
+    (rf"{_BEGIN}i(?:'d)? (?:just|only|really|simply) ((?:want|need|like) )", r"\1i \2"),
+    (r"\b(?:toward|towards) (?=(?:the |your )?(?:left|right)\b)", "to "),
+    (rf",? (?:um |uh |er )?let(?:'s| me) see,? (?=(?:about |maybe )?{_NUMBER}\b)", " uh "),
+    (
+        rf"\b(turn|spin|back|move|rotate|roll|walk|drive) you (?=around|back|up|forward|ahead|left|right|{_NUMBER}\b)",
+        r"\1 ",
+    ),
+    (rf"{_BEGIN}give (?:it|me|us) (?=(?:another )?{_NUMBER}\b[\w ]*\b(?:{_AHEAD}|back|left|right))", r"\1move "),
     (r",? (?:and )?(?:at|in) the end(?: of (?:that|it|this|the (?:turn|move|walk|rotation)))?(?=[.!]*$)", " "),
 )

@@ -105,7 +105,7 @@ class Clause:
         known, said = self.known, self.plain
         if not _found(known.remark, said) and not self.introduces:
             return False
-        if _found(known.weighty, _compiled(known.aside).sub(" ", said)):
+        if self._weighs(known.weighty, _compiled(known.aside).sub(" ", said)):
             return False
         rest = self.without_asides
         return not rest.commands and not (_found(known.fragment, said) and rest.has_side)
@@ -118,12 +118,19 @@ class Clause:
     @property
     def weighs(self) -> bool:
         """Whether it may change the meaning or the danger of a command."""
-        return _found(self.known.weighty, self.plain)
+        return self._weighs(self.known.weighty, self.plain)
 
     @property
     def unsettles(self) -> bool:
         """Whether it may change what a command means, if the grammar knows its words."""
-        return _found(self.known.unsettling, self.plain)
+        return self._weighs(self.known.unsettling, self.plain)
+
+    def _weighs(self, words: str, said: str) -> bool:
+        """Return whether any of these words weighs; in a private statement only the grave ones do."""
+        if not _found(words, said):
+            return False
+        private = not self.introduces and _found(self.known.private, said)
+        return not private or _found(self.known.grave, said)
 
     @property
     def has_side(self) -> bool:

@@ -41,7 +41,9 @@ WORDS = RemarkWords(
        |whoever|i|we|he|she|they|it|there|here|here's|there's|that's|thats|it's|its|today|yesterday|dad|mum|mom|mummy
        |mommy|daddy|grandma|grandpa|granny|even my|even the|one of us|one of them|one of my|one of our|people|kids
        |half of us|half the|only my""",
-    verbs=f"""{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|{_THIRD_PERSON}|will|would|could|can|might|must|should|does
+    verbs=f"""{_BE}|{_HAVE}|{_PAST}|{_PRESENT}|{_THIRD_PERSON}|will|would|could|can|might|must|should|does|happens|matters|exists|helps|starts|ends|begins|opens|depends
+       |sounds|tastes|smells|seems|feels|loves|likes|hates|knows|thinks|makes|keeps|lives|cries|laughs|smiles|rocks|rules
+       |sucks|deserves
        |[a-z]+'(?:s|re|m|ve|ll)|thats""",
     linking=f"{_BE}|looks|seems|has|have",
     bare_subjects="i|im|ive|we|they|he|she",
@@ -58,7 +60,8 @@ WORDS = RemarkWords(
        |folks|all|mate))?$
        """.replace("FEELINGS", _WORDS_OF_FEELING),
     musings=r"""assuming|been|bet|can't|cannot|couldn't|didn't|dunno|enjoying|feeling|feels|glad|gotta love
-       |guess (?:i|we|it|that|this|what|so)|guessing|haven't|hope|hopefully|hoping|(?:just )?(?:checking|experimenting|practicing|practising|playing around|killing
+       |guess (?:i|we|it|that|this|what|so)|guessing|haven't|hope|hopefully|hoping|(?:just )?(?:checking
+        |experimenting|practicing|practising|playing around|killing
         time|passing by|dropping by|visiting|watching (?:this )?from)|just (?:curious|got|joined|saying
        |testing
         |trying|wanted|wondering|woke|moved|landed|arrived|finished|discovered|found)|knowing|looks|love|loving|missed
@@ -88,7 +91,8 @@ WORDS = RemarkWords(
        |(?:thanks|thank you|cheers)(?: (?:a|again|for|to|so|very|from|everyone|all|guys|team|folks)\b[\w' ]*)?$
        |good (?:luck|night|morning|afternoon|evening|job|boy|girl|stuff|to see|to be|thing|point|question|old|news)
        |(?:folks|guys|everyone|everybody|team|people|friends|mates|gang|y'all|ladies and gentlemen|class|chat|fam)$
-       |(?:(?:a|an) )?(?:new|old|proud|happy|long ?time|first time|frequent|occasional|regular|returning|fellow|complete)
+       |(?:(?:a|an) )?(?:new|old|proud|happy|long ?time|first time|frequent|occasional|regular|returning|fellow
+        |complete)
         (?:member|user|lurker|reader|fan|visitor|viewer|listener|follower|poster|subscriber|student|newbie|beginner
        |stranger|enthusiast)(?: (?:from|of|at|in|here|and)\b[\w' ]*)?$
        |(?:(?:just )?a )?(?:quick|small|little|short|simple|another) (?:test|check|demo|hello|experiment)
@@ -98,12 +102,14 @@ WORDS = RemarkWords(
        |[a-z]{3,}s (?:really |always |just )?(?:fascinate|amaze|bore|inspire|impress|confuse|delight|excite|relax) (?:me
        |us)
        |(?:(?:another|a|one more|yet another|the usual|typical) )?(?:\w+ )?(?:rainy|sunny|cold|warm|lovely|beautiful
-       |busy|quiet|boring|long|lazy|perfect|gr[ae]y|snowy|foggy|stormy|chilly|windy|crazy|wonderful|normal) (?:day|morning
+       |busy|quiet|boring|long|lazy|perfect|gr[ae]y|snowy|foggy|stormy|chilly|windy|crazy|wonderful
+        |normal) (?:day|morning
        |evening|afternoon|night|week|weekend|monday|tuesday|wednesday|thursday|friday|saturday|sunday|summer|winter
        |autumn|spring)(?: (?:in|at|here|for|today|out|outside)\b[\w' ]*)?$
        |[a-z]+ (?:\w+ )?(?:setup|place|room|lab|house|home|garden|floor|view|robot|forum|stream|office|project|idea)
         (?:you(?:'ve| guys)? (?:have|got|made|built)(?: there| here)?|there|here)$
-       |dear (?:all|team|friends|everyone|class|robot)$|my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
+       |dear (?:all|team|friends|everyone|class|robot)$|my bad|mondays|tuesdays|fridays|(?:so|very|pretty
+        |really|super|quite|too|how) (?:FEELINGS)\b
        |rest in peace|case closed|long story|fair enough|true story|same here|me too|us too
        |first things first|side note|note to self|random thought|quick note|purpose|background
        |(?:in|from|here in) [a-z]+ (?:with love|today|tonight)$""".replace("FEELINGS", _WORDS_OF_FEELING),
@@ -140,7 +146,8 @@ WORDS = RemarkWords(
        |(?:will|would|might|should|does|did|may|must|could) look (?!left|right|up|down|back|around|at|ahead|behind
        |forward|over|into)
        |(?:this|that|the|a|different|better|good|nice|another|camera|viewing|whole) angle(?! of\b)
-       |(?:have|has|had|got) (?:\w+ ){1,4}?ready
+       |(?:have|has|had|got) (?:my|our|the) (?:\w+ )?(?:camera|phone|tea|coffee|popcorn|recorder|notebook|pen|timer
+       |stopwatch|tape measure|video|recording|snacks|drink|beer|lunch|dinner|homework|notes) (?:all )?ready
        |(?:been|was|were|am|i'm|we're|kept) (?:\w+ )?waiting(?! (?:for|until|till) (?:\w+ ){1,2}to\b)
        |(?:late|long|short|old|double|duplicate|boring|silly|off topic) (?:posts?|repl(?:y|ies)|messages?)
        |(?:internet|connection|wifi|network|stream|feed|video|computer|laptop|phone|page|site|server|traffic|bus|day
@@ -154,11 +161,18 @@ WORDS = RemarkWords(
        |i(?:'ve)? (?:got to|gotta) (?:go|run|leave|sleep)|thanks (?:[\w' ]+ )?in advance
        |(?:curious|wonder|wondering)(?: about)? (?:what|how|who|where|which|why)(?: (?:is|it's|was|are))?
        |on the other (?:side|end)
-       |(?:i|we) (?:also )?(?:need|have|should|ought|must)(?: to)? (?:do|try) (?:that|this|it)(?: too| as well| myself)?$
+       |(?:i|we) (?:also )?(?:need|have|should|ought|must)(?: to)? (?:do|try) (?:that|this|it)(?: too| as well
+        | myself)?$
        |(?:see|seeing|check|checking|testing|test|know|measuring|finding out) (?:just |exactly )?how (?:precise|accurate
        |exact|well|good|fast|quick|smooth|strong|quiet|smart|clever|it|this|that)(?: (?:you|it|this|that|the \w+))?
         (?:are|is|can|does|do|goes|go|works?|looks?|turns? out)?
-       |(?:a (?:bit|little)|slightly|way|totally) off|in (?:my|the|those|our) days?
+       |(?:photo|picture|image|shot|colou?rs?|framing|audio|sound|music|lighting) (?:\w+ ){1,3}?(?:a (?:bit
+        |little)|slightly
+       |way|totally) off|in (?:my|the|those|our) days?
+       |first (?:language|name|love|job|car|computer|grade|year|semester|week|term|impression)
+       |should (?:still |already |now |soon )?(?:be (?:visible|fine|nice|good|great|fun|easy|ok|okay|interesting|lovely
+       |beautiful|pretty|online)|look (?:great|good|nice|better)|come out|help)
+       |[a-z]{3,}s look (?:so |very |really )?(?:FEELINGS|pretty|clean|cozy|comfy|new|old|fresh|huge|tiny)
        |(?:figured?|find|found|works?|worked|learned|learnt|learn|know|knew|knows|forgot) (?:out )?how to
        |know how (?:you|it|they|he|she|we|i|that) (?:feels?|felt|works?|worked)
        |you (?:could|can|might) (?:use|do with) (?:some|a|an|more)|you look(?:ed)? like|what a time to
@@ -222,7 +236,8 @@ WORDS = RemarkWords(
            |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! (?:wait|believe|complain|tell|imagine|remember
        |resist|sleep|afford|speak|spell|type|cook|sing|swim
             |draw|count|thank|get over|help it|stop laughing|stop smiling|be happier|agree more|been|had)\b)
-           |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
+           |against|vot(?:e|es|ed|ing) (?:no|down|for nothing)|(?:decided|chose|agreed|voted) not
+       |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
         "time": r"""
             (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
            |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
@@ -264,7 +279,8 @@ WORDS = RemarkWords(
             (?:\w+ ){0,2}?(?:there|here|behind|under|underneath|near|beside|by|next|close|ahead|in|on|at|around|between)
            |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)""",
         "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
-           |coming|approach*|crossing|falling|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
+           |coming|approach*|crossing|falling|fall(?! (?:weather|semester|season|break|colou?rs|in love))|falls
+        |crash*|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
            |knife|knives|weapons?""",
         "the robot's place": r"""
             (?:you're|you are|you were|the robot is) (?:\w+ ){0,3}?(?:on|in|under|at|near|above|against|inside|by
@@ -272,6 +288,19 @@ WORDS = RemarkWords(
     },
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
+    light=("condition", "denial", "time", "order", "question"),
+    tellers=r"""i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
+       |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
+       |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
+       |tea|dinner|lunch|english|[a-z]+days)""",
+    concerned=r"""you|u|ur|your|yours|yourself|you're|you've|you'll|robot|robots|bot|dog|machine|it|its|it's|that|that's|this
+       |these|those|there|there's|here|thing|things|commands?|orders?|post|posts|only|except|unless|until|till|if|whether
+       |instead|rather|ready|wait|waits|waiting|waited|want|wants|wanted|need|needs|needed|mean|means|meant|sure|certain
+       |agree|agrees|decide|decided|prefer|prefers|would|should|must|shall|could|may|please|start|begin|again|enough|less
+       |room|space|way|left|right|forward|forwards|back|backward|backwards|ahead|steps?|moves?|moved|moving|turns?|turned
+       |turning|walks?|walked|walking|stops?|stopped|stand|sit|photos?|pictures?|first|then|before|after|once|when|while|how
+       |why|think|thought|believe|know|allow|allowed|feet|metres?|meters?|degrees?|mind|don't|do not|does not|doesn't
+       |yet|later|careful|slow|slowly|stuck|not (?:to|the|a|any|in|at|on)|unsure|what|which|who|where""",
     robot=r"you|yourself|your \w+|the robot",
     unfinished=r"""will|can|could|would|should|must|may|might|cannot|do|does|did|not|going|you|we|i|they|it|he|she|them
        |him|of|in|for|with|at|on|to|from|about|the|my|your|our|a|an|no|just|is|are|was|were|be|been|people|dogs|robots

@@ -66,6 +66,9 @@ class RemarkWords:
     danger: Mapping[str, str]  # words that may change how dangerous it is, by what is in danger
     near_robot: str  # prepositions: what is there may be hit
     robot: str  # words for the robot after them
+    light: Sequence[str]  # reasons in `meaning` that do not weigh in a statement about its speaker or others
+    tellers: str  # subjects of such a statement: "I", "my cousin"
+    concerned: str  # words with which it may be about the robot or the command after all: "you", "want", "ready"
     unfinished: str  # a statement cannot end in these: a verb after them belongs to it
     joins_verb: str  # … within the three words before it: "what happens when dogs walk"
     governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
@@ -130,6 +133,17 @@ class RemarkWords:
     def weighty(self) -> str:
         """Match what may change the meaning or the danger of a command."""
         return rf"{self.dangerous}|\b{one_of(*self.meaning.values())}\b"
+
+    @cached_property
+    def grave(self) -> str:
+        """Match what weighs even in a private statement."""
+        heavy = (words for reason, words in self.meaning.items() if reason not in self.light)
+        return rf"{self.dangerous}|\b{one_of(*heavy)}\b"
+
+    @cached_property
+    def private(self) -> str:
+        """Match a statement about its speaker or others that names neither the robot nor the command."""
+        return rf"{self._lead}(?!(?:.*\b)?{one_of(self.concerned)}\b){one_of(self.tellers)}(?:\b|')"
 
     @cached_property
     def unsettling(self) -> str:
