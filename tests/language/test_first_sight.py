@@ -15,8 +15,7 @@ from agentrob.model import Op, Understanding
 
 Row = dict[str, Any]
 ROWS: list[Row] = [
-    json.loads(line)
-    for line in (Path(__file__).parent / "first_sight.jsonl").read_text(encoding="utf-8").splitlines()
+    json.loads(line) for line in (Path(__file__).parent / "first_sight.jsonl").read_text(encoding="utf-8").splitlines()
 ]
 #: How many rows of each set are understood since the rules were corrected by them; the first run had fewer.
 UNDERSTOOD = {"en": 249, "zh": 250, "remark_en": 180, "remark_zh": 178, "talk_en": 108, "talk_zh": 103}

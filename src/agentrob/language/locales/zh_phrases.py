@@ -327,7 +327,7 @@ def _judges(token: Token, said: str) -> bool:
     if _BESIDE.match(said, token.end):
         return True
     begun = max(said.rfind(mark, 0, token.start) for mark in "，。；！？,;!? ") + 1
-    return any(found.start() <= token.start < found.end() for found in _TRIAL.finditer(said, begun))
+    return any(found.start() <= token.start < found.end() for found in _TRIAL.finditer(said, begun, token.end + 20))
 
 
 def _tries(tokens: Sequence[Token], at: int) -> bool:
