@@ -45,7 +45,7 @@ class Pages:
         if self.fails:
             raise ForumUnreachable("not now")
         self.frames.append(frame)
-        return PoseViewers(self.viewers, 0.0)
+        return PoseViewers(self.viewers, 0.0, True)
 
     async def publish_geometry(self, robot: str, geometry: bytes) -> str:
         raise AssertionError("not asked for")

@@ -93,7 +93,7 @@ class Presence:
         try:
             state = await self._driver.state()
             if self._room is not None and state.homed:
-                self._note_pose(await self._driver.posture(), self._room)
+                self._note_pose(await self._driver.posture(joints=False), self._room)
             if self._capabilities is None or time.monotonic() - self._asked_s >= REFRESH_S:
                 self._capabilities, self._asked_s = await self._driver.capabilities(), time.monotonic()
         except RobotError:
