@@ -71,7 +71,7 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseStream, Any]]:
     name, _ = drivers.start()
     async with drivers.client(name) as driver:
-        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM))
+        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM), shaped=True)
         running = asyncio.create_task(stream.run())
         try:
             yield stream, driver

@@ -22,7 +22,9 @@ from agentrob.forums.protocol import PosePages
 from agentrob.model import Pose, Primitive
 from agentrob.robots.driver.client import DriverClient
 
-HZ, MAP_HZ = 10.0, 5.0
+#: How often the pose is sampled for the 3D view, for a map, and for the replay of a robot that has no shape, which its
+#: page draws on the map only: a worker with many robots must not pay for more.
+HZ, MAP_HZ, PLAIN_HZ = 10.0, 5.0, 2.5
 #: An older posture is not shown: the robot may be anywhere.
 OLD_S = 1.0
 #: A pose is still sampled this long after a command, so that its replay shows the end.
@@ -36,9 +38,13 @@ _log = structlog.get_logger()
 
 
 class PoseStream:
-    """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled."""
+    """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled.
+    `shaped`: whether the robot's shape is known, so that replays need its joint angles."""
 
-    def __init__(self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap) -> None:
+    def __init__(
+        self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap, *, shaped: bool
+    ) -> None:
+        self._shaped = shaped
         self._pages, self._driver, self._robot, self._room = pages, driver, robot, room
         self._watched = self._body = False
         self._running: PoseLog | None = None
@@ -109,11 +115,16 @@ class PoseStream:
             except RobotError as e:
                 _log.info("no pose", robot=self._robot, error=str(e))
                 await asyncio.sleep(AGAIN_S)
-            hz = HZ if self._body or self._running is not None else MAP_HZ
-            await asyncio.sleep(max(0.0, 1.0 / hz - (time.monotonic() - begun_s)))
+            await asyncio.sleep(max(0.0, 1.0 / self._hz - (time.monotonic() - begun_s)))
+
+    @property
+    def _hz(self) -> float:
+        if self._body or (self._running is not None and self._shaped):
+            return HZ
+        return MAP_HZ if self._watched else PLAIN_HZ
 
     async def _take(self) -> None:
-        posture = await self._driver.posture(joints=self._body or self._running is not None)
+        posture = await self._driver.posture(joints=self._shaped and (self._body or self._running is not None))
         if posture.pose is None or posture.age_s > OLD_S:
             return
         self._newest = sample = PoseSample(time.monotonic(), self._room.in_room(posture.pose), posture)
