@@ -7,7 +7,7 @@ import hashlib
 import os
 import socket
 import threading
-from collections.abc import Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
@@ -21,6 +21,7 @@ from sqlalchemy import create_engine, make_url, text
 
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import accounts
+from agentrob.board.command_reading import CommandReader
 from agentrob.board.db.database import open_engine
 from agentrob.board.server import create_app, make_server
 from agentrob.board.services import Services
@@ -160,8 +161,11 @@ class RunningBoard:
 
 
 @contextmanager
-def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
-    """Serve a board in a folder; `options` replace fields of its settings.
+def running_board(
+    folder: Path, *, reader: Callable[[], CommandReader] | None = None, **options: Any
+) -> Iterator[RunningBoard]:
+    """Serve a board in a folder; `options` replace fields of its settings. `reader` reads commands while they are
+    written.
 
     Ends the server and its thread afterwards.
     """
@@ -178,7 +182,7 @@ def running_board(folder: Path, **options: Any) -> Iterator[RunningBoard]:
         loops.append(asyncio.get_running_loop())
         ready.set()
 
-    server = make_server(create_app(settings), settings, on_ready)
+    server = make_server(create_app(settings, reader=reader), settings, on_ready)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     try:

@@ -121,6 +121,44 @@ WATCH_CHIP = """() => {
 }"""
 
 
+def test_a_first_visit_from_an_example_to_a_stop_and_again(page: Page, demo: RunningDemo) -> None:
+    """Click an example, watch the robot begin, stop it with one key, run the command again to its end."""
+    wrong = listen_for_errors(page)
+    page.goto(demo.url)
+    example = page.locator(".example").first
+    said = example.inner_text()
+    robot = said.split()[0]
+    example.click()
+    box = page.get_by_label("Command", exact=True)
+    expect(box).to_have_value(said)
+    expect(page.locator("[data-reading]")).to_contain_text("I would walk forward 1 m")
+    screenshot(page, "home")
+    page.get_by_role("button", name="Send").click()
+    page.wait_for_url(re.compile("/t/"))
+    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("^Walk forward 1 m"))
+    answer = page.locator("article.by-robot").first
+    expect(answer.locator(".stop.moves")).to_be_visible(timeout=MOTION_MS)
+    page.keyboard.press("Escape")
+    wait_for(answer, "stopped")
+    expect(answer.locator(".body").first).to_contain_text("Stopped")
+    answer.get_by_role("link", name="Run again").click()
+    reply = page.get_by_label("Reply", exact=True)
+    expect(reply).to_have_value(said)
+    expect(page.locator("[data-reading]")).to_contain_text("I would walk forward 1 m")
+    page.get_by_role("button", name="Reply", exact=True).click()
+    expect(page.locator("article.by-robot")).to_have_count(2, timeout=MOTION_MS)
+    again = page.locator("article.by-robot").last
+    wait_for(again, "done")
+    expect(again.locator(".body").first).to_contain_text(re.compile(r"Done: walked [01]\.\d\d m, turned left \d+°"))
+    expect(again.locator(".pictures figcaption").first).to_be_visible()
+    page.goto(demo.url)
+    row = page.locator(".rows .row").first
+    expect(row).to_contain_text("Done: walked")
+    expect(row).to_contain_text(robot)
+    screenshot(page, "home-after")
+    assert not wrong
+
+
 def test_a_post_moves_the_robot_and_the_thread_gets_a_report(page: Page, demo: RunningDemo) -> None:
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "First steps", SENTENCE)
@@ -141,6 +179,7 @@ def test_a_post_moves_the_robot_and_the_thread_gets_a_report(page: Page, demo: R
     )
     assert len(widths) >= 2, "a photo and the plot of the path"
     assert min(widths) >= 400
+    expect(answer.locator(".pictures figcaption").first).to_be_visible()
     screenshot(page, "thread")
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
@@ -204,6 +243,7 @@ def test_after_a_reset_of_the_room_the_robot_continues_from_the_start(page: Page
     truth = json.loads((demo.data / "demo.json").read_text())["room"] + "/truth"
     away = position(truth)
     page.goto(f"{demo.url}/robots/quadruped")
+    page.get_by_role("link", name="Reset the room").click()
     page.get_by_role("button", name="Reset the room").click()
     expect(page.get_by_role("status").first).to_contain_text("to be reset")
     deadline = time.monotonic() + 60

@@ -65,7 +65,7 @@ class Motion:
         called with each step and its number before it begins. Raises `NotBegun` if the agent is being ended."""
         if self.ending():
             raise NotBegun
-        job.moving = True
+        job.moving, job.begun_s = True, time.monotonic()
         self.on_motion()
         known = job.assessment is not None and job.assessment.goal is not None
         terms = replace(terms, known=known, approval=job.decided)

@@ -375,9 +375,13 @@ class Pipeline:
             and not job.held
             and not job.begun
             and "seen" in job.timings_ms
-            and (place := self.queue.place(job))
+            and (ahead := self.queue.ahead(job))
         ):
-            self._show(job, reply_text.queued(job.command.language, place), CommandState.QUEUED, place=place)
+            left = [other.left_s for other in ahead]
+            wait_s = None if None in left else sum(seconds for seconds in left if seconds is not None)
+            behind = ahead[-1].command.author.name
+            text = reply_text.queued(job.command.language, len(ahead), behind, wait_s)
+            self._show(job, text, CommandState.QUEUED, place=len(ahead))
 
     def _show(self, job: QueuedCommand, text: str, state: CommandState, **more: Any) -> None:
         card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)

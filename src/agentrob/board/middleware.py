@@ -20,7 +20,7 @@ from agentrob.process.problem import problem_response
 MAX_BODY: Final = 512 * 1024
 _MULTIPART_ROOM: Final = 64 * 1024
 #: The API's uploads, and forms of pages for writing.
-_WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit", "/geometry")
+_WITH_PICTURES: Final = ("/images", "/reply", "/new", "/edit", "/command", "/geometry")
 _SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _HEADERS: Final = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "

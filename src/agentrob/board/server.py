@@ -22,6 +22,7 @@ from agentrob.board.admin.local_admin import bootstrap
 from agentrob.board.admin.serving_lock import serve_database
 from agentrob.board.api import admin, commands, forum, health, live, moderation, robots
 from agentrob.board.api.event_stream import encode
+from agentrob.board.command_reading import CommandReader, ReadingQueue
 from agentrob.board.content import unread, uploads
 from agentrob.board.content.store import Store
 from agentrob.board.events import webhooks
@@ -66,8 +67,13 @@ API_TAGS = {
 }
 
 
-def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> FastAPI:
-    """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends."""
+def create_app(
+    settings: BoardSettings, metrics: BoardMetrics | None = None, reader: Callable[[], CommandReader] | None = None
+) -> FastAPI:
+    """The forum as an ASGI app. Its database is migrated and opened when the app starts, closed when it ends.
+
+    `reader` makes what reads commands while they are written; without it the forum does not do that.
+    """
     told = webhooks.receivers(settings)
     if settings.encoder is Encoder:
         require_model()
@@ -81,7 +87,10 @@ def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> 
         store = Store(settings, metrics.counted(hub.published) if metrics is not None else hub.published, me)
         try:
             hub.start(store.everything)
-            app.state.services = parts = Services(settings, store, hub, presence)
+            reading = ReadingQueue(reader) if reader is not None else None
+            app.state.services = parts = Services(settings, store, hub, presence, reading=reading)
+            if reading is not None:
+                reading.warm()
             background = asyncio.create_task(await _background(parts, me, told))
             try:
                 yield
@@ -89,6 +98,8 @@ def create_app(settings: BoardSettings, metrics: BoardMetrics | None = None) -> 
                 end_streams(app)
                 background.cancel()
                 await asyncio.gather(background, return_exceptions=True)
+                if reading is not None:
+                    await asyncio.to_thread(reading.close)
                 await parts.marks.write(store)
         finally:
             await asyncio.to_thread(store.close)
@@ -216,8 +227,13 @@ def make_server(
     )
 
 
-def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None = None) -> None:
+def serve(
+    settings: BoardSettings,
+    ready: Callable[[BoardSettings], None] | None = None,
+    reader: Callable[[], CommandReader] | None = None,
+) -> None:
     """Serve until SIGINT or SIGTERM. Calls `ready` with the settings, real port included, when requests are accepted.
+    `reader` is that of `create_app`.
 
     Raises `BoardError` if the address is taken, another process serves the database, or the database cannot be used.
     """
@@ -234,5 +250,5 @@ def serve(settings: BoardSettings, ready: Callable[[BoardSettings], None] | None
         with serve_database(settings):
             metrics = BoardMetrics() if settings.metrics else None
             with serving_metrics(metrics.registry, settings.metrics) if metrics else nullcontext():
-                make_server(create_app(settings, metrics), settings, ready).run(sockets=[listener])
+                make_server(create_app(settings, metrics, reader), settings, ready).run(sockets=[listener])
             log.info("board.ended")

@@ -9,6 +9,7 @@ from typing import Annotated, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from agentrob.board.command_reading import ReadingQueue
 from agentrob.board.content.store import Store
 from agentrob.board.content.unread import ReadPositions
 from agentrob.board.events.hub import Hub
@@ -19,7 +20,8 @@ from agentrob.board.settings import BoardSettings
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Made once by `server.create_app`. `hashing` lets only one password be hashed at a time (64 MiB and a core)."""
+    """Made once by `server.create_app`. `hashing` lets only one password be hashed at a time (64 MiB and a core).
+    `reading` reads commands while they are written, if the forum does that."""
 
     settings: BoardSettings
     store: Store
@@ -27,6 +29,7 @@ class Services:
     presence: PresenceTracker
     topic_cache: TopicCache = field(default_factory=TopicCache)
     marks: ReadPositions = field(default_factory=ReadPositions)
+    reading: ReadingQueue | None = None
     hashing: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(1))
 
 

@@ -53,7 +53,8 @@ def may(
     if action == "command" and (objection := _objection(account, rights or _DEFAULT, classes, language)):
         return objection
     if action == "approve" and not _approves(account, owner, rights or _DEFAULT):
-        return _refused("rights.approver", "refuse.approver", language)
+        who = _who((rights or _DEFAULT).owner or owner, language)
+        return _refused("rights.approver", "refuse.approver", language, who=who)
     if action in ("release", "home") and not _releases(account, owner, rights or _DEFAULT):
         return _refused("rights.owner", "refuse.owner", language)
     if action not in ("stop", "command", "approve", "release", "home"):
@@ -86,14 +87,20 @@ def _objection(account: Account, rights: RobotRights, classes: Collection[str], 
     for kind in classes:
         who = rights.command.get(kind, "nobody")
         if not _reaches(account, who, rights.owner):
-            return _refused(f"rights.{kind}", "refuse.class", language, kind=say(f"class.{kind}", language))
+            named = say(f"class.{kind}", language)
+            return _refused(f"rights.{kind}", "refuse.class", language, kind=named, who=_who(rights.owner, language))
     asks = [say(f"class.{kind}", language) for kind in classes if kind in rights.approval]
     if not asks:
         return None
     kinds = say("list.joint", language).join(asks)
     if rights.approve not in (*Role, "owner"):
-        return _refused("rights.approval", "refuse.approval", language, kind=kinds)
+        return _refused("rights.approval", "refuse.approval", language, kind=kinds, who=_who(rights.owner, language))
     return Verdict(Decision.NEEDS_APPROVAL, "rights.approval", say("approval.needed", language, kind=kinds))
+
+
+def _who(owner: str, language: Language) -> str:
+    """Return who can change the rights for a robot: its owner, by name if known, and admins."""
+    return say("refuse.who.named" if owner else "refuse.who.any", language, owner=owner)
 
 
 def _reaches(account: Account, who: str, owner: str) -> bool:

@@ -120,9 +120,10 @@ def board_settings(config: Config) -> BoardSettings:
 def serve_board(config: Config) -> None:
     """Run the embedded forum until SIGTERM or Ctrl-C; prints the ready line with its address."""
     from agentrob.board.server import serve
+    from agentrob.wiring.command_reader import ReaderProcess
 
     log_to_stderr()
-    serve(board_settings(config), ready=lambda settings: print_ready(url=settings.base_url))
+    serve(board_settings(config), ready=lambda settings: print_ready(url=settings.base_url), reader=ReaderProcess)
 
 
 def board_account(config: Config, name: str, kind: AccountKind, role: Role) -> Account:

@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.agent.media.image_store import Link
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting import report as words
 from agentrob.language.messages import en, zh
 from agentrob.language.messages.catalog import say
+from agentrob.language.messages.done_text import done_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import (
     Account,
@@ -153,3 +155,53 @@ def test_every_sentence_has_the_same_places_in_both_languages() -> None:
         chinese = zh.PHRASES[key]
         assert places(english) == places(chinese), key
         assert "UTC" not in english + chinese, "a reply says how long: who reads it is in another time zone"
+
+
+def test_a_report_begins_with_what_was_done_and_ends_with_details() -> None:
+    pictures = [Picture("step", b"", 3), Picture("path", b"")]
+    timings = {"seen": 42, "first_motion": 130, "done": 9100}
+    done = words.final(report("done", results=DONE, timings_ms=timings), pictures, ["*`model`: 12 tokens*", "A hint."])
+    assert done.startswith("**Done:** walked 1.98 m, turned left 89°, took a photo.\n\n| Step |")
+    above, details = done.split("\n\n#### Details\n\n")
+    assert "A hint." in above
+    for small in ("seen after", "trace `", "Pictures: ", "12 tokens"):
+        assert small in details
+        assert small not in above
+    command = replace(COMMAND, language="zh")
+    chinese = words.final(report("done", command=command, results=DONE), pictures)
+    assert chinese.startswith("**完成**：向前走了 1.98 米，左转了 89°，拍了照片。\n\n")
+    assert "\n\n#### 详情\n\n" in chinese
+
+
+def test_pictures_that_are_stored_elsewhere_are_linked_before_the_table() -> None:
+    link = Link("https://pictures.example.org/a.jpg", datetime.now(UTC), 3600.0)
+    reply_text = words.final(report("done", results=DONE), [Picture("step", b"", 3, link)])
+    assert reply_text.index(link.url) < reply_text.index("| Step |")
+
+
+def test_a_report_says_what_was_done_until_it_failed_and_what_to_do() -> None:
+    near = "Something is 0.41 m to the left; this step needs 1.00 m there."
+    little = ActionResult(WALK, Outcome.FAILED, {"distance_m": 0.4}, reason="obstacle", message=near)
+    waved = ActionResult(Primitive(Op.HELLO), Outcome.DONE)
+    first = words.final(report("failed", results=(waved, waved, little))).split("\n\n")[0]
+    assert first == (
+        f"**Failed** at step 3. {near} Clear the way, or ask for a shorter distance or another direction. "
+        "Until then: waved 2 times, walked 0.40 m."
+    )
+
+
+def test_what_was_not_measured_or_not_done_is_not_said_to_be_done() -> None:
+    lost = ActionResult(WALK, Outcome.INTERRUPTED, unmeasured="odometry_lost")
+    cut = ActionResult(Primitive(Op.HELLO), Outcome.STOPPED)
+    still = ActionResult(TURN, Outcome.STOPPED, {"degrees": 0.2})
+    refused = ActionResult(WALK, Outcome.REFUSED, {"distance_m": 0.0}, reason="fence")
+    assert done_text((lost, cut, still, refused), "en") == "walked forward by an unknown distance"
+    assert done_text((cut, still, refused), "en") == ""
+
+
+def test_a_queued_command_says_behind_whom_and_about_how_long() -> None:
+    assert words.queued("en", 2, "bob", 42.0) == (
+        "Queued, place 2, behind the command of `bob`; my turn comes in about 40 seconds."
+    )
+    assert words.queued("zh", 1, "bob", 1.0) == "排队中，第 1 位，前面是 `bob` 的命令；大约 5 秒后轮到。"
+    assert words.queued("en", 1, "bob") == "Queued, place 1, behind the command of `bob`."

@@ -280,7 +280,8 @@ async def test_law_18_a_command_that_is_withdrawn_between_two_steps_says_at_whic
 
     async with scene.agent(driver=SuspendingClient(scene.driver.name, scene.driver.socket)):
         reply = await scene.final(await scene.post("alice", TWO_STEPS))
-    assert reply.raw.startswith("**Cancelled** at step 2.\n\nIts author may not command me now."), reply.raw
+    why = "**Cancelled** at step 2. Its author may not command me now. Until then: walked "
+    assert reply.raw.startswith(why), reply.raw
     assert_reports_motion(reply)
     assert outcome_of(reply, 2) == "not begun"
 

@@ -11,7 +11,15 @@ from hypothesis import strategies as st
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting import report as words
-from agentrob.board.content.excerpts import AROUND_FROM, EXCERPT_FROM, LENGTH, around, excerpt
+from agentrob.board.content.excerpts import (
+    AROUND_FROM,
+    EXCERPT_FROM,
+    LENGTH,
+    ReportParts,
+    around,
+    excerpt,
+    report_parts,
+)
 from agentrob.board.content.markdown import render
 from agentrob.model import (
     Account,
@@ -46,11 +54,13 @@ def test_an_excerpt_of_a_robots_report_says_what_happened_without_its_table() ->
     walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
     done = ActionResult(walk, Outcome.DONE, {"distance_m": 1.02})
     text = excerpt(html(robot_report(CommandState.DONE, done)))
-    assert text == "Done. Pictures: photo of step 1."
+    assert text == "Done: walked 1.02 m."
 
     blocked = ActionResult(walk, Outcome.FAILED, {"distance_m": 0.41}, "obstacle", "Something is 0.5 m ahead.")
     text = excerpt(html(robot_report(CommandState.FAILED, done, blocked)))
-    assert text == "Failed at step 2. Something is 0.5 m ahead. Pictures: photo of step 1."
+    assert text == (
+        "Failed at step 2. Something is 0.5 m ahead. Clear the way, or ask for a shorter distance or another direction."
+    )
 
 
 @pytest.mark.parametrize(
@@ -141,3 +151,24 @@ def test_a_word_far_down_a_long_post_is_shown(before: str) -> None:
     assert [piece for piece, hit in shown if hit] == ["last words", "here"]
     assert shown[0] == ("…", False)
     assert not any("Measured" in piece for piece, _ in shown)
+
+
+def test_a_search_shows_what_a_report_says_and_not_its_details() -> None:
+    walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0)
+    found = html(robot_report(CommandState.DONE, ActionResult(walk, Outcome.DONE, {"distance_m": 1.02})))
+    assert "".join(words for words, _ in around(found, "walked")) == "Done: walked 1.02 m."
+    assert around(found, "4f1c22aa") == (("Done: walked 1.02 m.", False),)
+
+
+def test_a_report_is_split_at_its_table_and_its_details() -> None:
+    parts = report_parts(
+        html("**Done:** x.\n\n| a |\n|---|\n| 1 |\n\nAssumed.\n\n#### Details\n\n*trace*\n\n#### Details\n\nz")
+    )
+    assert (parts.lead, parts.heading) == ("<p><strong>Done:</strong> x.</p>\n", "Details")
+    assert parts.rest.startswith("<table>")
+    assert "Assumed." in parts.rest
+    assert "trace" in parts.details
+    assert "z" in parts.details
+    plain = html("No report.\n\n#### Other\n\nText")
+    assert report_parts(plain) == ReportParts(plain)
+    assert report_parts(html("**完成**：走了。\n\n#### 详情\n\n*x*")).heading == "详情"

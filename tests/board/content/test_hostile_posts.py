@@ -82,7 +82,7 @@ async def test_a_killed_render_process_is_restarted(renderer: Renderer) -> None:
     text = fill("*a* ")[:6_000]  # takes a quarter of the time limit
     first = await renderer.render(text, WRITER)
     assert TOO_COMPLEX not in first.html
-    process = renderer._people._process._process
+    process = renderer._people._process._process._child
     assert process is not None
     process.kill()
     process.wait()

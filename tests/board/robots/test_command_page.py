@@ -262,7 +262,7 @@ def test_any_record_can_be_rendered(record: dict[str, Any], wrapped: str) -> Non
 
 
 # -------------------------------------------------------------------- the robot's page
-def test_the_robots_page_has_its_owner_queue_and_last_picture(site: Site) -> None:
+def test_the_robots_page_has_its_owner_queue_and_last_pictures(site: Site) -> None:
     topic, command = post_command(site)
     report_command(site, topic, command)
     robot = site.api("quadruped")
@@ -272,7 +272,7 @@ def test_the_robots_page_has_its_owner_queue_and_last_picture(site: Site) -> Non
     queue = page.split('class="queue"')[1].split("</ol>")[0]
     assert queue.count("<li>") == 1
     assert f'href="/p/{waiting}"' in queue
-    assert "The last picture in a reply by quadruped" in page
+    assert re.search(r'class="thumb" src="/images/\d+/thumb"', page.split("Latest replies")[1])
     assert 'href="/b/robots"' in page
     fragment = site.browser("bob").get("/robots/quadruped/fragment").text
     assert f'href="/p/{waiting}"' in fragment

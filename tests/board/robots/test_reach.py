@@ -21,7 +21,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
 
 def hint_on(page: str) -> str:
     """Return the line of help on a page, or an empty string."""
-    found = re.search(r'<p class="note"[^>]*dir="auto">(.*?)</p>', page)
+    found = re.search(r'<p class="(?:note|reading)"[^>]*dir="auto">(.*?)</p>', page)
     return found[1].replace("&#39;", "'") if found else ""
 
 

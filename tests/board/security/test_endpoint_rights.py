@@ -45,6 +45,7 @@ LEAST = {
     "GET /tags": "guest",
     "PUT /topics/{topic_id}/tags": "moderator",  # the topic was started by another account
     "GET /commands/{post_id}": "guest",
+    "POST /commands/read": "guest",
     "POST /commands/{post_id}/approve": "approver",
     "POST /commands/{post_id}/deny": "approver",
     "PUT /commands/{post_id}": "robot+robot",  # for any post, under the robot's own name
@@ -77,6 +78,7 @@ BODIES: dict[str, Any] = {
     "PUT /unread": {"up_to": "0"},
     "PUT /robots/{name}": {"card": {}},
     "PUT /commands/{post_id}": {"record": {}},
+    "POST /commands/read": {"text": "@quadruped wave"},
     "POST /commands/{post_id}/approve": {"robot": "quadruped"},
     "POST /commands/{post_id}/deny": {"robot": "quadruped"},
     "POST /admin/accounts": {"name": "op"},

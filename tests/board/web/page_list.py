@@ -67,6 +67,7 @@ PAGES = (
     PageEntry("robot", f"/robots/{ROBOT}"),
     PageEntry("release", f"/robots/{ROBOT}/release", "root"),
     PageEntry("set-home", f"/robots/{ROBOT}/home", "root", quick=False),
+    PageEntry("reset-room", f"/robots/{ROBOT}/reset", "root", quick=False),
     PageEntry("robots", "/robots"),
     PageEntry("search", "/search?q=walk"),
     PageEntry("search-meaning", "/search?q=stroll to the glass&by=meaning", quick=False),

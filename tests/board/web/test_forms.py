@@ -248,7 +248,9 @@ def test_only_operators_may_reset_the_room(site: Site) -> None:
     assert "Reset the room" not in bob.get("/robots/quadruped").text
     forged = bob.client.post("/robots/quadruped/reset", data={"csrf": bob.csrf("/robots/quadruped")})
     assert forged.status_code == 403
-    assert "to be reset" in alice.send("/robots/quadruped/reset", "/robots/quadruped").text
+    assert bob.get("/robots/quadruped/reset").status_code == 403
+    assert "return to where they began" in alice.get("/robots/quadruped/reset").text, "it is confirmed first"
+    assert "to be reset" in alice.send("/robots/quadruped/reset").text
     events = site.api("quadruped").get("/changes", params={"after": before}).json()["items"]
     assert [(e["kind"], e["account"]["name"]) for e in events] == [("robot.reset", "alice")]
 

@@ -7,13 +7,14 @@ import contextlib
 import time
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Primitive
 from agentrob.robots.driver.client import DriverClient
-from agentrob.robots.driver.connection import LEASE_CONNECTIONS, STOP_CONNECTIONS
+from agentrob.robots.driver.connection import LEASE_CONNECTIONS, STOP_CONNECTIONS, DriverConnection
 from agentrob.robots.driver.lease import TTL_S
 from tests.robots.driver.network_scene import TOKEN_ENV, NetworkDrivers
 from tests.robots.driver.slow_link import SlowLink
@@ -105,6 +106,27 @@ async def test_law_11_a_link_that_is_cut_stops_the_robot_within_the_leases_time(
         assert 0.2 < time.monotonic() - cut_s < TTL_S + SLACK_S
         assert await near.holder() is None
         step.cancel()
+
+
+async def test_law_11_a_renewal_says_when_it_was_sent_by_the_drivers_clock(
+    network: NetworkDrivers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    renewals: list[tuple[float, float]] = []  # when it was sent, by our clock, which here is the driver's; what it says
+    ask = DriverConnection.ask
+
+    async def recorded(self: DriverConnection, method: str, path: str, body: Any = None, *rest: Any) -> Any:
+        if method == "PUT":
+            renewals.append((time.monotonic(), body["sent_s"]))
+        return await ask(self, method, path, body, *rest)
+
+    monkeypatch.setattr(DriverConnection, "ask", recorded)
+    async with linked(network) as (far, _, _), far.lease("agent") as lease:
+        assert await far.lost(lease) is None
+        async with asyncio.timeout(30):
+            while len(renewals) < 10:  # noqa: ASYNC110 (each is sent by the client's own clock)
+                await asyncio.sleep(0.05)
+    for sent_s, said_s in renewals:
+        assert 0 <= sent_s - said_s < 2 * DELAY_S + SLACK_S, "never later than it was"
 
 
 async def test_law_13_a_stop_that_cannot_arrive_stops_the_robot_by_the_lease(network: NetworkDrivers) -> None:

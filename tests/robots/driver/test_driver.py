@@ -306,6 +306,20 @@ async def test_law_15_a_stop_counts_also_when_it_does_not_say_whose_it_is(standi
         assert (await step).reason == "stop"
 
 
+async def test_law_11_a_renewal_that_was_long_on_its_way_does_not_extend_the_lease(standing: Standing) -> None:
+    drivers, name = standing
+    wire = httpx2.AsyncHTTPTransport(uds=str(drivers.folder / f"{name}.sock"))
+    async with httpx2.AsyncClient(transport=wire, base_url="http://driver", timeout=60) as holder:
+        lease = (await holder.post("/lease", json={"holder": "walker"})).json()["lease"]
+        taken_s = time.monotonic()
+        async with asyncio.timeout(30):
+            while (answer := await holder.put(f"/lease/{lease}", json={"sent_s": taken_s})).is_success:  # noqa: ASYNC110
+                await asyncio.sleep(0.05)
+        assert (answer.status_code, answer.json()["why"]) == (409, "lease_lapsed")
+        wrong = await holder.put(f"/lease/{lease}", json={"sent_s": "now"})
+        assert (wrong.status_code, "CLOCK_MONOTONIC" in wrong.text) == (422, True)
+
+
 async def test_law_13_stop_all_finds_every_driver(drivers: Drivers) -> None:
     flock = f"f{uuid4().hex[:6]}"
     names = [drivers.start(f"{flock}{i}")[0] for i in range(2)]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import unicodedata
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -12,7 +14,7 @@ from hypothesis import strategies as st
 from agentrob.errors import LeaseLost
 from agentrob.process.host_lock import namespaced
 from agentrob.robots.codec import display_name
-from agentrob.robots.driver.lease import Leases
+from agentrob.robots.driver.lease import TTL_S, Leases
 from agentrob.robots.driver.stop import stop_driver
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
 
@@ -39,6 +41,36 @@ def test_a_lease_that_lapsed_was_ended_by_nobody() -> None:
     leases.end("shutdown")
     with pytest.raises(LeaseLost, match="by a shutdown;"):
         leases.take("walker", 0.0)
+
+
+@given(st.lists(st.tuples(st.floats(0, 0.5), st.floats(0, 3))))
+def test_law_11_a_lease_ends_a_second_after_its_last_renewal_was_sent(renewals: list[tuple[float, float]]) -> None:
+    now_s = 100.0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("agentrob.robots.driver.lease.time", SimpleNamespace(monotonic=lambda: now_s))
+        leases = Leases()
+        lease, sent_s = leases.take("walker"), now_s
+        for later_s, way_s in renewals:
+            now_s += later_s
+            if now_s >= sent_s + TTL_S:
+                break
+            leases.renew(lease, now_s - way_s)
+            sent_s = max(sent_s, now_s - way_s)
+        now_s = max(now_s, math.nextafter(sent_s + TTL_S, 0.0))
+        assert leases.lost(lease) == (None if now_s < sent_s + TTL_S else "lease_lapsed")
+        now_s = max(now_s, sent_s + TTL_S)
+        assert leases.lost(lease) == "lease_lapsed"
+
+
+def test_a_renewal_from_the_future_counts_from_now() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        now_s = 100.0
+        patch.setattr("agentrob.robots.driver.lease.time", SimpleNamespace(monotonic=lambda: now_s))
+        leases = Leases()
+        lease = leases.take("walker")
+        leases.renew(lease, now_s + 1000)
+        now_s += TTL_S
+        assert leases.lost(lease) == "lease_lapsed"
 
 
 @given(st.text(max_size=300))

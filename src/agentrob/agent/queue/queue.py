@@ -34,6 +34,7 @@ class QueuedCommand:
     and judged) and while it is `held`. `asked` is its approval request with the decision, if it needs one. `stop`
     returns the result of the stop that ended it, `stopped_by` names who stopped it, and `cancelled_earlier` counts the
     commands that it cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered.
+    `takes_s` is its estimated duration, None while that is not known; `begun_s` (monotonic) when it began to move.
     `run` is its execution in this process with the results so far, `status` its status post, `task` the task that
     processes it.
     """
@@ -55,6 +56,8 @@ class QueuedCommand:
     timings_ms: dict[str, float] = field(default_factory=dict)
     assessment: Assessment | None = None
     looked: LoopRecord | None = None
+    takes_s: float | None = None
+    begun_s: float | None = None
     run: Run | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
@@ -67,6 +70,13 @@ class QueuedCommand:
     @property
     def can_end(self) -> bool:
         return self.ended is None and not self.begun
+
+    @property
+    def left_s(self) -> float | None:
+        """Return about how long it still takes once it is its turn; None if that is not known."""
+        if self.takes_s is None:
+            return None
+        return max(0.0, self.takes_s - (time.monotonic() - self.begun_s if self.begun_s is not None else 0.0))
 
     @property
     def decided(self) -> ApprovalDecision | None:
@@ -155,10 +165,15 @@ class CommandQueue:
         """Return the tasks of the commands that wait for an approval."""
         return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
 
+    def ahead(self, job: QueuedCommand) -> list[QueuedCommand]:
+        """Return the commands ahead of it, the one that is done directly before it last; none if it is next."""
+        before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
+        turn = self._turn
+        return before if turn is None or turn is job or turn in before else [turn, *before]
+
     def place(self, job: QueuedCommand) -> int:
         """Return how many commands are ahead of it; 0 if it is next."""
-        before = [other for other in self._jobs[: self._jobs.index(job)] if other.ready and not other.held]
-        return len(before) + (self._turn not in (None, job, *before))
+        return len(self.ahead(job))
 
     def of_same_author(self, before: QueuedCommand) -> list[QueuedCommand]:
         """Return the earlier commands of its account that are still in progress."""

@@ -129,6 +129,7 @@ class Presence:
             "model": capabilities.model if capabilities else self._settings.model,
             "ops": sorted(str(op) for op in capabilities.ops) if capabilities else [],
             "limits": asdict(capabilities.limits) if capabilities else {},
+            "directions": sorted(str(way) for way in capabilities.move_directions) if capabilities else [],
             "state": ("halted" if state.halted else state.mode) if state else "offline",
             "battery_percent": None if battery is None else round(battery),
             "queue": len(waiting := self._waiting()),

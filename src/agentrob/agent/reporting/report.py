@@ -13,6 +13,7 @@ from datetime import timedelta
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.media.track import clips
 from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
+from agentrob.language.messages.done_text import done_text
 from agentrob.language.messages.durations import duration
 from agentrob.language.messages.plan_text import step_label
 from agentrob.model import (
@@ -30,6 +31,8 @@ from agentrob.model import (
 )
 
 SENTENCE_CHARS = 600
+#: Estimated waiting times are rounded to this many seconds.
+ROUNDED_S = 5.0
 _UNSEEN = re.compile("[\u00ad\u034f\u061c\u180e\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
 #: Markup that forums interpret, with its replacements.
 _DISARMING = (
@@ -68,8 +71,14 @@ def seen(language: Language, trace_id: str) -> str:
     return f"{say('agent.seen', language)} {_small(say('agent.trace', language, trace_id=trace_id))}"
 
 
-def queued(language: Language, place: int) -> str:
-    return say("agent.queued", language, place=place)
+def queued(language: Language, place: int, behind: str = "", wait_s: float | None = None) -> str:
+    """`behind` is the handle of the account whose command runs before; `wait_s` about how long until its turn."""
+    if not behind:
+        return say("agent.queued", language, place=place)
+    if wait_s is None:
+        return say("agent.queued.behind.unknown", language, place=place, who=quote(behind))
+    about = duration(max(ROUNDED_S, ROUNDED_S * round(wait_s / ROUNDED_S)), language)
+    return say("agent.queued.behind", language, place=place, who=quote(behind), wait=about)
 
 
 def running(language: Language, number: int, steps: Sequence[Primitive]) -> str:
@@ -114,20 +123,24 @@ def final(
     calls: str = "",
     page: str = "",
 ) -> str:
-    """Return the final reply to a command. The message of a stopped command names who stopped it.
+    """Return the final reply to a command: what happened in a sentence, the steps, and details under a heading.
 
-    `summary` is a paragraph after the head, `notes` are paragraphs before the foot. `calls` is a table of the model's
-    calls with their steps, which replaces the table of steps. `page` is the address of the command's page, if any.
+    The message of a stopped command names who stopped it. `summary` is a paragraph after the first one, `notes` are
+    paragraphs below the table; those in small print go to the details. `calls` is a table of the model's calls with
+    their steps, which replaces the table of steps. `page` is the address of the command's page, if any.
     """
     language = report.command.language
-    parts = [_head(report), summary, _why(report), calls or _table(report)]
+    linked = any(picture.link for picture in pictures)
+    shown, small = _pictures(pictures, language), [note for note in notes if _is_small(note)]
+    parts = [*_lead(report), summary, shown if linked else "", calls or _table(report)]
     if report.plan.notes and report.status not in (CommandState.ASKS_BACK, CommandState.REFUSED):
         parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if report.stop is not None:
         parts.append(stop_figures(report.stop, language))
     if report.approved_by:
         parts.append(say("agent.approved.by", language, who=quote(report.approved_by)))
-    parts += [_slower(report), _pictures(pictures, language), *notes]
+    parts += [_slower(report), *(note for note in notes if not _is_small(note))]
+    parts += [f"#### {say('agent.details', language)}", "" if linked else shown, _rule(report), *small]
     parts.append(_foot(report, page))
     return "\n\n".join(part for part in parts if part)
 
@@ -146,6 +159,17 @@ def short(report: Report) -> str:
     return say("agent.see_reply", report.command.language, state=_head(report))
 
 
+def _lead(report: Report) -> list[str]:
+    """Return the first paragraph: how it ended, why, and what was done until then. An answer may have several."""
+    head, why, language = _head(report), _why(report), report.command.language
+    if report.status is CommandState.ANSWERED:
+        return [head, why]
+    until_then = ""
+    if report.status is not CommandState.DONE and not report.goal and (did := done_text(report.results, language)):
+        until_then = say("agent.until_then", language, did=did)
+    return [join_sentences((part for part in (head, why, until_then) if part), language)]
+
+
 def _head(report: Report) -> str:
     language = report.command.language
     # "Nothing moved" is said only if no step was sent to the driver, or the driver refused all of them.
@@ -156,6 +180,8 @@ def _head(report: Report) -> str:
             return say(f"agent.goal.{report.status}", language, goal=report.goal)
         case CommandState.ANSWERED | CommandState.EXPIRED:
             return ""
+        case CommandState.DONE if did := done_text(report.results, language):
+            return say("agent.done.did", language, did=did)
         case CommandState.FAILED:
             return say("agent.failed", language, step=at) if begun else say("agent.failed.before", language)
         case CommandState.CANCELLED | CommandState.REFUSED if begun:
@@ -189,9 +215,16 @@ def _why(report: Report) -> str:
         reason = _reason(last, language)
         sentences = [sentence for sentence in sentences if sentence not in reason]  # say "My agent was ended." once
         sentences.append(reason)
-    if report.status is CommandState.REFUSED and verdict is not None:
-        sentences.append(say("agent.rule", language, rule=verdict.rule))
+        if can_say(todo := f"agent.todo.{last.reason}"):
+            sentences.append(say(todo, language))
     return "\n\n".join(sentences) if report.status is CommandState.ANSWERED else join_sentences(sentences, language)
+
+
+def _rule(report: Report) -> str:
+    """Name the rule that refused a command."""
+    if report.status is not CommandState.REFUSED or report.verdict is None:
+        return ""
+    return say("agent.rule", report.command.language, rule=report.verdict.rule)
 
 
 def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
@@ -283,6 +316,11 @@ def _foot(report: Report, page: str) -> str:
 
 def _small(text: str) -> str:
     return f"*{text}*"
+
+
+def _is_small(text: str) -> bool:
+    """Whether a paragraph is in small print as a whole."""
+    return text.startswith("*") and not text.startswith("**") and text.endswith("*")
 
 
 # -------------------------------------------------------------------- stop and status

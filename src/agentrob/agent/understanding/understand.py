@@ -44,6 +44,7 @@ from agentrob.model import (
     Understanding,
 )
 from agentrob.robots.driver.client import DriverClient
+from agentrob.screening.estimate import seconds_of
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
 from agentrob.screening.second_opinion import is_own_words, with_opinion
@@ -120,6 +121,7 @@ class Assessor:
             command = replace(command, language=understood.language)
             chained = await retry_until_answered(partial(chain_refusal, self.forum, command))
             plan = judged_plan(assessment.goal) if assessment.goal else understood.plan
+            job.takes_s = None if assessment.goal else seconds_of(plan, capabilities)
             rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
             known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)

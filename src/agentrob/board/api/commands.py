@@ -2,20 +2,41 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from agentrob.board.access import Member, ReadingViewer
+from agentrob.board.access import Member, ReadingViewer, Stopper
 from agentrob.board.api.dependencies import IdempotencyKey, documented, json_response
 from agentrob.board.api.forum import post_written
-from agentrob.board.api.models import CommandIn, CommandOut, CommandsOut, DecisionIn, PostWritten, time_out
-from agentrob.board.robots import approvals, commands
+from agentrob.board.api.models import (
+    CommandIn,
+    CommandOut,
+    CommandsOut,
+    DecisionIn,
+    DraftIn,
+    PostWritten,
+    ReadingOut,
+    RobotReadingOut,
+    time_out,
+)
+from agentrob.board.robots import approvals, commands, reading
 from agentrob.board.robots.commands import RECORD_BYTES, RECORD_DEPTH
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind
 
 router = APIRouter(prefix="/api/v1", responses=documented(404), tags=["commands"])
+
+
+@router.post("/commands/read", response_model=ReadingOut, responses=documented(429))
+async def read_command(services: AppServices, draft: DraftIn, by: Stopper) -> Response:
+    """Read a command without carrying it out: what each robot that it addresses would do, by rules alone. Stores
+    nothing."""
+    found = await reading.read(services, by, draft.text, draft.board_id, draft.topic_id)
+    robots = tuple(RobotReadingOut(**asdict(one)) for one in found.robots)
+    return json_response(ReadingOut(line=found.line, robots=robots))
 
 
 @router.get("/commands/{post_id}", response_model=CommandsOut)

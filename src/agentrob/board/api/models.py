@@ -128,7 +128,33 @@ class CommandIn(_In):
     record: dict[str, Any] = Field(description="at most 64 KiB; stored unchanged")
 
 
+class DraftIn(_In):
+    """A text that is being written, for the robots of a topic or a board; without either, for all robots."""
+
+    text: str = Field(max_length=2_000, pattern=r"^[^\x00]*$")
+    board_id: str = Field("", max_length=32)
+    topic_id: str = Field("", max_length=20)
+
+
 # -------------------------------------------------------------------- out
+class RobotReadingOut(_Out):
+    """How a robot reads the text. `outcome` is would, needs_approval, refuse, ask_back, stop, answer or nothing;
+    `steps` are the operations that it understood."""
+
+    robot: str
+    line: str
+    outcome: str
+    rule: str = ""
+    steps: tuple[dict[str, Any], ...] = ()
+
+
+class ReadingOut(_Out):
+    """`line` says in words what would happen; `robots` has the reading of each robot that the text addresses."""
+
+    line: str
+    robots: tuple[RobotReadingOut, ...] = ()
+
+
 class AccountOut(_Out):
     id: str
     name: str

@@ -25,7 +25,7 @@ from agentrob.board.api.models import (
 from agentrob.board.auth import rights
 from agentrob.board.content import images, uploads
 from agentrob.board.db.reader import not_found
-from agentrob.board.db.records import Image, StoredEvent
+from agentrob.board.db.records import THUMB, Image, StoredEvent
 from agentrob.board.events.presence import CameraStream
 from agentrob.board.robots import actions, commands
 from agentrob.board.robots.actions import check_own_robot
@@ -193,6 +193,14 @@ async def get_thumbnail(services: AppServices, image_id: str, who: ReadingViewer
         return await _file(services, image, digest)
     small = await asyncio.to_thread(images.small, images.path_of(services.settings.images_dir, digest))
     return Response(small, media_type="image/webp", headers=_CACHED)
+
+
+@files.get("/images/{image_id}/thumb", include_in_schema=False)
+async def get_list_picture(services: AppServices, image_id: str, who: ReadingViewer) -> Response:
+    """A still picture small enough for a line of a list."""
+    digest = _visible_image(services, image_id, who)[1]
+    path = images.path_of(services.settings.images_dir, digest)
+    return Response(await asyncio.to_thread(images.small, path, THUMB), media_type="image/webp", headers=_CACHED)
 
 
 async def _file(services: Services, image: Image, digest: str) -> Response:

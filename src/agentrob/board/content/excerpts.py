@@ -1,4 +1,4 @@
-"""Excerpts of posts: the first sentences of prose, and the part of a post that holds the words of a search.
+"""Excerpts of posts: the first sentences of prose, the part with the words of a search, the parts of a robot's report.
 
 Both read the HTML that is stored with a post, and of a long post only a part, because pages are rendered on the event
 loop, which the stop button needs too. They return plain text, which templates must escape.
@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from html import escape, unescape
 
 import nh3
 
 from agentrob.board.search.search import terms
+from agentrob.language.messages.catalog import say
+from agentrob.language.registry import known
 
 #: Characters of HTML that an excerpt is made from, and that are searched for words around a hit.
 EXCERPT_FROM, AROUND_FROM = 3_000, 8_000
@@ -37,13 +40,18 @@ _BLOCK = re.compile(r"</?(?:p|li|blockquote|h[3-6])>")
 _EMPHASIS = re.compile(r"</?em>")
 #: A paragraph that is emphasised as a whole is small print, such as the times and the trace of a report.
 _SMALL_PRINT = re.compile(r"<em>(?:(?!</em>).)*</em>", re.DOTALL)
+#: The heading of the details in each language (`#### Details` in Markdown), which pages show as a fold.
+_DETAILS = re.compile(
+    "<h6>(" + "|".join(sorted({re.escape(escape(say("agent.details", language))) for language in known()})) + ")</h6>"
+)
 _SENTENCE_END = re.compile(r"[.!?…]+(?=\s)|[。！？]+")
 
 
 def excerpt(html: str) -> str:
     """The first sentences of a post, in one line: without tables, pictures and code, and without quotations, headings
-    and small print if anything else is said."""
-    html = html[:EXCERPT_FROM]
+    and small print if anything else is said. Of a robot's report only what stands above its table."""
+    parts = report_parts(html[:EXCERPT_FROM])
+    html = parts.lead if parts.heading else html[:EXCERPT_FROM]
     text = _joined(_paragraphs(html, prose=True)) or _joined(_paragraphs(html, prose=False))
     if not text:
         return next((name for tag, name in _NAMED.items() if tag in html), _PICTURE)
@@ -56,11 +64,13 @@ def excerpt(html: str) -> str:
 def around(html: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
     """The part of a post with the words of a query, in pieces, each with whether it is such a word.
 
-    The excerpt of the post if its words are only in its title, in tables or in code.
+    The excerpt of the post if its words are only in its title, in tables, in code or in the details of a report.
     """
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
         return ((excerpt(html), False),)
+    parts = report_parts(html)
+    html = parts.lead + parts.rest
     pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
     begin = _window(html, words)
     window = html[begin : begin + AROUND_FROM]
@@ -123,3 +133,24 @@ def _beginning(word: str) -> str:
     """A pattern that matches a word only at its beginning: `to` does not match in `photo`."""
     written = word.strip("@") or word
     return ("" if not written[0].isascii() else r"(?<![A-Za-z0-9\u00c0-\u024f])") + re.escape(written)
+
+
+# -------------------------------------------------------------------- reports of robots
+@dataclass(frozen=True, slots=True)
+class ReportParts:
+    """Safe HTML: `lead` says what happened, `rest` begins with the table of steps, `details` follow the heading
+    `heading`. All but `lead` may be empty."""
+
+    lead: str
+    rest: str = ""
+    details: str = ""
+    heading: str = ""
+
+
+def report_parts(html: str) -> ReportParts:
+    """The parts of a report; a post of another form is all `lead`."""
+    above, *found = _DETAILS.split(html, maxsplit=1)
+    heading, details = found if found else ("", "")
+    at = above.find("<table")
+    lead, rest = (above, "") if at < 0 else (above[:at], above[at:])
+    return ReportParts(lead, rest, details.strip(), heading)

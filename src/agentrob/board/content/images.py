@@ -150,14 +150,16 @@ def keep(folder: Path, data: bytes) -> Path:
     return path
 
 
-@lru_cache(maxsize=64)
-def small(path: Path) -> bytes:
-    """A stored picture as a small WebP for pages. Decodes it, so not on the event loop; caches a few in memory. 404 if
-    the file is missing."""
+@lru_cache(maxsize=128)
+def small(path: Path, side: int = SMALL) -> bytes:
+    """A stored picture, or the first one of an animation, as a WebP whose longer side has at most `side` pixels.
+
+    Decodes it, so not on the event loop; caches some in memory. 404 if the file is missing.
+    """
     try:
         with Pillow.open(path) as picture:
-            picture.draft("RGB", (SMALL, SMALL))
-            picture.thumbnail((SMALL, SMALL))
+            picture.draft("RGB", (side, side))
+            picture.thumbnail((side, side))
             out = io.BytesIO()
             picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(out, "WEBP", quality=80)
             return out.getvalue()

@@ -14,12 +14,13 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from agentrob.board.content.markdown import as_plain_text
-from agentrob.board.content.render_process import RenderProcess, TooSlow
+from agentrob.board.content.render_process import RenderProcess
 from agentrob.board.content.rendered import Rendered, Text
 from agentrob.board.db.fulltext import indexed
 from agentrob.errors import BoardError
 from agentrob.language.complexity import parsing_us
 from agentrob.model import Account, AccountKind
+from agentrob.process.answering.server import TooSlow
 
 T = TypeVar("T")
 #: The estimated microseconds of parsing, and the characters, up to which a text is rendered at once.

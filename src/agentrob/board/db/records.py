@@ -14,8 +14,8 @@ from typing import Any, TypeVar
 from agentrob.model import Account, EventKind, Role
 
 T = TypeVar("T")
-#: Pixels of the longer side of a picture on a page.
-SMALL = 960
+#: Pixels of the longer side of a picture on a page, and in a list.
+SMALL, THUMB = 960, 240
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -92,6 +92,11 @@ class Image:
     def shrinks(self) -> bool:
         """Whether pages show a smaller version."""
         return not self.moving and max(self.width, self.height) > SMALL
+
+    @property
+    def thumb(self) -> str:
+        """The path of a still picture for lists."""
+        return f"{self.path}/thumb"
 
     @property
     def small(self) -> str:

@@ -91,6 +91,12 @@ def _told_owner(services: Services, robot: str) -> str:
 
 async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
     """Reset a simulated room. 403 unless the account may command the robot."""
+    name = check_resets(services, robot, by)
+    return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
+
+
+def check_resets(services: Services, robot: str, by: Account) -> str:
+    """The robot's name. 403 if the account may not reset its room, 404."""
     name = known_robot(services, robot).name
     kept = rights.settings_of(services.store.reader, name)
     if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
@@ -98,7 +104,7 @@ async def reset(services: Services, robot: str, by: Account, key: str | None = N
     if (until := kept.closed_until(now := datetime.now(UTC))) is not None:
         left = duration((until - now).total_seconds())
         raise BoardError(403, "closed", f"this robot is in maintenance for another {left}", "come again")
-    return await services.store.record(EventKind.ROBOT_RESET, name, by, key=key)
+    return name
 
 
 def check_own_robot(by: Account, name: str) -> None:

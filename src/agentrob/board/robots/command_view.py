@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Image, StoredPost, from_text
-from agentrob.board.robots.commands import CommandRecord
-from agentrob.board.robots.view import op_in_words
-from agentrob.model import CommandState
+from agentrob.board.robots.abilities import op_in_words
+from agentrob.board.robots.commands import CommandRecord, told_pictures
+from agentrob.model import AccountKind, CommandState
 
 _UNITS = {
     "distance_m": "{:z.2f} m",
@@ -84,7 +85,7 @@ class CommandView:
     facts: tuple[tuple[str, str], ...]
     models: tuple[ModelView, ...]
     calls: tuple[CallView, ...]
-    pictures: tuple[tuple[str, Image], ...]
+    pictures: tuple[tuple[str, Image, str], ...]
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
@@ -235,16 +236,28 @@ def _call(turn: Mapping[str, Any]) -> CallView:
     )
 
 
-def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image], ...]:
-    """The pictures of the reply with captions; generic ones if the record lists another number of pictures."""
+def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str, Image, str], ...]:
+    """The reply's pictures with captions and kinds; generic ones if the record lists another number of pictures."""
     if reply is None:
         return ()
     named = len(kinds) == len(reply.images)
     shown = []
     for n, image in enumerate(reply.images):
         kind = _map(kinds[n]) if named else {}
-        shown.append((_picture(kind, "Recording" if image.moving else "Picture"), image))
+        words = _picture(kind, "Recording" if image.moving else "Picture")
+        shown.append((words, image, _text(kind.get("kind"), 20)))
     return tuple(shown)
+
+
+def captions(reader: Reader, posts: Iterable[StoredPost]) -> dict[str, tuple[tuple[str, str], ...]]:
+    """(words, kind) of each picture of robots' replies, by post, as far as records name all of them."""
+    shown = {p.id: p for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
+    found = {}
+    for post_id, told in told_pictures(reader, [int(post_id) for post_id in shown]).items():
+        kinds = [_map(kind) for kind in _list(told)]
+        if len(kinds) == len(shown[post_id].images):
+            found[post_id] = tuple((_picture(kind, "Picture"), _text(kind.get("kind"), 20)) for kind in kinds)
+    return found
 
 
 def _picture(kind: Mapping[str, Any], otherwise: str) -> str:

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import and_, insert, select, update
+from pydantic import TypeAdapter, ValidationError
+from sqlalchemy import and_, func, insert, select, update
 
 from agentrob.board.db import schema as db
 from agentrob.board.db.reader import Reader, not_found, row_id
 from agentrob.board.db.records import StoredPost, from_us, now_us
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, CommandState, Plan, Primitive
 
 #: Bytes of JSON and levels of nesting that a record may have.
 RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
+_STEPS = TypeAdapter(list[Primitive])
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +68,38 @@ def records_of(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[CommandR
     rows = reader.rows(statement.order_by(a.name))
     replies = {int(p.id): p for p in reader.posts_by_id([r.reply_id for r in rows if r.reply_id is not None])}
     return post, tuple(CommandRecord(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
+
+
+def newest_record_us(reader: Reader, topic_id: str) -> int:
+    """When the newest record of a command in a topic was sent; 0 if there is none."""
+    c, p = db.commands.c, db.posts.c
+    newest = select(func.max(c.at_us)).join(db.posts, p.id == c.post_id)
+    return int(reader.rows(newest.where(p.topic_id == row_id(topic_id, "topic")))[0][0] or 0)
+
+
+def told_pictures(reader: Reader, reply_ids: Sequence[int]) -> dict[str, Any]:
+    """What records say of the pictures of these replies, by reply."""
+    c = db.commands.c
+    rows = reader.rows(select(c.reply_id, c.record).where(c.reply_id.in_(reply_ids))) if reply_ids else ()
+    return {str(row.reply_id): row.record.get("pictures") for row in rows}
+
+
+def done_plans(reader: Reader, topic_id: str, robot: Account, most: int = 5) -> tuple[Plan, ...]:
+    """The plans that a robot's records call done in a topic, oldest first, as far as they can be read."""
+    c, p = db.commands.c, db.posts.c
+    statement = select(c.record).join(db.posts, p.id == c.post_id).order_by(c.post_id.desc()).limit(most)
+    mine = statement.where(p.topic_id == row_id(topic_id, "topic"), c.robot_id == int(robot.id), p.removed.is_(False))
+    records = (row.record for row in reversed(reader.rows(mine)))
+    plans = (_plan(record.get("plan")) for record in records if record.get("status") == CommandState.DONE)
+    return tuple(plan for plan in plans if plan is not None)
+
+
+def _plan(told: object) -> Plan | None:
+    try:
+        steps = _STEPS.validate_python(told)
+    except ValidationError:
+        return None
+    return Plan(tuple(steps)) if steps else None
 
 
 def answered(reader: Reader, post_id: str) -> str | None:

@@ -12,15 +12,17 @@ from agentrob.board.auth import rights, visibility
 from agentrob.board.db.records import StoredPost, from_text
 from agentrob.board.events.presence import LIVE_FOR
 from agentrob.board.robots import live
+from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Capabilities
 
 _KNOWN = {
     "model",
     "ops",
     "limits",
+    "directions",
     "state",
     "battery_percent",
     "board",
@@ -43,6 +45,8 @@ _KNOWN = {
     "stop_ms",
     "stop_at",
 }
+#: The modes of a robot in which its body moves.
+_MOVING = frozenset({"walking", "gesture"})
 #: How long the result of an owner's button is shown.
 TOLD_FOR = timedelta(minutes=5)
 _LIMITS = {
@@ -53,12 +57,6 @@ _LIMITS = {
     "command_m": ("One command", "m"),
     "command_s": ("One command", "s"),
     "command_steps": ("One command", "steps"),
-}
-_OPS = {
-    "get_front_image": "take a photo",
-    "hello": "wave",
-    "heart": "make a heart",
-    "shake": "shake hands",
 }
 
 
@@ -93,7 +91,7 @@ class RobotView:
 
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
     words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
-    not known; `told` is what came of the last release or home.
+    not known; `told` is what came of the last release or home. `can` is what it can do, None while that is not known.
     """
 
     name: str
@@ -114,7 +112,13 @@ class RobotView:
     lock: LockView | None = None
     homed: bool | None = None
     told: ToldView | None = None
+    can: Capabilities | None = None
     map: MapView | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether its body moves now, as far as its agent says."""
+        return self.live and self.state in _MOVING
 
 
 def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> RobotView:
@@ -142,6 +146,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         lock=_lock(card.get("lock")),
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
         told=_told(card.get("told")),
+        can=capabilities_of(card),
         map=live.map_view(card.get("map")),
     )
 
@@ -201,10 +206,6 @@ def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _is_id(value: object) -> bool:
     return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
-
-
-def op_in_words(op: str) -> str:
-    return _OPS.get(op, op.replace("_", " "))[:40]
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:

@@ -296,9 +296,10 @@ def _robot(
 
 # -------------------------------------------------------------------- invites and the log
 @router.get("/admin/invites")
-async def invites(request: Request, viewer: ReadingViewer) -> Response:
+async def invites(request: Request, viewer: ReadingViewer, role: str = "member") -> Response:
+    """`role` is the one that the form begins with."""
     forms.admin_of(viewer)
-    return _invites(request, viewer)
+    return _invites(request, viewer, role=role)
 
 
 @router.post("/admin/invites")
@@ -317,9 +318,9 @@ async def invite(
     return forms.secret_page(request, viewer, "/admin/invites", f"An invite for {uses}, as {role}", path)
 
 
-def _invites(request: Request, viewer: Viewer, error: BoardError | None = None) -> Response:
-    found = management.invites(get_services(request).store.reader)
-    return forms.admin_page(request, viewer, "admin_invites.html", "invites", {"invites": found}, error)
+def _invites(request: Request, viewer: Viewer, error: BoardError | None = None, role: str = "member") -> Response:
+    data = {"invites": management.invites(get_services(request).store.reader), "role": role}
+    return forms.admin_page(request, viewer, "admin_invites.html", "invites", data, error)
 
 
 @router.get("/admin/audit")

@@ -32,6 +32,8 @@ from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, ActionClass, Role
 
 TITLE_LENGTH = 200
+#: Characters of a title that is made from a command.
+MADE_TITLE = 80
 #: Characters of a field of tags.
 TAGS_LENGTH = 500
 #: The largest number of pictures in one form.
@@ -45,6 +47,8 @@ Line = Annotated[str, AfterValidator(str.strip)]
 #: Browsers do not send a box that is not checked.
 Checkbox = Annotated[bool, BeforeValidator(lambda _: True)]
 
+#: The names at the beginning of a command.
+_CALLING = re.compile(r"\A(?:[@＠][\w-]+[\s,;:，：、]*(?:(?:and\b|&|和|与)\s*)?)+")
 _CLASSES = {"photo": "Photos", "gesture": "Gestures", "move": "Walking and turning", "risky": "Flips"}
 _CHOICES: dict[str, Any] = {
     "all_roles": tuple(Role),
@@ -115,8 +119,8 @@ class PostForm(KeyedForm):
 class Composed:
     """What a form for writing shows again: the text, the post it replies to, its pictures.
 
-    `preview` is safe HTML, None unless a preview was asked for; `hint` says why no robot would answer; `problem` says
-    what is wrong.
+    `preview` is safe HTML, None unless a preview was asked for; `hint` says why no robot would answer, `reading`
+    what the robots would do; `problem` says what is wrong.
     """
 
     draft: str = ""
@@ -126,6 +130,7 @@ class Composed:
     pictures: tuple[Image, ...] = ()
     preview: str | None = None
     hint: str = ""
+    reading: str = ""
     problem: str = ""
 
 
@@ -152,6 +157,15 @@ def title(text: str) -> str:
     if not line or len(line) > TITLE_LENGTH:
         raise BoardError(422, "bad_title", "a topic needs a title", f"at most {TITLE_LENGTH} characters")
     return line
+
+
+def title_of(command: str) -> str:
+    """A title made from a command: its first line without the names at its beginning, shortened."""
+    lines = (" ".join("".join(c for c in line if c.isprintable()).split()) for line in command.splitlines())
+    first = next((line for line in lines if line), "")
+    said = _CALLING.sub("", first) or first
+    said = said[:1].upper() + said[1:]
+    return said if len(said) <= MADE_TITLE else said[: MADE_TITLE - 1].rstrip() + "…"
 
 
 def tags_of(text: str) -> tuple[str, ...]:

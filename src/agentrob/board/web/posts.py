@@ -13,12 +13,14 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 
 from agentrob.board import access
 from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
+from agentrob.board.command_reading import READ_CHARS
 from agentrob.board.content import uploads
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.records import StoredPost
-from agentrob.board.robots import approvals, reach
+from agentrob.board.robots import approvals, reach, reading
 from agentrob.board.robots import view as robot_view
+from agentrob.board.robots.command_view import captions
 from agentrob.board.services import AppServices, Services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed, PageForm, PostForm, Text
@@ -58,6 +60,7 @@ async def fragment(
     hidden = robot_view.hidden_cameras(services, viewer.account, [found])
     data |= {"hidden": hidden, "owners": robot_view.owners(services, [found])}
     data |= {"asking": approvals.in_thread(services, [found], viewer.account), "key": forms.nonce()}
+    data["captions"] = captions(store.reader, [found])
     return render_page(request, viewer, "post.html", data)
 
 
@@ -134,8 +137,10 @@ async def preview(
 async def previewed(services: Services, typed: Composed, by: Account, board_id: str = "") -> Composed:
     """The form with a preview of its text, which may be empty. 413 if it is too long, 422, 429, 503."""
     text = forms.body(typed.draft) if typed.draft.strip() else ""
-    hint = reach.hint(services, board_id, text) if board_id else ""
-    return replace(typed, preview=(await services.store.renderer.render(text, by)).html, hint=hint)
+    typed = replace(typed, preview=(await services.store.renderer.render(text, by)).html)
+    if board_id and services.reading is not None and 0 < len(text) <= READ_CHARS:
+        return replace(typed, reading=(await reading.read(services, by, text, board_id)).line)
+    return replace(typed, hint=reach.hint(services, board_id, text) if board_id else "")
 
 
 @router.get("/names")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
 from typing import Annotated, Any
 
@@ -13,14 +13,16 @@ from starlette.responses import HTMLResponse, Response
 from agentrob.board import access
 from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.auth import rights
+from agentrob.board.command_reading import READ_CHARS
 from agentrob.board.content.store import Store
-from agentrob.board.db.records import Image, StoredPost, Topic
-from agentrob.board.robots import actions, approvals
+from agentrob.board.db.records import StoredPost, Topic
+from agentrob.board.robots import actions, approvals, front
 from agentrob.board.robots import view as robot_view
+from agentrob.board.robots.abilities import ABOUT, abilities_of, example_commands
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
-from agentrob.board.web.forms import ButtonForm, PageForm
+from agentrob.board.web.forms import ButtonForm, Composed, PageForm
 from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role, fleet_robot
@@ -32,14 +34,14 @@ _LATEST = 10
 HEARD_TRIES, HEARD_S = 15, 0.1
 SentForm = Annotated[PageForm, Form()]
 Press = Callable[[Services, str, Account], Awaitable[object]]
-#: The number of replies in which the last picture is searched.
-_LOOK_BACK = 50
 
 
 @router.get("/robots")
 async def robots(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
-    data = {"robots": robot_view.robots(services)}
-    return render_page(request, viewer, "robot_cards.html" if part == "cards" else "robots.html", data, here="robots")
+    """`part` is `cards`, or `aside` for those without pictures beside a topic."""
+    data = {"cards": front.now(services, viewer.account, pictures=part != "aside")}
+    template = "robot_cards.html" if part in ("cards", "aside") else "robots.html"
+    return render_page(request, viewer, template, data, here="robots")
 
 
 @router.get("/fleet")
@@ -55,16 +57,15 @@ async def fleet(request: Request, services: AppServices, viewer: ReadingViewer, 
 
 
 @router.get("/robots/{name}")
-async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+async def robot(request: Request, services: AppServices, viewer: ReadingViewer, name: str, say: str = "") -> Response:
+    """`say` is a command for the box, as in the links of its abilities."""
     account, view = robot_view.robot(services, name)
     latest = _latest(services.store, account, once=True)
     kept = rights.settings_of(services.store.reader, account.name)
-    seen = (
-        _last_picture(services.store.reader.posts_by(account, _LOOK_BACK))
-        if rights.sees_camera(kept, viewer.account, account.name)
-        else None
-    )
-    data = {"robot": view, "account": account, "latest": latest, "last": seen} | _about(services, view, viewer)
+    hidden = robot_view.hidden_cameras(services, viewer.account, [post for _, post in latest])
+    data = {"robot": view, "account": account, "latest": latest, "hidden": hidden} | _about(services, view, viewer)
+    data |= {"about": ABOUT.get(view.model, ""), "examples": example_commands([(view.name, view.can)])}
+    data |= {"typed": Composed(draft=say[:READ_CHARS] or f"@{view.name} "), "box_path": f"/robots/{view.name}"}
     data["neighbours"] = robot_view.robots(services)
     data["releases"] = actions.may_release(services, account.name, viewer.account)
     data["administers"] = viewer.account is not None and rights.reaches(viewer.account, "owner", kept.owner)
@@ -79,7 +80,7 @@ async def robot_fragment(
 ) -> Response:
     view = robot_view.robot(services, name)[1]
     data = {"robot": view, "releases": actions.may_release(services, view.name, viewer.account)}
-    template = "robot_lock.html" if part == "lock" else "robot_facts.html"
+    template = {"lock": "robot_lock.html", "actions": "robot_actions.html"}.get(part, "robot_facts.html")
     return render_page(request, viewer, template, data | _about(services, view, viewer))
 
 
@@ -150,6 +151,14 @@ async def _press(services: Services, viewer: Viewer, name: str, form: PageForm, 
     return redirect(with_receipt(f"/robots/{name}", viewer, action, name))
 
 
+@router.get("/robots/{name}/reset")
+async def reset_form(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+    actions.check_resets(services, name, access.account_of(viewer))
+    robot = robot_view.robot(services, name)[1]
+    data = {"robot": robot, "action": "reset", "heading": f"Reset the room of @{robot.name}?"}
+    return render_page(request, viewer, "robot_owner.html", data, here="robots")
+
+
 @router.post("/robots/{name}/reset")
 async def reset(services: AppServices, viewer: AnyViewer, name: str, form: SentForm) -> Response:
     await actions.reset(services, name, form.sender(viewer))
@@ -187,10 +196,10 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]
     robots = [actions.known_robot(services, view.name)]
     asking = [one for post in line for one in approvals.waiting(services, post, robots, viewer.account)]
-    about = {"owner": actions.owner_of(services, view.name), "line": line}
+    about: dict[str, Any] = {
+        "owner": actions.owner_of(services, view.name),
+        "line": line,
+        "abilities": abilities_of(view.name, view.can),
+    }
+    about["moves"] = front.robot_now(services, view, viewer.account, pictures=False).moves
     return about | {"waiting": asking, "key": forms.nonce()}
-
-
-def _last_picture(posts: Sequence[StoredPost]) -> tuple[StoredPost, Image] | None:
-    """The latest photo in a robot's replies. Photos come before plots."""
-    return next(((post, image) for post in posts for image in post.images if not image.moving), None)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-from starlette.requests import Request
+from fastapi import APIRouter, Request
 from starlette.responses import HTMLResponse, Response
 
 from agentrob.board.web import (
@@ -29,7 +28,8 @@ for module in (topics, posts, robots, commands, find, sign_in, feeds, api_docs, 
 
 @router.get("/static/{version}/{name}")
 async def static(request: Request, version: str, name: str) -> Response:
-    return static_file(version, name, request.headers.get("accept-encoding", ""))
+    accepted = {word.partition(";")[0].strip() for word in request.headers.get("accept-encoding", "").split(",")}
+    return static_file(version, name, compressed="gzip" in accepted)
 
 
 @router.get("/favicon.ico")

@@ -24,10 +24,11 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from agentrob.board import access
 from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
-from agentrob.board.content.excerpts import excerpt
+from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
 from agentrob.board.robots import live
+from agentrob.board.robots.front import telling
 from agentrob.board.robots.live import RoomView
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import get_services
@@ -66,8 +67,6 @@ ROLES = {
 _HEADERS = {"Cache-Control": "private, no-cache"}
 _MEDIA_TYPES = {".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".svg": "image/svg+xml"}
 _STATIC = {path.name: path.read_bytes() for path in sorted((HERE / "static").iterdir()) if path.suffix in _MEDIA_TYPES}
-#: Static files of more bytes are worth compressing.
-LARGE = 100_000
 _HASHES = {name: hashlib.sha256(content).hexdigest()[:12] for name, content in _STATIC.items()}
 
 
@@ -138,7 +137,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
-    made.filters["inline_code"] = inline_code
+    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "telling": telling}
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
@@ -160,6 +159,7 @@ def render_page(
     settings = services.settings
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
+    frame["reads"] = services.reading is not None  # commands while they are written
     frame["unread"] = _unread(services.store.reader, viewer)
     html = _TEMPLATES.get_template(template).render(
         {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)
@@ -298,16 +298,16 @@ def sentence(text: str) -> str:
 
 @cache
 def _gzipped(name: str) -> bytes:
-    return gzip.compress(_STATIC[name], mtime=0)
+    """A static file compressed; it holds nothing secret, unlike pages."""
+    return gzip.compress(_STATIC[name], 9, mtime=0)
 
 
-def static_file(version: str, name: str, encodings: str = "") -> Response:
-    """A static file; cacheable for a year if requested with its hash. Large ones are compressed if the client accepts
-    it (`encodings`, the header Accept-Encoding). Raises `BoardError` 404."""
+def static_file(version: str, name: str, *, compressed: bool = False) -> Response:
+    """A static file, gzip-compressed if the browser accepts that; cacheable for a year if requested with its hash.
+    Raises `BoardError` 404."""
     if name not in _STATIC:
         raise BoardError(404, "no_such_file", "there is no such file")
     kept = "public, max-age=31536000, immutable" if version == _HASHES[name] else "no-cache"
-    kind, headers = _MEDIA_TYPES[Path(name).suffix], {"Cache-Control": kept}
-    if len(_STATIC[name]) > LARGE and "gzip" in encodings:
-        return Response(_gzipped(name), media_type=kind, headers=headers | {"Content-Encoding": "gzip"})
-    return Response(_STATIC[name], media_type=kind, headers=headers)
+    headers = {"Cache-Control": kept, "Vary": "Accept-Encoding"} | ({"Content-Encoding": "gzip"} if compressed else {})
+    content = _gzipped(name) if compressed else _STATIC[name]
+    return Response(content, media_type=_MEDIA_TYPES[Path(name).suffix], headers=headers)

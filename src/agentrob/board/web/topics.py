@@ -13,19 +13,22 @@ from starlette.responses import HTMLResponse, Response
 from agentrob.board import access
 from agentrob.board.access import AnyViewer, ReadingViewer, Viewer
 from agentrob.board.auth import visibility
+from agentrob.board.command_reading import READ_CHARS
 from agentrob.board.content import tags, uploads
 from agentrob.board.content.unread import UnreadCount
 from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import StoredPost, Topic
-from agentrob.board.robots import approvals, reach
+from agentrob.board.robots import approvals, commands, front, reach, reading
 from agentrob.board.robots import view as robot_view
+from agentrob.board.robots.abilities import example_commands
+from agentrob.board.robots.command_view import captions
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
 from agentrob.board.web.forms import Composed, PageForm, Text
 from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
 from agentrob.board.web.templating import error_page, error_text, redirect, render_fragment, render_page
 from agentrob.errors import BoardError
-from agentrob.model import Page
+from agentrob.model import Page, Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 
@@ -53,12 +56,50 @@ class ShownPosts:
 
 # ------------------------------------------------------------------ boards and topics
 @router.get("/")
-async def home(request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None) -> Response:
+async def home(
+    request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None, say: str = ""
+) -> Response:
+    """`say` is a command for the box, as in the links of the examples."""
+    return _home(request, viewer, Composed(draft=say[:READ_CHARS]), after)
+
+
+@router.post("/command")
+async def command(request: Request, services: AppServices, viewer: AnyViewer, form: SentPost) -> Response:
+    """Post a command as a new topic, on a board of the robot that it addresses; its title is made from it if none is
+    given."""
+    typed = form.composed
+    try:
+        author = form.sender(viewer)
+        typed = replace(typed, pictures=await form.all_pictures(services, author))
+        board_id = reading.board_of(services, form.body)
+        if form.do == "preview":
+            return _home(request, viewer, await previewed(services, typed, author, board_id))
+        text = forms.body(form.body)
+        title = forms.title(form.title.strip() or forms.title_of(text) or "A command")
+        key, pictures = form.idempotency_key(title, text), [image.id for image in typed.pictures]
+        written = await services.store.create_topic(author, board_id, title, text, key=key, images=pictures)
+    except BoardError as e:
+        if is_locked_out(viewer):
+            return await error_page(request, e, draft=typed.draft)
+        return _home(request, viewer, typed, error=e)
+    return redirect(written.topic.path)
+
+
+def _home(
+    request: Request, viewer: Viewer, typed: Composed, after: str | None = None, error: BoardError | None = None
+) -> Response:
+    services = get_services(request)
     boards = services.store.reader.boards()
-    data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "robots": robot_view.robots(services)}
-    topics = services.store.reader.topics(None, after)
+    cards, topics = front.now(services, viewer.account), services.store.reader.topics(None, after)
+    live = [card.robot for card in cards if card.robot.live] or [card.robot for card in cards]
+    data: Data = {"boards": boards, "names": {b.id: b.name for b in boards}, "cards": cards, "first_page": not after}
     data |= {"topics": topics, "news": _news(services, viewer, topics.items), "feed": "/feed.atom"}
-    return render_page(request, viewer, "home.html", data, here="home")
+    data["answers"] = answers = front.outcomes(services, topics.items)
+    data["hidden"] = robot_view.hidden_cameras(services, viewer.account, answers.values())
+    data["examples"] = example_commands([(robot.name, robot.can) for robot in live])
+    data |= {"typed": replace(typed, problem=error_text(error)), "key": forms.nonce(), "box_path": "/"}
+    data["invites"] = viewer.account is not None and viewer.account.role is Role.ADMIN
+    return render_page(request, viewer, "home.html", data, status=error.status if error else 200, here="home")
 
 
 @router.get("/b/{board_id}")
@@ -118,9 +159,14 @@ async def topic(
     after: str | None = None,
     reply_to: str = "",
     quote: str = "",
+    again: str = "",
 ) -> Response:
-    """`reply_to` and `quote` are posts to reply to; `quote` also puts the quoted text into the form."""
+    """`reply_to` and `quote` are posts to reply to; `quote` also puts the quoted text into the form. `again` is a post
+    with a command, which is put into the form."""
     typed = Composed()
+    if again and viewer.account:
+        post = services.store.reader.post(again)
+        typed = Composed(draft=post.raw) if post.topic_id == topic_id and not post.removed else typed
     if (answered := reply_to or quote) and viewer.account:
         post = services.store.reader.post(answered)
         if post.topic_id == topic_id and not post.removed:
@@ -236,6 +282,7 @@ def _topic(
         "board": services.store.reader.board(found.board_id),
     }
     data |= {"after": newest, "robots": robot_view.robots(services), "key": forms.nonce()}
+    data["cards"] = front.now(services, viewer.account, pictures=False)
     data |= {"typed": replace(typed, problem=error_text(error)), "may_upload": uploads.may(viewer.account)}
     answered = named(services.store, [typed.reply_to])
     data |= {"feed": f"/t/{found.id}/feed.atom", "authors": answered}
@@ -278,11 +325,13 @@ def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str |
         data: dict[str, object] = {"posts": page.items, "viewer": viewer, "authors": authors, "hidden": hidden}
         data["owners"] = robot_view.owners(services, page.items)
         data |= {"asking": approvals.in_thread(services, page.items, viewer.account), "key": forms.nonce()}
+        data["captions"] = captions(services.store.reader, page.items)
         html = render_fragment("topic_posts.html", data)
         ids = [post.id for post in page.items]
         return ShownPosts(html, page.next, *(ids[:1] + ids[-1:])), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the buttons
+    recorded = commands.newest_record_us(services.store.reader, topic_id)  # a record is no event of its topic
     return services.topic_cache.of(
-        services.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards()), make
+        services.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards(), recorded), make
     )

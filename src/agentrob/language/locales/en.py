@@ -51,7 +51,7 @@ TABLE = {
         side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
-    "move dir=backward": """edge back|edge backwards|inch back|inch backwards|ease back|scooch back|scooch backwards|
+    "move dir=backward": """back straight up|back it straight up|back right up|back on up|back up straight|edge back|edge backwards|inch back|inch backwards|ease back|scooch back|scooch backwards|
         shuffle back|shuffle backwards|nudge back|nudge backwards|crawl back|slide back|
         slide backwards|creep back|withdraw|go backwards|walk backwards|run back|run backwards|
         travel backwards|come backwards|move yourself back|back yourself off|give ground|
@@ -116,7 +116,7 @@ TABLE = {
     "dir=right": """cw|clock wise|
         rightward|rightwards|clockwise""",
     "agree dir=right": "right",
-    "move dir=forward": """pull forward|pop forward|pull ahead|move up|go up|come up|walk up|move down|go down|come down
+    "move dir=forward": """keep straight|stay straight|keep on straight|pull forward|pop forward|pull ahead|move up|go up|come up|walk up|move down|go down|come down
         |walk down|move along|walk along""",
     "along": "down|up|along",
     # ---------------------------------------------------------------- deeds
@@ -225,9 +225,11 @@ TABLE = {
     "picture": """snaps|snap shot|pictureof|pix|a look|visual|still|photo|photos|picture|pictures|pic|pics|image|images
         |photograph|snapshot|shot|selfie|camera image|front image|front photo""",
     "soft": "gimme a|gimme|come on|let me think|let me see now|show me",
-    "soft=send": "send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
+    "soft=send": "send it over|send it back|send it along|send that over|send it here|send it|send it to me|send it to us|post it|post it here|show it to me|upload it|share it",
     "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
-        |from where you are""",
+        |from where you are|at your current position|at your current location|at your position|at your location
+        |at this position|at this location|at that position|at that location|at this spot|at that spot
+        |in this position|in that position|at your current spot""",
     "of=every": """of every|of every single|of each|of each of|of both|of all the|of all these|of all those
         |of all of the|of all my|of all our|of all your|of all four|of all three|of all sides|of every one of""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
@@ -263,8 +265,8 @@ TABLE = {
     "step_unit": "steps|pace|paces|stride|strides|footsteps",
     "time_unit=1": "s|second|seconds|sec|secs",
     "time_unit=60": "minute|minutes|min|mins",
-    "turn angle=90": "1/4 turn|a 1/4 turn|1/4 of a turn|quarter turn|a quarter turn|a quarter of a turn",
-    "turn angle=180 ": "1/2 turn|a 1/2 turn|half turn|a half turn|half a turn",
+    "turn angle=90": "one quarter turn|one quarter of a turn|a quarter of a full turn|1/4 turn|a 1/4 turn|1/4 of a turn|quarter turn|a quarter turn|a quarter of a turn",
+    "turn angle=180 ": "one half turn|one half of a turn|half of a full turn|1/2 turn|a 1/2 turn|half turn|a half turn|half a turn",
     "turn angle=360": """twirl|do a twirl|a twirl|twirl around|pirouette|do a pirouette|a pirouette|do a spin|a spin
         |a full spin|do a full spin|a complete spin|do a three sixty|do a 360|do a full 360|do a full three sixty
         |full turn|a full turn|full circle|a full circle|full rotation|a full rotation|complete turn|a complete turn
@@ -420,7 +422,8 @@ TABLE = {
     "wish": """u can|u should|it's time to|it is time to|it's your turn to|now it's time to|now we|now you|we should
         |you should|you can|you could|let's|lets|we can|let us|you may|time to|we need to|you need to|try to""",
     "talk=tell": "let me know|let us know|tell us|tell him|tell her|tell them|tell everyone|tell everybody",
-    "talk": """i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|there|this is|these are
+    "talk": """never seen|never saw|never heard|never thought|never knew|never had|never met|ever seen|haven't seen
+        |hadn't seen|i|i'm|i'll|i've|i'd|we|we're|we've|we'll|that's|there's|there is|there are|it's|there|this is|these are
         |those are|i am|they|he|she|he's|she's|you are|you're|you were|you've|you have|it is|it was|that is|that was""",
     "talk=ask": """tell me|can you tell|could you tell|can you tell me|could you tell me|can you explain
         |could you explain""",
@@ -680,6 +683,14 @@ _DONE = ("when you're done", "when you are done", "once you're done", "once you 
 TABLE["talk=tell"] += "".join(f"|{tell} {done}" for tell in ("let me know", "tell me", "let us know") for done in _DONE)
 TABLE["condition"] += "".join(f"|once done {doing}" for doing in _DOING if doing.endswith("ing"))
 TABLE["and"] += "|" + "|".join(f"{done} {doing}" for done in _DONE for doing in _DOING)
+#: For what somebody is thanked is done: nothing is asked.
+TABLE["talk"] += "".join(
+    f"|{thanks} for {what}"
+    for thanks in ("thanks", "thank you", "thx", "ty", "cheers", "many thanks", "thanks again", "thanks a lot",
+        "thank you so much", "thanks so much", "thank you very much", "thank you again", "props", "kudos")
+    for what in ("the", "your", "all", "such", "being", "taking", "sending", "showing", "waving", "turning", "walking",
+        "moving", "doing", "making", "helping", "a", "coming", "sitting", "sharing", "posting")
+)  # fmt: skip
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,

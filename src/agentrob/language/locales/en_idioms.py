@@ -17,6 +17,15 @@ _NUMBER = (
 #: Where a clause begins; group 1 is what stands there.
 _BEGIN = r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|hi|hello|uh|um|please)\s+)"
 _END = r"(?=\s*(?:$|[,.;:!?]|\b(?:and|then|please|pls|plz|thanks|thank)\b))"
+_AHEAD = "forward|forwards|backward|backwards"
+_A_TURN = r"(?:an?|another|one|the) (?:[\w-]+ ){0,4}?(?:turn|rotation|spin|about face|u turn)\b"
+_LIVE = "current|live|front|camera|clear|quick|better|fresh|updated"
+_TASK = (
+    r"(?:so |now |okay )?(?:what (?:i|we)(?:'d like| would like| want| need) you to do(?: now| next| here)?"
+    r"|what (?:i|we) (?:want|need)(?: now| next)?|your (?:next |first |new )?(?:job|task|mission|move|step|order|instruction)"
+    r"|the (?:next|first|new) (?:thing|step|task|move|instruction|order|action))"
+)
+_VIEW = "view|feed|frame|scene|capture|screenshot|camera feed|visual"
 _ANEW = r"(?:sorry|oops|whoops|my mistake|my bad|no|no wait|wait|wait no|actually|uh|er)"
 _OTHER_WAY = r"(?:the )?other (?:way|direction|side)"
 #: Hours of a clock face that a robot can turn to; twelve is ahead.
@@ -139,4 +148,35 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     ),
     (r"^\s*((?:er|um|uh|ok|okay|well)[, ]+)?right,? (?=(?:robot|dog|doggo|buddy|mate|so|ok|okay|folks|team)\b)", ""),
     (r"(?<=\w) (please|pls|plz)\s*([.!]*)$", r", \1\2"),
+    (
+        rf"{_BEGIN}(?:you(?:'re| are) (?:gonna|going to)|you(?:'ll| will)(?: now| then| just)?|{_TASK} (?:is|would be)"
+        r"(?: for you)?(?: to)?|all (?:that )?you (?:need|have|got) to do is(?: to)?|i(?:'m| am) (?:gonna|going to) have you"
+        r"|i(?:'d| would) (?:appreciate|love) you to|i(?:'d| would) (?:like|want) for you to) (?=[a-z])",
+        r"\1please ",
+    ),
+    (
+        rf"{_BEGIN}(?:let me|let us|let's|lets|i'll|we'll) (?:just )?(?:get|have|grab|take) "
+        rf"(?=(?:an?|your|another|one|one more|the) (?:\w+ )?(?:{_PICTURE})\b)",
+        r"\1take ",
+    ),
+    (
+        rf"\b(?:proceed with|perform|execute|initiate|carry out|conduct|complete|go for|make|go ahead with) (?={_A_TURN})",
+        "do ",
+    ),
+    (
+        rf"\b(?:move in a |make a |do a )?({_AHEAD}) (?:motion|movement)(?: of| by| for)?\b(?=.*\d|.*{_NUMBER})",
+        r"move \1",
+    ),
+    (
+        rf"{_BEGIN}(?:show|send|give)(?: me| us)? (?:an?|the|your|another|one more)(?: new)? (?:(?:{_LIVE}) )?"
+        rf"(?:{_VIEW})(?: of what(?:'s| is) (?:ahead|in front of you|there)| from (?:here|there|where you are))?{_END}",
+        r"\1take a photo",
+    ),
+    (
+        rf"\b(turn|rotate|pivot|spin|swivel|swing)(?: yourself)? back (?=(?:by |about )?{_NUMBER}\b.*\b(?:left|right)\b)",
+        r"\1 ",
+    ),
+    (rf",? (?:let's |i'd |i would )?say,? (?=(?:about |another |a |an )?{_NUMBER}\b)", " "),
+    (rf"(\b(?:{_PICTURE})) (?:straight|directly|facing|looking|pointing)? ?(?:ahead|forwards?|straight){_END}", r"\1"),
+    (r",? (?:and )?(?:at|in) the end(?: of (?:that|it|this|the (?:turn|move|walk|rotation)))?(?=[.!]*$)", " "),
 )

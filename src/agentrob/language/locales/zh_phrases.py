@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from agentrob.language.locales.zh_characters import TWINS
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
+from agentrob.language.remarks.chinese import TRIAL
 from agentrob.model import Direction, Op
 
 _PERSON = (
@@ -42,6 +43,13 @@ _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
 _DO_ALONE = re.compile(r"(?:^|[，,。；;！!\s先再])(做下)(?=$|[，,。；;！!\s]|然后|接着|再)")
 _RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
+_TRIAL = re.compile(TRIAL)
+_PICTURES = "照片|相片|图片|图像|截图|合影|合照|特写|美照|快照|画面|视图|图|照"
+_PICTURE_TOLD = re.compile(
+    rf"(?:谢谢|感谢|多谢|谢)(?:你们?|您|大家)?(?:的|发的|拍的|这张|那张)*(?P<picture>{_PICTURES})"
+    rf"|(?<![拍照发传来张个])(?P<told>{_PICTURES})(?:我|我们|大家|都|也|已经?|全|刚|有点|好像)*"
+    "(?:收到|看到|看见|看了|存|保存|拍得|拍的|照得|很|真|太|不错|好[看漂]|挺|糊|模糊|清[楚晰]|漂亮|美|歪|反了|倒|黑|亮|没|不见|呢)"
+)
 _POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
 _TAKEN = re.compile("[拍照摄][下到好]?的")
@@ -116,6 +124,8 @@ def _told(tokens: list[Token], said: str) -> list[Token]:
     return found
 
 
+_OF_ALL = re.compile(r"(?:都|均|全)(?:是|为|转|走|按|用)?(?=[\d一二两三四五六七八九十半百])")
+_REST = re.compile("(?:千万)?(?:别|不要|不许|不准|不能|不可以|请勿|勿)(?:再|乱|随便|到处)*动(?![手作脑弹力])")
 _RESTS = ("不动", "别动", "停")
 
 
@@ -127,6 +137,28 @@ def _waits(tokens: list[Token], said: str) -> list[Token]:
         following = [t.kind for t in tokens[at + 1 : at + 3] if _text(t, said) != "动"] if rests else []
         timed = following[:1] == [TokenKind.DURATION]
         found.append(token._replace(kind=TokenKind.BEYOND, value="wait") if timed else token)
+    return found
+
+
+def _shared_later(tokens: list[Token], said: str) -> list[Token]:
+    """先左转再右转，都是四十五度: what is said of all deeds before is not the amount of the last one."""
+    starts = [found.start() for found in _OF_ALL.finditer(said)]
+    found = [t._replace(kind=TokenKind.WORD, value=None) if t.start in starts else t for t in tokens]
+    return found
+
+
+def _rests_after(tokens: list[Token], said: str) -> list[Token]:
+    """前进一米，别动: it may mean to stay there afterwards, or deny the walk; 停下别动 and 然后别动 are clear."""
+    found = list(tokens)
+    for rest in _REST.finditer(said):
+        at = next((n for n, t in enumerate(found) if t.start >= rest.start()), len(found))
+        before = [t for t in found[:at] if t.kind not in (TokenKind.SOFT, TokenKind.COMMA, TokenKind.END)]
+        motion = bool(before) and before[-1].kind in (TokenKind.MOVE, TokenKind.TURN, TokenKind.DIR, *_AMOUNTS)
+        if not motion:
+            continue
+        after = next((n for n, t in enumerate(found) if t.start >= rest.end()), len(found))
+        denial = [Token(k, None, rest.start(), rest.end()) for k in (TokenKind.NOT, TokenKind.MOVE, TokenKind.TURN)]
+        found[at:after] = denial
     return found
 
 
@@ -311,8 +343,25 @@ def _looked(tokens: list[Token], said: str) -> list[Token]:
         if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
             continue
         doubtful = _tries(tokens, at) or _wishes(tokens, at, said) if looks else photo and _insists(tokens, at, said)
+        doubtful = doubtful or (photo and _judges(token, said))
         found.append(token._replace(kind=TokenKind.WORD, value=None) if doubtful else token)
     return found
+
+
+def _pictures_told(tokens: list[Token], said: str) -> list[Token]:
+    """谢谢你的照片, 照片收到了: something is said of a picture, none is asked for."""
+    told = [found.span(found.lastgroup or 0) for found in _PICTURE_TOLD.finditer(said)]
+
+    def tells(token: Token) -> bool:
+        return token.kind is TokenKind.PICTURE and any(start <= token.start < end for start, end in told)
+
+    return [token._replace(kind=TokenKind.WORD, value=None) if tells(token) else token for token in tokens]
+
+
+def _judges(token: Token, said: str) -> bool:
+    """Return whether 看看 is followed by what is tried, and not by a thing: 让我看看效果如何."""
+    begun = max(said.rfind(mark, 0, token.start) for mark in "，。；！？,;!? ") + 1
+    return any(found.start() <= token.start < found.end() for found in _TRIAL.finditer(said, begun))
 
 
 def _tries(tokens: Sequence[Token], at: int) -> bool:
@@ -551,6 +600,9 @@ def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
 
 
 _REWRITES = (
+    (_pictures_told, frozenset("谢收看存拍照很真太不好挺糊模清漂美歪反倒黑亮没呢")),
+    (_rests_after, frozenset("动")),
+    (_shared_later, frozenset("都均全")),
     (_sits_or_does, frozenset("做")),
     (_enumerated, frozenset("1")),
     (_rather, frozenset("是")),

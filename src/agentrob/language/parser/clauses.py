@@ -81,7 +81,8 @@ class _Reader(SentenceState):
             TokenKind.NOT,
             TokenKind.AGAIN,
         ):
-            if self.cur and self.cur.scene and kind in AMOUNTS:  # "show me what you see forward 3 feet"
+            told = kind is TokenKind.TALK_START and token.value == "question" and self._is_said_of_picture()
+            if told or (self.cur and self.cur.scene and kind in AMOUNTS):  # "show me what you see forward 3 feet"
                 self._unknown(token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
@@ -338,6 +339,11 @@ class _Reader(SentenceState):
         if not cur.closed and (cur.bare_picture or cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY)):
             self.mode = Mode.SUBJECT
 
+    def _is_said_of_picture(self) -> bool:
+        """Return whether a verb after a picture says something of it: "the photo from earlier was upside down"."""
+        described = any(token.kind is TokenKind.TALK for token in self.tokens[: self.at])  # "of what is ahead"
+        return self.cur is not None and self.cur.bare_picture and not described
+
     def _watch(self, cur: Draft, before: Draft, token: Token) -> None:
         """Handle what others are to look at: a turn is seen itself, 转一圈给大家看看; 挥手给大家看看 is asked back."""
         amount = before.amount
@@ -352,7 +358,11 @@ class _Reader(SentenceState):
 
     def _picture(self, token: Token) -> None:
         cur = self._open()
-        if cur is None or cur.bare_picture:
+        ends = self._next() in (TokenKind.END, TokenKind.COMMA, TokenKind.AND)
+        if cur is not None and ends and cur.is_motion and cur.amount is not None and not cur.unknown:
+            cur = self._new(token, None)  # "turn right ninety degrees picture"
+            cur.bare_picture = True
+        elif cur is None or cur.bare_picture:
             (cur or self._new(token, None)).bare_picture = True
         elif cur.op is not Op.GET_FRONT_IMAGE:  # "send a pic picture" is one
             self._unknown(token)

@@ -272,7 +272,9 @@ class _Reader:
         )
 
     def _names_deed(self, words: str) -> bool:
-        return self._clauses[words].names_deed
+        clause = self._clauses[words]
+        again = any(token.kind is TokenKind.AGAIN for token in clause.tokens)
+        return clause.names_deed and (again or clause.without_asides.names_deed)
 
 
 def asks_for_picture_at_rest(text: str) -> bool:

@@ -105,10 +105,9 @@ class Clause:
         known, said = self.known, self.plain
         if not _found(known.remark, said) and not self.introduces:
             return False
-        aside = _compiled(known.aside)
-        if _found(known.weighty, aside.sub(" ", said)):
+        if _found(known.weighty, _compiled(known.aside).sub(" ", said)):
             return False
-        rest = Clause(aside.sub(lambda found: " " * len(found[0]), self._straight), known)
+        rest = self.without_asides
         return not rest.commands and not (_found(known.fragment, said) and rest.has_side)
 
     @cached_property
@@ -143,6 +142,12 @@ class Clause:
     def names_deed(self) -> bool:
         """Whether it names a deed: an action other than a noun, a request, or a direction with an amount."""
         return any(token.kind is TokenKind.REQUEST for token in self.tokens) or self._directs or self._acts
+
+    @cached_property
+    def without_asides(self) -> Clause:
+        """The clause without words that hold the word of a deed or a condition, and are none: 好看, "wondering if"."""
+        words = _compiled(self.known.aside).sub(lambda found: " " * len(found[0]), self._straight)
+        return Clause(words, self.known)
 
     @property
     def _directs(self) -> bool:
@@ -183,7 +188,10 @@ class Clause:
         if not known.run_on or len(self.words) > _LONGEST_RUN_ON:
             return 0
         tokens = self.tokens
-        beginnings = [at for at in range(len(tokens)) if self._begins_command(at)][:_MOST_BEGINNINGS]
+        masked = self.without_asides.words
+        beginnings = [
+            at for at, token in enumerate(tokens) if not masked[token.start].isspace() and self._begins_command(at)
+        ][:_MOST_BEGINNINGS]
         for at in map(self._first_of_command, beginnings):
             if at and tokens[at - 1].kind is TokenKind.CONDITION:  # "what a day after sending me a picture"
                 return 0

@@ -504,9 +504,17 @@ def _repeats_gesture(again: Draft, draft: Draft, drafts: Sequence[Draft]) -> boo
 
 
 def _turns_again(before: Draft, draft: Draft) -> bool:
-    """Return whether whole turns are named twice in a row, perhaps the same ones: 转圈，转两圈."""
+    """Return whether the same turn may be named twice in a row: 转圈，转两圈."""
     turns = [d for d in (before, draft) if d.verb is TokenKind.TURN and not d.direction and _is_whole(d.amount)]
-    return len(turns) == 2 and not draft.after_and
+    if draft.after_and:
+        return False
+    return len(turns) == 2 or (before.verb is TokenKind.TURN and _is_bare_angle(draft) and before.amount is not None)
+
+
+def _is_bare_angle(draft: Draft) -> bool:
+    """Return whether only an angle is said, which may be that of the turn before: "turn around, 90 degrees"."""
+    angle = draft.amount if draft.verb is None and draft.direction is None else None
+    return angle is not None and angle.kind is TokenKind.ANGLE and not angle.more and draft.fixes is None
 
 
 def _is_whole(amount: Token | None) -> bool:

@@ -58,7 +58,8 @@ WORDS = RemarkWords(
        |folks|all|mate))?$
        """.replace("FEELINGS", _WORDS_OF_FEELING),
     musings=r"""assuming|been|bet|can't|cannot|couldn't|didn't|dunno|enjoying|feeling|feels|glad|gotta love
-       |guess (?:i|we|it|that|this|what|so)|guessing|haven't|hope|hopefully|hoping|just (?:curious|got|joined|saying
+       |guess (?:i|we|it|that|this|what|so)|guessing|haven't|hope|hopefully|hoping|(?:just )?(?:checking|experimenting|practicing|practising|playing around|killing
+        time|passing by|dropping by|visiting|watching (?:this )?from)|just (?:curious|got|joined|saying
        |testing
         |trying|wanted|wondering|woke|moved|landed|arrived|finished|discovered|found)|knowing|looks|love|loving|missed
        |never (?:seen|thought|imagined|heard|knew)|no clue|no doubt|no idea|not bad|praying|rumou?r has|seems|sounds
@@ -86,7 +87,23 @@ WORDS = RemarkWords(
        |new)\b[\w' ]*)?$|merry|long live|god bless|bless (?:you|them|him|her)|congrat\w*
        |(?:thanks|thank you|cheers)(?: (?:a|again|for|to|so|very|from|everyone|all|guys|team|folks)\b[\w' ]*)?$
        |good (?:luck|night|morning|afternoon|evening|job|boy|girl|stuff|to see|to be|thing|point|question|old|news)
-       |my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
+       |(?:folks|guys|everyone|everybody|team|people|friends|mates|gang|y'all|ladies and gentlemen|class|chat|fam)$
+       |(?:(?:a|an) )?(?:new|old|proud|happy|long ?time|first time|frequent|occasional|regular|returning|fellow|complete)
+        (?:member|user|lurker|reader|fan|visitor|viewer|listener|follower|poster|subscriber|student|newbie|beginner
+       |stranger|enthusiast)(?: (?:from|of|at|in|here|and)\b[\w' ]*)?$
+       |(?:(?:just )?a )?(?:quick|small|little|short|simple|another) (?:test|check|demo|hello|experiment)
+        (?:from|of|for|with|on) [\w' ]+$
+       |(?:you )?(?:lazy ?bones|sleepy ?head|silly|sunshine|superstar|rock ?star|little guy|big guy|buddy|pal|mate|champ
+       |partner|beautiful|handsome|genius|hero|cutie|my friend|my dear|my hero)$
+       |[a-z]{3,}s (?:really |always |just )?(?:fascinate|amaze|bore|inspire|impress|confuse|delight|excite|relax) (?:me
+       |us)
+       |(?:(?:another|a|one more|yet another|the usual|typical) )?(?:\w+ )?(?:rainy|sunny|cold|warm|lovely|beautiful
+       |busy|quiet|boring|long|lazy|perfect|gr[ae]y|snowy|foggy|stormy|chilly|windy|crazy|wonderful|normal) (?:day|morning
+       |evening|afternoon|night|week|weekend|monday|tuesday|wednesday|thursday|friday|saturday|sunday|summer|winter
+       |autumn|spring)(?: (?:in|at|here|for|today|out|outside)\b[\w' ]*)?$
+       |[a-z]+ (?:\w+ )?(?:setup|place|room|lab|house|home|garden|floor|view|robot|forum|stream|office|project|idea)
+        (?:you(?:'ve| guys)? (?:have|got|made|built)(?: there| here)?|there|here)$
+       |dear (?:all|team|friends|everyone|class|robot)$|my bad|mondays|tuesdays|fridays|(?:so|very|pretty|really|super|quite|too|how) (?:FEELINGS)\b
        |rest in peace|case closed|long story|fair enough|true story|same here|me too|us too
        |first things first|side note|note to self|random thought|quick note|purpose|background
        |(?:in|from|here in) [a-z]+ (?:with love|today|tonight)$""".replace("FEELINGS", _WORDS_OF_FEELING),
@@ -97,6 +114,12 @@ WORDS = RemarkWords(
        |(?:one|two|three|another|a|my|our|first|last)(?: \w+)? (?:wish|wishes|request|requests|vote|votes)
         (?:from|by|of|on behalf of)(?: [\w'-]+){1,4}
        |(?:greetings|hello|hi|a request|a wish|message)(?: \w+)? from(?: [\w'-]+){1,5}
+       |(?:i|we)(?: just)? (?:bet|wagered|promised) (?:[\w']+ ){0,6}?(?:that )?(?:you|it|the robot)
+        (?:can|could|will|would)(?: [\w']+){1,4}
+       |(?:it's|it is|now it's|finally) (?:my|our|his|her) turn(?: now| today| again| at last)?|(?:and )?the winner is
+       |(?:my|our|the) (?:\w+ )?(?:students?|kids?|son|daughter|friends?|class|viewers|chat|team|family|group|audience)
+        (?:voted|decided|chose|picked|agreed)(?: [\w']+){0,6}
+       |(?:a |just a |another )?(?:quick|small|little|simple) (?:test|check|request|wish)(?: (?:from|for|of) [\w' ]+)?
        |would be (?:an honou?r|a pleasure|a dream|lovely|great|nice|cool|awesome)""",
     prefaces=r"""if (?:i|we) (?:remember|recall|understand|see|know)(?: (?:it|that|this))?
         (?: correctly| right| rightly| well)?
@@ -114,6 +137,35 @@ WORDS = RemarkWords(
        |(?:be|am|i'm|is|are|was|were|came|got|welcome) (?:right )?back(?! (?:up|off|away)\b)
        |back (?=in \d{4}\b|then\b|home\b|at (?:home|work|school)\b|(?:from|to) (?:work|school|lunch|the office)\b)
        |look(?:ing)? forward(?= to\b)|should be (?:plenty|enough|fine|ok|okay|good|easy|fun|nice|interesting|great)$
+       |(?:will|would|might|should|does|did|may|must|could) look (?!left|right|up|down|back|around|at|ahead|behind
+       |forward|over|into)
+       |(?:this|that|the|a|different|better|good|nice|another|camera|viewing|whole) angle(?! of\b)
+       |(?:have|has|had|got) (?:\w+ ){1,4}?ready
+       |(?:been|was|were|am|i'm|we're|kept) (?:\w+ )?waiting(?! (?:for|until|till) (?:\w+ ){1,2}to\b)
+       |(?:late|long|short|old|double|duplicate|boring|silly|off topic) (?:posts?|repl(?:y|ies)|messages?)
+       |(?:internet|connection|wifi|network|stream|feed|video|computer|laptop|phone|page|site|server|traffic|bus|day
+       |morning|week|typing) (?:is|was|has been|seems|feels|got|looks) (?:\w+ )?(?:slow|slower|fast|quick)
+       |(?:slow|fast|quick) (?:connection|internet|wifi|day|morning|week|typist|typing|reader|learner|computer|laptop
+       |phone|news day)
+       |you must (?:be|feel) (?:so |very |pretty |really )?(?:FEELINGS|stiff|busy|popular|famous|lonely|freezing|dizzy
+       |starving)
+       |(?:i|we) (?:have|had|still have|must|need)(?: to)? (?:go|run|head|leave|move|drive|walk|come|sit|get|sleep|rest)
+        (?:out|off|home|soon|now|later|away|early|again|to bed|to work|to sleep|to school|there|in a \w+)
+       |i(?:'ve)? (?:got to|gotta) (?:go|run|leave|sleep)|thanks (?:[\w' ]+ )?in advance
+       |(?:curious|wonder|wondering)(?: about)? (?:what|how|who|where|which|why)(?: (?:is|it's|was|are))?
+       |on the other (?:side|end)
+       |(?:i|we) (?:also )?(?:need|have|should|ought|must)(?: to)? (?:do|try) (?:that|this|it)(?: too| as well| myself)?$
+       |(?:see|seeing|check|checking|testing|test|know|measuring|finding out) (?:just |exactly )?how (?:precise|accurate
+       |exact|well|good|fast|quick|smooth|strong|quiet|smart|clever|it|this|that)(?: (?:you|it|this|that|the \w+))?
+        (?:are|is|can|does|do|goes|go|works?|looks?|turns? out)?
+       |(?:a (?:bit|little)|slightly|way|totally) off|in (?:my|the|those|our) days?
+       |(?:figured?|find|found|works?|worked|learned|learnt|learn|know|knew|knows|forgot) (?:out )?how to
+       |know how (?:you|it|they|he|she|we|i|that) (?:feels?|felt|works?|worked)
+       |you (?:could|can|might) (?:use|do with) (?:some|a|an|more)|you look(?:ed)? like|what a time to
+       |(?:love|like|glad|happy|cool|nice|amazing|great|awesome|crazy|wild|incredible|fun|funny|surprised
+       |impressed) (?:that |how )?(?:you|we|i|one|people|anyone|it) (?:can|could)
+       |clean (?:setup|place|room|lab|house|home|floor|space|desk|office)
+       |(?:you|it|the robot|he|she) (?:can|could|will|would) (?:do|manage|handle|pull off) (?:it|this|that|so)
        |the same (?!as\b|way\b|thing\b|again\b|but\b|turn|walk|move|please)(?=[a-z]+)""".replace(
         "FEELINGS", _WORDS_OF_FEELING
     ),
@@ -166,7 +218,7 @@ WORDS = RemarkWords(
             (?:don't|doesn't|didn't|do not|does not|did not|not|never) (?:want|need|agree|like|mean|sure|think|care
             |trust|do|go|now|move|moving)
            |(?:is|are|was|were) not(?! (?:so|very|that|really|even|bad|easy|my) )|'(?:s|re) not|i(?:'m
-       | am) not (?!\w+ing\b)
+       | am) not (?!\w+ing\b|picky|fussy|in a |an? |from |good|great|very|so|that|even|tired|hungry|alone|much of)
            |(?:is|are|was|were|have|has|wo|ca|would|could)n't(?! (?:wait|believe|complain|tell|imagine|remember
        |resist|sleep|afford|speak|spell|type|cook|sing|swim
             |draw|count|thank|get over|help it|stop laughing|stop smiling|be happier|agree more|been|had)\b)

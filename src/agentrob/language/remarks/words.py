@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+_ANY_ENDING = re.compile(r"(?<=[a-z])\*")
 _LINE_END = re.compile(r"\s*\n\s*(?=\|)")
 _INNER = r"\([^()]*\)"
 for _ in range(3):  # parentheses within parentheses
@@ -22,7 +23,7 @@ def one_of(*lists: str) -> str:
     """
     joined = [_LINE_END.sub("", words) for words in lists]
     phrases = {" ".join(phrase.split()) for words in joined for phrase in _PHRASE.findall(words)} - {""}
-    return _either([p.replace("*", r"[\w'-]*") for p in sorted(phrases, key=lambda p: (-len(p), p))])
+    return _either([_ANY_ENDING.sub(r"[\\w'-]*", p) for p in sorted(phrases, key=lambda p: (-len(p), p))])
 
 
 def _either(phrases: Sequence[str]) -> str:
@@ -147,7 +148,7 @@ class RemarkWords:
         plain = rf"(?!.*\b{one_of(self.governs_verb)}\b)(?!.*\b{one_of(self.joins_verb)}(?: [\w'-]+){{0,3}}$)"
         words = r"[\w' -]*"
         others = one_of(self.musings, self.verbless, self.feelings)
-        whole = rf"^{finished}{self._lead}(?:{plain}{self._statement} {words}\w|{others}(?!\w){words})$"
+        whole = rf"^{finished}{self._lead}{plain}(?:{self._statement} {words}\w|{others}(?!\w){words})$"
         return rf"{whole}|{self._lead}{one_of(self.settings)}$"
 
     @cached_property

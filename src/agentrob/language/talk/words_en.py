@@ -34,6 +34,16 @@ _PAST = (
     r"|indeed)"
     r"[a-z]{2,}[^aeiou\W]ed|tried|moved|waved|rotated|finished)\b(?! me)"
 )
+_IT = r"(?:it|he|she|they|that|(?:the|that|this|your|my|our) [a-z]+)(?: (?:just|also|really|almost|even|always|never|once))?"
+_GERUND = (
+    r"(?:sitting|walking|standing|turning|running|moving|waving|driving|dancing|filming|taking|looking|watching)"
+    r"(?: (?!please\b|now\b|then\b|and\b|forward|back|left|right|around|\d|met|feet|degrees)[\w'-]+){0,5} (?:is|are|was|were|can|makes?|takes?|hurts?|sounds?|seems?|looks?)\b"
+)
+_FORUM = (
+    r"(?:looking forward to|can't wait|cannot wait|stay tuned|keep up the)\b|back in (?:my|the|those) days?\b|"
+    r"(?:moving|closing|locking|merging|pinning|splitting|quoting|editing|bumping|following|deleting|reporting"
+    r"|subscribing to) (?:this|the|my|that|your)(?: \w+)? (?:thread|topic|posts?|question|discussion|title|reply|message)\b"
+)
 _WHEN = (
     r"(?:yesterday|last (?:night|week|month|year|time|monday|tuesday|wednesday|thursday|friday|saturday|sunday)"
     r"|earlier|this morning|previously|(?:\d+|a|two|three|few|an?) (?:day|hour|week|minute|month|year)s? ago"
@@ -71,8 +81,12 @@ _THIRD = (
 
 FORMS = TalkForms(
     lead=_LEAD,
-    clauses=(rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"),
-    sentences=(rf"^(?:{_QUESTION}.*|{_WHEN}.*|(?:{_HUMAN}),? (?:can|could|would|will) you\b.*)"),
+    clauses=(
+        rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|{_IT} {_PAST}|{_FORUM}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"
+    ),
+    sentences=(
+        rf"^(?:{_QUESTION}.*|{_IT} {_PAST}(?!.*\b(?:now|then|please|next|again and)\b).*|{_GERUND}.*|{_WHEN}.*|(?:{_HUMAN}),? (?:can|could|would|will) you\b.*)"
+    ),
     named=(
         r"^(?:(?i:dear |hey |ok |okay )*(?i:admins?|mods?|moderators?|webmaster),? .*"
         r"|[@＠](?!\s)\S+,? (?i:can|could|would|will|do|did|have|are|please|thanks|you|i|what|how|where|when|why"

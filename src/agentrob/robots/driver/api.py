@@ -87,6 +87,14 @@ def _since(data: dict[str, Any]) -> float | None:
     return float(since_s)
 
 
+def _sent(data: dict[str, Any]) -> float:
+    """Read `sent_s`, when a renewal was sent; without it, now. A client's estimate may be slightly in the future."""
+    sent_s = data.get("sent_s", math.inf)
+    if isinstance(sent_s, bool) or not isinstance(sent_s, int | float) or math.isnan(sent_s):
+        raise RobotError("'sent_s' must be a time of this host's CLOCK_MONOTONIC")
+    return float(sent_s)
+
+
 def _fence(data: Any) -> FencingToken:
     store, number = (data.get("store"), data.get("number")) if isinstance(data, dict) else (None, None)
     if not isinstance(store, str) or not 0 < len(store) <= STORE_CHARACTERS or not store.isprintable():
@@ -192,7 +200,9 @@ class _Handlers:
         return JSONResponse({"lease": lease, "ttl_s": self.driver.leases.ttl_s})
 
     async def renew(self, request: Request) -> JSONResponse:
-        self.driver.leases.renew(request.path_params["lease"])
+        data = await _body(request) if await request.body() else {}
+        _check_boot(data)
+        self.driver.leases.renew(request.path_params["lease"], _sent(data))
         return JSONResponse({"ttl_s": self.driver.leases.ttl_s})
 
     async def give_back(self, request: Request) -> JSONResponse:

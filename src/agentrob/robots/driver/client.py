@@ -121,7 +121,7 @@ class DriverClient:
 
         async def renew() -> None:
             try:
-                await self._call("PUT", f"/lease/{lease}", timeout_s=RENEWAL_S)
+                await self._call("PUT", f"/lease/{lease}", self._sent(), timeout_s=RENEWAL_S)
             except LeaseLost:
                 lost.set()
             except RobotError:
@@ -145,7 +145,8 @@ class DriverClient:
         Call this after a step that ended with `stop`, since its result does not say who stopped it.
         """
         try:
-            await self._call("PUT", f"/lease/{lease}", timeout_s=RENEWAL_S if self.address.remote else 1.0)
+            timeout_s = RENEWAL_S if self.address.remote else 1.0
+            await self._call("PUT", f"/lease/{lease}", self._sent(), timeout_s=timeout_s)
         except LeaseLost as e:
             return e
         if lease in self._renewing:
@@ -216,6 +217,14 @@ class DriverClient:
         return await self._connection.ask(method, path, body, timeout_s)
 
     # ------------------------------------------------------------------ the clock of another host
+    def _sent(self) -> dict[str, Any]:
+        """When a renewal is sent, by the driver's clock and at the earliest: one that arrives late extends the lease
+        less."""
+        now_s, clock = self._connection.now_s(), self._connection.clock
+        if not self.address.remote:
+            return {"sent_s": now_s}
+        return {"sent_s": clock.earliest_there(now_s, now_s), "boot": clock.boot} if clock.known else {}
+
     async def _call_since(self, path: str, body: dict[str, Any], since_s: float | None) -> Any:
         """Call with `since_s`, converted to the clock of the driver's host."""
         if not self.address.remote:

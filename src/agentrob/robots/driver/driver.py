@@ -75,7 +75,7 @@ class Driver:
 
     def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Run a step and block until it has ended. Raises `LeaseLost` and `RobotBusy`."""
-        self.leases.renew(lease)
+        self.leases.check(lease)
         if not self._step.acquire(blocking=False):
             raise RobotBusy("another step of this lease is still running")
         try:

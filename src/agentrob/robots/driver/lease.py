@@ -1,4 +1,4 @@
-"""Leases of the robot: one at a time, expiring one second after its last renewal."""
+"""Leases of the robot: one at a time, expiring one second after its last renewal was sent."""
 
 from __future__ import annotations
 
@@ -69,12 +69,18 @@ class Leases:
             self._until_s = time.monotonic() + self.ttl_s
             return self._lease
 
-    def renew(self, lease: str) -> None:
-        """Extend the lease by its time to live. Raises `LeaseLost` if it has ended."""
+    def renew(self, lease: str, sent_s: float = math.inf) -> None:
+        """Extend the lease to its time to live after `sent_s`, when the renewal was sent (monotonic seconds, default
+        now). A renewal that was long on its way shows that its holder was alive then, not that it is now. Raises
+        `LeaseLost` if the lease has ended."""
         with self._lock:
-            if (end := self._end_of(lease)) is not None:
-                raise LeaseLost(self.sentence(end), end.why, end.by)
-            self._until_s = time.monotonic() + self.ttl_s
+            self._refuse_lost(lease)
+            self._until_s = max(self._until_s, min(sent_s, time.monotonic()) + self.ttl_s)
+
+    def check(self, lease: str) -> None:
+        """Raise `LeaseLost` if the lease has ended."""
+        with self._lock:
+            self._refuse_lost(lease)
 
     def give_back(self, lease: str) -> None:
         with self._lock:
@@ -107,6 +113,10 @@ class Leases:
         if ended_s >= since_s:
             sentence = f"the command was ended {end.said}; only a later command moves the robot"
             raise LeaseLost(sentence, end.why, end.by)
+
+    def _refuse_lost(self, lease: str) -> None:
+        if (end := self._end_of(lease)) is not None:
+            raise LeaseLost(self.sentence(end), end.why, end.by)
 
     def lost(self, lease: str) -> str | None:
         """Return None while the lease is valid, else a stable word: `lease_lapsed`, or why it was ended."""

@@ -33,7 +33,7 @@ _EN = (
     r"|by|under"
     r"|above|atop|over|before|beyond) (?:the|a|an|my|our|your|his|her|this|that) (?!(?:\w+ ){0,2}?<safe>\b)\w+",
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
-    r"your (?:way|path)|<protection>|stop (?:command|button|post)s?",
+    r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",
     r"<authority>|\w*programmed|hacked|obey\w*|apply|applies|test (?:area|account|zone)|rules?|firmware|permission"
     r"|authori[sz]ed|allowed|in charge|orders?|rights|clearance|password",
     r"hits?|crash|collapse|break|shatter|topple|fall|fight|hurt|scare|fright|scream|revenge|steal|secret|hide"
@@ -97,11 +97,25 @@ _UNRELATED = re.compile(
     r"|\b(?:greetings|hello|hi|wish|wishes|thanks|love|regards) (?:from|to) [\w' ]+$"
     r"|\bthan (?:my|our|any|a) [\w']+$|\b(?:print|send|frame|save|record) (?:it|this|that) for (?:my|our|his"
     r"|her) [\w']+$"
+    r"|\b(?:show|send|print|give|forward|mail|frame) (?:it|this|that|these|them) to (?:my|our|his|her|the) [\w']+"
+    r"(?: at [\w' ]+)?$|\bit's for (?:my|our|the) [\w' ]+$"
+    r"|\b(?:(?:lunch|coffee|tea|smoke|my|our|a|the|on) )*break(?:'s| is| was| time)?(?: (?:over|done|finished|time))?$"
+    r"|\breminds? (?:me|us) of (?:my|our|a|an|the) [\w' ]+$"
+    rf"|\b{_SOMEBODY} (?:\w+ )?(?:used to have|had|has|have) an? (?:\w+ )?(?:dog|cat|pet|robot|puppy) (?:just |exactly )?like"
+    r" (?:you|this|that|it)$"
+    rf"|\b{_SOMEBODY} (?:is|are|was|were) (?:doing|writing|making|working on|studying) (?:(?:a|an|her|his|their|some|the) )?"
+    r"(?:\w+ ){0,2}(?:project|homework|paper|report|presentation|essay|thesis|article|assignment)(?: (?:about|on|for)"
+    r" [\w' ]+)?$"
+    r"|\b(?:photos?|pictures?|it|that|one|images?|shot)(?: \w+)? (?:came out|turned out|looked|was|is|were) (?:\w+ )?"
+    r"(?:dark|blurry|grainy|bright|crooked)$"
+    r"|\b(?:students?|class|kids|viewers|friends|family) (?:voted|decided|chose|agreed)\b"
     r"|\braining cats\b|^(?:and |then )*(?:about face|(?:get )?(?:back )?(?:up )?on your feet)$"
     rf"|{_WHO}(?:都|也|很|真|特别|最|一直|可|还|就)*(?:喜欢|爱(?!抓|咬|扑)|想你|想念|夸|羡慕|崇拜|佩服|期待"
     rf"|好奇|高兴|开心|激动|兴奋|感谢"
-    r"|谢谢|在看|都看|祝|晚安|早安|好$|好人|打了?赌|等了|说(?:这|你)?(?:像|真|好|可爱))"
+    r"|谢谢|在看|都看|祝|晚安|早安|好$|好人|打了?赌|等了|累了?$|困了?$|饿了?$|忙$|在忙|笑"
+    rf"|羡慕|回家|下班|放假|休息|说(?:这|你)?(?:像|真|好|可爱))"
     rf"|{_WHO}在[^，。,.]{{1,6}}(?:上班|上学|读书|工作|留学)|(?:观众|听众|嘉宾)席|楼上说|午睡(?:起来|刚醒|醒了)"
+    rf"|(?:谢谢|感谢|多谢|辛苦|恭喜|麻烦|打扰|祝|祝愿|问候|欢迎){_WHO}|{_WHO}(?:见谅|包涵|谅解|理解|辛苦|加油|支持)"
     r"|(?:听说|让|请|麻烦让)它|学开车|新人"
 )
 #: Personal introductions ("I'm your neighbour") that claim no rights.

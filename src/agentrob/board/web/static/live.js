@@ -22,6 +22,18 @@ async function piece(address, how = {}) {
 }
 
 // ---------------------------------------------------------------- times in the reader's own zone
+// Those of lists and posts as "3 min ago", kept up to date, with the exact time on hover; others as a clock shows them.
+const UNITS = [["min", 60], ["h", 3600], ["day", 86400]];
+
+function ago(at) {
+  const seconds = (Date.now() - at) / 1000;
+  if (seconds < 45) return seconds > -60 ? "just now" : null; // null: not in the past
+  if (seconds > 30 * 86400) return null;
+  const [unit, size] = UNITS.findLast(([, size]) => Math.round(seconds / 60) * 60 >= size) || UNITS[0];
+  const count = Math.max(1, Math.round(seconds / size));
+  return `${count} ${unit}${unit === "day" && count > 1 ? "s" : ""} ago`;
+}
+
 function localTimes(root) {
   const today = new Date().toDateString();
   for (const time of root.querySelectorAll("time[datetime]")) {
@@ -29,11 +41,14 @@ function localTimes(root) {
     if (Number.isNaN(at.getTime())) continue;
     const clock = at.toLocaleTimeString("en-GB", { hour: "2-digit", minute: "2-digit", second: "2-digit" });
     const day = at.toLocaleDateString("en-GB", { day: "numeric", month: "short", year: "numeric" });
-    time.textContent = at.toDateString() === today ? clock : `${day}, ${clock.slice(0, -3)}`;
-    time.title = at.toLocaleString();
+    const exact = at.toDateString() === today ? clock : `${day}, ${clock.slice(0, -3)}`;
+    const shown = ("ago" in time.dataset && ago(at)) || exact;
+    if (time.textContent !== shown) time.textContent = shown;
+    time.title = at.toLocaleString("en-GB", { dateStyle: "medium", timeStyle: "long" });
   }
 }
 localTimes(document);
+setInterval(() => { if (!document.hidden) localTimes(document); }, 20000);
 
 // Make elements that scroll sideways reachable by keyboard.
 function reachable(root) {
@@ -108,7 +123,8 @@ function inPlace(change) {
 
 function place(fresh) {
   const old = document.getElementById(fresh.id);
-  if (old && Number(old.dataset.version) >= Number(fresh.dataset.version) && !fresh.classList.contains("removed")) return;
+  const captioned = old && "uncaptioned" in old.dataset && !("uncaptioned" in fresh.dataset);
+  if (old && Number(old.dataset.version) >= Number(fresh.dataset.version) && !fresh.classList.contains("removed") && !captioned) return;
   if (!old && !("last" in main.dataset)) { offer("New posts", `/p/${fresh.dataset.post}`); return; }
   localTimes(fresh);
   inPlace((seen) => {
@@ -154,6 +170,7 @@ function offer(text, href) {
   say(text);
 }
 
+const asked = new Set(); // post ids whose captions were waited for
 const pending = new Map(); // post id -> whether to fetch once more, so that many edits need few requests
 
 async function refresh(id) {
@@ -163,7 +180,10 @@ async function refresh(id) {
     const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
     const fresh = (await piece(`/p/${id}/fragment${seen}`))?.querySelector("article.post");
     if (fresh) place(document.adoptNode(fresh));
+    // The robot's agent sends its record, which names the pictures, a moment after the report.
+    if (fresh && "uncaptioned" in fresh.dataset && !asked.has(id)) { asked.add(id); setTimeout(refresh, 1500, id); }
   } catch { setTimeout(refresh, 2000, id); } // the event is not sent again
+  for (const [address, renew] of parts) if (address.startsWith("/robots?")) renew();
   const again = pending.get(id);
   pending.delete(id);
   if (again) refresh(id);
@@ -205,9 +225,48 @@ document.addEventListener("submit", async (event) => {
   }
 });
 
+// Escape presses the Stop buttons of the robots on this page that move; pressed twice, those of all of them.
+let pressed = -Infinity;
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape" || event.repeat || event.isComposing || document.querySelector("dialog[open]")) return;
+  const forms = new Map();
+  for (const form of document.querySelectorAll("[data-stop]:not([data-estop])")) {
+    const moves = Boolean(form.querySelector(".moves"));
+    if (moves || !forms.has(form.dataset.stop)) forms.set(form.dataset.stop, { form, moves });
+  }
+  const every = [...forms.values()];
+  const moving = every.filter((one) => one.moves);
+  if (!every.length || (event.defaultPrevented && !moving.length)) return;
+  const again = performance.now() - pressed < 5000;
+  pressed = performance.now();
+  if (!moving.length && !again) return say("No robot on this page is shown as moving. Press Escape again to stop them all.");
+  for (const { form } of moving.length ? moving : every) form.requestSubmit();
+});
+
+// ---------------------------------------------------------------- pictures open in place
+let shownPicture = null;
+document.addEventListener("click", (event) => {
+  const link = event.target.closest("a[data-picture]");
+  if (!link || !link.querySelector("img") || event.button || event.ctrlKey || event.metaKey || event.shiftKey) return;
+  event.preventDefault();
+  if (!shownPicture) {
+    shownPicture = make("dialog", { className: "lightbox" }, { "aria-label": "Picture" });
+    const close = make("button", { type: "button", textContent: "Close" });
+    shownPicture.append(make("img"), make("p"), close);
+    shownPicture.addEventListener("click", (click) => { if (click.target !== shownPicture.querySelector("p")) shownPicture.close(); });
+    document.body.append(shownPicture);
+  }
+  const small = link.querySelector("img");
+  Object.assign(shownPicture.querySelector("img"), { src: link.href, alt: small.alt });
+  shownPicture.classList.toggle("plot", Boolean(link.closest(".plot")));
+  shownPicture.querySelector("p").textContent = link.closest("figure")?.querySelector("figcaption")?.textContent || "";
+  shownPicture.showModal();
+});
+
 // ---------------------------------------------------------------- the state of robots, updated while visible
+const parts = [];
 for (const part of document.querySelectorAll("[data-refresh]")) {
-  setInterval(async () => {
+  const renew = async () => {
     if (document.hidden || part.contains(document.activeElement)) return;
     try {
       const fresh = await piece(part.dataset.refresh);
@@ -216,7 +275,9 @@ for (const part of document.querySelectorAll("[data-refresh]")) {
       part.replaceChildren(...fresh.childNodes);
       localTimes(part);
     } catch { /* retried with the next update */ }
-  }, Number(part.dataset.every) || 3000);
+  };
+  parts.push([part.dataset.refresh, renew]);
+  setInterval(renew, Number(part.dataset.every) || 3000);
 }
 
 // The camera runs only while its picture is visible, because viewers make the robot's room render.

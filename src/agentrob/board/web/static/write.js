@@ -24,6 +24,56 @@ if (text) {
     }
   });
 
+  // -------------------------------------------------------------- what the robots would do, while it is written
+  const reading = document.querySelector("meta[name=reads]") && form.querySelector("[data-reading]");
+  const title = form.querySelector("[data-title]");
+  const topic = document.getElementById("main").dataset.topic || "";
+  let pause = 0;
+  let request = null;
+  // A line in which words between backticks are code, as in the robots' replies.
+  const shownLine = (line) => line.split(/`([^`]+)`/).map((part, n) => (n % 2 ? make("code", { textContent: part }) : part));
+  const read = async () => {
+    request?.abort();
+    request = new AbortController();
+    const mine = request;
+    try {
+      const answer = await fetch("/api/v1/commands/read", {
+        method: "POST", signal: mine.signal, headers: { "Content-Type": "application/json", "X-CSRF-Token": csrf },
+        body: JSON.stringify({ text: text.value, board_id: topic ? "" : form.dataset.board || "", topic_id: topic }),
+      });
+      if (mine !== request) return;
+      const found = answer.ok ? await answer.json() : { line: "", robots: [] };
+      const lines = found.line ? found.line.split("\n") : [];
+      reading.replaceChildren(...lines.flatMap((line, n) => [...(n ? [make("br")] : []), ...shownLine(line)]));
+      const would = found.robots.length && found.robots.every((one) => !["refuse", "ask_back", "nothing"].includes(one.outcome));
+      reading.dataset.outcome = would ? "would" : "not";
+    } catch { /* a newer text is read, or the server is not available */ }
+  };
+  const reread = () => { clearTimeout(pause); pause = setTimeout(read, 60); };
+  const titled = () => {
+    if (!title) return;
+    const first = text.value.split("\n").find((line) => line.trim()) || "";
+    title.placeholder = first.trim().replace(/^(?:[@＠][\w-]+[\s,;:，：、]*)+/, "").slice(0, 80);
+  };
+  if (reading) {
+    text.addEventListener("input", () => { if (text.value.length <= 2000) reread(); else reading.replaceChildren(); });
+    if (text.value.trim()) reread();
+  }
+  text.addEventListener("input", titled);
+  titled();
+  document.addEventListener("click", (event) => {
+    const example = event.target.closest("[data-fill]");
+    if (!example || event.ctrlKey || event.metaKey || event.shiftKey) return;
+    event.preventDefault();
+    text.value = example.dataset.fill;
+    text.focus();
+    text.dispatchEvent(new Event("input"));
+    text.scrollIntoView({ block: "nearest" });
+  });
+  text.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) form.requestSubmit(form.querySelector("button.primary"));
+  });
+
   // -------------------------------------------------------------- pictures
   const thumbs = form.querySelector("[data-thumbs]");
   const take = async (files) => {

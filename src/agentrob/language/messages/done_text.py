@@ -1,0 +1,52 @@
+"""Say what a robot did, with measured values: "walked 0.97 m, turned left 91°, waved 2 times, took a photo". Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from agentrob.language.messages.catalog import can_say, say
+from agentrob.language.messages.plan_text import step_label
+from agentrob.model import ActionResult, Direction, Language, Op
+
+#: Less than this is not mentioned: the figure would be 0.
+_LEAST_M, _LEAST_DEG = 0.005, 0.5
+
+
+def done_text(results: Sequence[ActionResult], language: Language) -> str:
+    """Return what was done, in order, equal deeds combined; empty if nothing was done.
+
+    A walk or turn that did not end as asked counts with what was measured of it, another step only if it is done.
+    """
+    parts = []
+    for deed, run in groupby(_deeds(results, language)):
+        times = len(list(run))
+        parts.append(deed if times == 1 else say("did.times", language, deed=deed, times=times))
+    return say("agent.list.joint", language).join(parts)
+
+
+def _deeds(results: Sequence[ActionResult], language: Language) -> Iterator[str]:
+    for result in results:
+        if result.moved and (deed := _deed(result, language)):
+            yield deed
+
+
+def _deed(result: ActionResult, language: Language) -> str:
+    step, measured = result.primitive, result.measured
+    if step.op is Op.MOVE:
+        key, least, amount, shown = "did.move", _LEAST_M, measured.get("distance_m"), "{:.2f}"
+    elif step.op is Op.TURN:
+        key, least, amount, shown = "did.turn", _LEAST_DEG, measured.get("degrees"), "{:.0f}"
+    elif not result.ok:
+        return ""
+    else:
+        return say(f"did.{step.op}", language) if can_say(f"did.{step.op}") else step_label(step, language)
+    direction = step.direction or (Direction.FORWARD if step.op is Op.MOVE else Direction.LEFT)
+    named = say(f"direction.{direction}", language)
+    if amount is None:
+        return say(f"{key}.unknown", language, direction=named)
+    if abs(amount) < least:
+        return ""
+    if step.op is Op.TURN:
+        return say(key, language, direction=named, degrees=shown.format(amount))
+    return say(f"{key}.{direction}", language, metres=shown.format(amount))

@@ -1,0 +1,148 @@
+"""Read commands by rules alone, in a process of its own, for the pages of the forum on which they are written.
+
+The same grammar and screen as those of a robot's agent, with what the robot's card says that it can do. A mind that is
+a language model may understand more; what only the owner's configuration knows (the scene, consents) is left out.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from pydantic import TypeAdapter
+
+from agentrob.board.command_reading import DraftCommand, DraftReading, ReadableRobot, RobotReading
+from agentrob.language.messages.catalog import can_say, say
+from agentrob.language.messages.plan_text import sentence
+from agentrob.language.registry import language_of
+from agentrob.language.stop.at_rest import stop_intent
+from agentrob.language.visible_text import mentions, visible_text
+from agentrob.minds.protocol import Addressee
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Account, Capabilities, Decision, Intent, Language, Limits, Understanding
+from agentrob.process.answering.client import LineProcess
+from agentrob.process.answering.server import LineServer, TooSlow
+from agentrob.screening.audience import text_for_robot
+from agentrob.screening.screen import harm_in_words, prepare, screen
+
+#: Processor seconds for one text; 2,000 characters take about a tenth of it.
+LIMIT_S = 0.5
+_START = "from agentrob.wiring.command_reader import serve; serve()"
+_DRAFT, _READING = TypeAdapter(DraftCommand), TypeAdapter(DraftReading)
+#: The field of `Limits` that each rule of the screen is about.
+_LIMIT_OF = {
+    "limit.step_distance": "step_m",
+    "limit.step_degrees": "step_deg",
+    "limit.command_distance": "command_m",
+    "limit.command_time": "command_s",
+    "limit.command_steps": "command_steps",
+    "limit.speed": "speed_mps",
+}
+
+
+class ReaderProcess:
+    """A `CommandReader` that asks a child process."""
+
+    def __init__(self) -> None:
+        self._process = LineProcess(_START)
+
+    def read(self, draft: DraftCommand) -> DraftReading:
+        try:
+            answer = self._process.ask(_DRAFT.dump_python(draft, mode="json"))
+        except OSError as e:
+            raise TooSlow from e
+        return _READING.validate_python(answer)
+
+    def close(self) -> None:
+        self._process.close()
+
+
+# -------------------------------------------------------------------- in the process
+def serve() -> None:
+    """Read texts from standard input until it ends."""
+    server = LineServer(LIMIT_S)
+    prepare()
+    warm = ReadableRobot("robot", Capabilities("", frozenset()))
+    read(DraftCommand("@robot walk forward 1 m, then turn left. 向前走一米", Account("0", "nobody"), (warm,)))
+    while _one(server):
+        pass
+
+
+def _one(server: LineServer) -> bool:
+    try:
+        if (asked := server.question()) is None:
+            return False
+        server.answer(_READING.dump_python(read(_DRAFT.validate_python(asked)), mode="json"))
+    except (TooSlow, MemoryError, RecursionError):
+        server.give_up()
+    return True
+
+
+def read(draft: DraftCommand) -> DraftReading:
+    """How each robot that the text mentions reads it."""
+    visible = visible_text(draft.text)
+    names = tuple(mentions(visible))
+    called = [robot for robot in draft.robots if robot.name in names]
+    return DraftReading(names, tuple(_reading(visible, draft.author, robot, names) for robot in called))
+
+
+def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[str, ...]) -> RobotReading:
+    others = tuple(name for name in names if name != robot.name)
+    if stop_intent(visible) is not None:
+        return RobotReading(robot.name, say("read.stop", language_of(visible)), "stop")
+    understood = asyncio.run(
+        RulesMind().understand(visible, Addressee((robot.name,), others, robot.can), robot.history)
+    )
+    language = understood.language
+    match understood.intent:
+        case Intent.COMMAND:
+            return _judged(visible, author, robot, others, understood)
+        case Intent.ASK_BACK:
+            if (harm := harm_in_words(visible, "", language)) is not None:
+                return RobotReading(robot.name, harm.reason, "refuse", harm.rule)
+            return RobotReading(robot.name, _question(understood), "ask_back")
+        case Intent.STOP | Intent.HALT:
+            return RobotReading(robot.name, say("read.stop", language), "stop")
+        case Intent.NOTHING:
+            return RobotReading(robot.name, say("read.no_command", language), "nothing")
+    return RobotReading(robot.name, say("read.answer", language), "answer")
+
+
+def _judged(
+    visible: str, author: Account, robot: ReadableRobot, others: tuple[str, ...], understood: Understanding
+) -> RobotReading:
+    plan, language = understood.plan, understood.language
+    verdict = screen(
+        plan,
+        text=visible,
+        author=author,
+        capabilities=robot.can,
+        language=language,
+        allow_flip=True,  # whether the owner consents is in the configuration of its agent
+        part=text_for_robot(visible, (robot.name,), others),
+        rights=robot.rights,
+    )
+    steps, data = sentence(plan, language), tuple(plan.as_data())
+    match verdict.decision:
+        case Decision.ALLOW:
+            return RobotReading(robot.name, say("read.would", language, steps=steps), "would", steps=data)
+        case Decision.NEEDS_APPROVAL:
+            line = say("read.approval", language, steps=steps)
+            return RobotReading(robot.name, line, "needs_approval", verdict.rule, data)
+        case Decision.ASK_BACK:
+            return RobotReading(robot.name, verdict.reason, "ask_back", verdict.rule, data)
+    line = _over(verdict.rule, robot.can.limits, language) or verdict.reason
+    return RobotReading(robot.name, line, "refuse", verdict.rule, data)
+
+
+def _over(rule: str, limits: Limits, language: Language) -> str:
+    """A short sentence for a command beyond a limit; empty for another rule."""
+    if rule not in _LIMIT_OF or not can_say(f"read.{rule}"):
+        return ""
+    return say(f"read.{rule}", language, limit=f"{getattr(limits, _LIMIT_OF[rule]):g}")
+
+
+def _question(understood: Understanding) -> str:
+    """What the robot would ask back, without what only a reply says ("I did not move")."""
+    framed = say("ask.frame", understood.language, problem="\0", understood="\0", examples="\0")
+    between = framed.split("\0")[1]
+    return understood.question.replace(between, " " if between.startswith(" ") else "")

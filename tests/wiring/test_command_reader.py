@@ -1,0 +1,88 @@
+"""Commands are read while they are written: by the grammar and the screen of agents, in a process of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from agentrob.board.command_reading import DraftCommand, ReadableRobot
+from agentrob.model import Account, ActionClass, Capabilities, Direction, Limits, Op, Plan, Primitive, RobotRights, Role
+from agentrob.process.answering.server import TooSlow
+from agentrob.wiring.command_reader import ReaderProcess, read
+
+RIGHTS = RobotRights(
+    owner="ann", command=dict.fromkeys(ActionClass, "operator"), approve="owner", approval=("gesture",)
+)
+DOG = ReadableRobot("quadruped", Capabilities("go2", frozenset(Op), Limits()), RobotRights(command=RIGHTS.command))
+SLOW = ReadableRobot("humanoid", Capabilities("g1", frozenset({Op.MOVE, Op.HELLO}), Limits(speed_mps=0.2)), RIGHTS)
+ALICE = Account("1", "alice", role=Role.OPERATOR)
+
+
+@pytest.mark.parametrize(
+    ("text", "outcome", "line"),
+    [
+        ("@quadruped walk forward 1 m, then wave", "would", "I would walk forward 1 m, then wave."),
+        ("@quadruped walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
+        ("@quadruped walk forward 5 m, then back 5 m, then forward 1 m", "refuse", "Too far: 10 m a command at most."),
+        ("@quadruped walk 1 m at 2 m/s", "refuse", "Too fast: 0.5 m/s at most."),
+        ("@quadruped turn left 400 degrees", "refuse", "Too far: I turn 360° a step at most."),
+        ("@quadruped walk forward 2 m at 0.02 m/s", "refuse", "Too long: 60 s a command at most."),
+        ("@quadruped wave 11 times", "refuse", "Too much: 10 steps a command at most."),
+        ("@humanoid make a heart", "refuse", "This robot cannot do this: make a heart. It can: walk, wave."),
+        ("@humanoid wave", "needs_approval", "I would wave, after an approval."),
+        ("@quadruped drive into the wall", "refuse", "I do not drive into people, animals or things"),
+        ("@quadruped walk", "ask_back", "How far? `walk` has no distance, and I do not guess. For example:"),
+        ("@quadruped stop", "stop", "I would stop."),
+        ("@quadruped help", "answer", "I would answer, without moving."),
+        ("@quadruped 向前走一米，然后挥手", "would", "我会向前走1米，然后打个招呼。"),
+        ("@quadruped 向前走九米", "refuse", "太远：每步最多 5 米。"),
+        ("@quadruped 停", "stop", "我会停下。"),
+    ],
+)
+def test_a_text_is_read_in_one_line(text: str, outcome: str, line: str) -> None:
+    (found,) = read(DraftCommand(text, ALICE, (DOG, SLOW))).robots
+    assert found.outcome == outcome
+    assert found.line.startswith(line)
+    assert "did not move" not in found.line
+    assert "没有动" not in found.line
+
+
+def test_each_robot_reads_its_own_part() -> None:
+    found = read(DraftCommand("@quadruped walk 1 m. @humanoid walk 2 m. @nobody wave.", ALICE, (DOG, SLOW)))
+    assert found.mentioned == ("quadruped", "humanoid", "nobody")
+    assert [(one.robot, one.steps[0]["distance_m"]) for one in found.robots] == [("quadruped", 1.0), ("humanoid", 2.0)]
+
+
+def test_what_was_done_in_the_thread_can_be_done_again() -> None:
+    before = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5),))
+    known = ReadableRobot(DOG.name, DOG.can, DOG.rights, (before,))
+    assert read(DraftCommand("@quadruped again", ALICE, (known,))).robots[0].line == "I would walk forward 1.5 m."
+    assert "nothing in this thread" in read(DraftCommand("@quadruped again", ALICE, (DOG,))).robots[0].line
+
+
+def test_law_2_who_may_not_command_is_told_who_can_allow_it() -> None:
+    member = Account("2", "bob", role=Role.MEMBER)
+    (found,) = read(DraftCommand("@quadruped wave", member, (DOG,))).robots
+    assert (found.outcome, found.rule) == ("refuse", "rights.operator")
+    assert "An admin of the forum can give it." in found.line
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[ReaderProcess]:
+    process = ReaderProcess()
+    yield process
+    process.close()
+
+
+def test_the_process_reads_as_this_process_does(process: ReaderProcess) -> None:
+    for text in ("@quadruped walk forward 1 m, then wave", "@humanoid wave", "@quadruped \ud83d 走", "", "@nobody hi"):
+        draft = DraftCommand(text.encode("utf-8", "replace").decode(), ALICE, (DOG, SLOW))
+        assert process.read(draft) == read(draft)
+
+
+def test_a_closed_process_reads_nothing(process: ReaderProcess) -> None:
+    ended = ReaderProcess()
+    ended.close()
+    with pytest.raises(TooSlow):
+        ended.read(DraftCommand("@quadruped wave", ALICE, (DOG,)))
