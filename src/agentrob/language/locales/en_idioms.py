@@ -163,10 +163,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         rf"\b(?:proceed with|perform|execute|initiate|carry out|conduct|complete|go for|make|go ahead with) (?={_A_TURN})",
         "do ",
     ),
-    (
-        rf"\b(?:move in a |make a |do a )?({_AHEAD}) (?:motion|movement)(?: of| by| for)?\b(?=.*\d|.*{_NUMBER})",
-        r"move \1",
-    ),
+    (rf"\b(?:move in a |make a |do a )?({_AHEAD}) (?:motion|movement)(?: of| by| for)?\b(?=.*\d|.*{_NUMBER})", r"move \1"),
     (
         rf"{_BEGIN}(?:show|send|give)(?: me| us)? (?:an?|the|your|another|one more)(?: new)? (?:(?:{_LIVE}) )?"
         rf"(?:{_VIEW})(?: of what(?:'s| is) (?:ahead|in front of you|there)| from (?:here|there|where you are))?{_END}",

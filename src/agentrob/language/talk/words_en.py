@@ -81,12 +81,8 @@ _THIRD = (
 
 FORMS = TalkForms(
     lead=_LEAD,
-    clauses=(
-        rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|{_IT} {_PAST}|{_FORUM}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"
-    ),
-    sentences=(
-        rf"^(?:{_QUESTION}.*|{_IT} {_PAST}(?!.*\b(?:now|then|please|next|again and)\b).*|{_GERUND}.*|{_WHEN}.*|(?:{_HUMAN}),? (?:can|could|would|will) you\b.*)"
-    ),
+    clauses=(rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|{_IT} {_PAST}|{_FORUM}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll|'ve)?\b|to \w+ to the )"),
+    sentences=(rf"^(?:{_QUESTION}.*|{_IT} {_PAST}(?!.*\b(?:now|then|please|next|again and)\b).*|{_GERUND}.*|{_WHEN}.*|(?:{_HUMAN}),? (?:can|could|would|will) you\b.*)"),
     named=(
         r"^(?:(?i:dear |hey |ok |okay )*(?i:admins?|mods?|moderators?|webmaster),? .*"
         r"|[@＠](?!\s)\S+,? (?i:can|could|would|will|do|did|have|are|please|thanks|you|i|what|how|where|when|why"
