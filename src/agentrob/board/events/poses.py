@@ -19,7 +19,7 @@ from agentrob.board.events import streams
 from agentrob.errors import BoardError
 
 #: Seconds between two messages to a viewer of the map, whose page moves the robot smoothly, and of the 3D view.
-MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.1
+MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.12
 #: A robot whose agent sent no pose for this many seconds must be told of its viewers.
 SHOWING_S = 1.0
 #: A limit for each account, and for all.
