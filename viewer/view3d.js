@@ -158,7 +158,7 @@ export async function openView(stage, shapes, follow) {
   camera.position.set(-2, -2.3, 1.6);
   const canvas = renderer.domElement;
   canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `3D view of the room, following ${follow}; drag to look around`);
+  canvas.setAttribute("aria-label", `3D view of the room; drag to look around`);
   stage.append(canvas);
   const controls = new OrbitControls(camera, canvas);
   controls.target.set(0, 0, 0.25);
@@ -204,6 +204,10 @@ export async function openView(stage, shapes, follow) {
     way(name, plan, trail) {
       const way = ways.get(name);
       if (way) { way.set(plan, trail); redraw(); }
+    },
+    follow(name) {
+      follow = name;
+      redraw();
     },
     close() {
       watching.disconnect();

@@ -155,7 +155,7 @@ class RobotAgent:
         live = forum if isinstance(forum, PosePages) else None
         room = RoomMap(name, settings)
         self.geometry = Geometry(live, name, settings.map.geometry)
-        self.poses = PoseStream(live, driver, name, room)
+        self.poses = PoseStream(live, driver, name, room, shaped=bool(settings.map.geometry))
         self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
         self.camera = self._make_camera(pages)

@@ -171,10 +171,12 @@ class RobotPages(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PoseViewers:
-    """The number of viewers of a robot's map, and after how many seconds they get the next pose."""
+    """The number of viewers of a robot's map, after how many seconds they get the next pose, and whether some see the
+    3D view, which needs joint angles."""
 
     viewers: int
     every_s: float
+    body: bool
 
 
 @runtime_checkable

@@ -59,8 +59,9 @@ class HasCamera(Protocol):
 class HasPosture(Protocol):
     """A robot that also reports the attitude of its body and its joint angles, for the live view."""
 
-    def posture(self) -> Posture:
-        """Return the newest known posture; never blocks. Its `pose` is in the robot's own odometry frame."""
+    def posture(self, *, joints: bool) -> Posture:
+        """Return the newest known posture; never blocks. Its `pose` is in the robot's own odometry frame. Joint angles
+        are only read if asked for: that they are decoded takes time."""
         ...
 
 

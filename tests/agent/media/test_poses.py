@@ -45,7 +45,7 @@ class Pages:
         if self.fails:
             raise ForumUnreachable("not now")
         self.frames.append(frame)
-        return PoseViewers(self.viewers, 0.0)
+        return PoseViewers(self.viewers, 0.0, True)
 
     async def publish_geometry(self, robot: str, geometry: bytes) -> str:
         raise AssertionError("not asked for")
@@ -71,7 +71,7 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseStream, Any]]:
     name, _ = drivers.start()
     async with drivers.client(name) as driver:
-        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM))
+        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM), shaped=True)
         running = asyncio.create_task(stream.run())
         try:
             yield stream, driver

@@ -288,6 +288,18 @@ def test_a_robots_presence_on_one_process_is_seen_on_the_other(forum: Forum) -> 
     assert forum.as_("member", forum.a).get("/robots/quadruped").json()["viewers"] == 0
 
 
+def test_poses_sent_to_one_process_reach_the_viewers_of_the_other(forum: Forum) -> None:
+    robot, path = forum.as_("quadruped", forum.a), "/robots/quadruped/pose"
+    robot.put("/robots/quadruped", json={"card": {"boards": ["robots"]}}).raise_for_status()
+    wait_for(lambda: forum.as_("member", forum.b).get("/robots/quadruped").json()["card"] != {})
+    with forum.as_("member", forum.b).stream("GET", "/poses?robots=quadruped") as stream:
+        lines = (line for line in stream.iter_lines() if '"pose"' in line)
+        wait_for(lambda: robot.put(path, json={"pose": [0, 0, 0]}).json()["viewers"] == 1)
+        robot.put(path, json={"pose": [1.5, 0, 0], "plan": [[0, 0]] * 200, "trail": [[0, 0]] * 500}).raise_for_status()
+        assert any("[1.5,0.0,0.0]" in line for line in lines), "also with a way that a notification cannot hold"
+    wait_for(lambda: robot.put(path, json={"pose": [0, 0, 0]}).json()["viewers"] == 0)
+
+
 def test_camera_frames_are_deleted_from_the_database_when_no_longer_live(forum: Forum) -> None:
     forum.as_("quadruped", forum.a).put("/robots/quadruped/frame", content=picture()).raise_for_status()
     engine = create_engine(forum.settings.database, isolation_level="AUTOCOMMIT")

@@ -69,7 +69,7 @@ def board(fresh_board: Callable[..., RunningBoard]) -> RunningBoard:
 # -------------------------------------------------------------------- poses
 def test_viewers_receive_the_poses_and_the_way_of_a_command(board: RunningBoard) -> None:
     robot = board.client("quadruped")
-    assert show(robot, 0) == {"viewers": 0, "every_s": poses.MAP_EVERY_S}
+    assert show(robot, 0) == {"viewers": 0, "every_s": poses.MAP_EVERY_S, "body": False}
     with board.client("member").stream("GET", "/poses?robots=quadruped") as stream:
         told = messages(stream)
         assert next(told) == {"robot": "quadruped", "plan": [], "trail": [[0.0, 0.0]]}
@@ -89,7 +89,8 @@ def test_viewers_receive_the_poses_and_the_way_of_a_command(board: RunningBoard)
 def test_the_3d_view_also_receives_the_body_and_more_often(board: RunningBoard) -> None:
     robot = board.client("quadruped")
     with board.client("member").stream("GET", "/poses?robots=quadruped&body=1") as stream:
-        assert show(robot, 1, body=[0.3, 1, 0, 0, 0, 0.7])["every_s"] == poses.BODY_EVERY_S
+        answer = show(robot, 1, body=[0.3, 1, 0, 0, 0, 0.7])
+        assert answer == {"viewers": 1, "every_s": poses.BODY_EVERY_S, "body": True}
         told = next(one for one in messages(stream) if "pose" in one)
         assert told["body"] == [0.3, 1.0, 0.0, 0.0, 0.0, 0.7]
 

@@ -24,6 +24,18 @@ CARD_SHOWN = CARD | {
     "stop_ms": 41.5,
     "stop_at": "2026-11-20T09:30:00+00:00",
     "failures": {"failed": 2, "interrupted": 1},
+    "boards": ["robots"],
+    "map": {
+        "room": "lab",
+        "size_m": [8, 6],
+        "fence": [[-2, -2], [3, -2], [3, 2], [-2, 2]],
+        "things": [
+            {"name": "table", "at_m": [1, -2], "size_m": [1.2, 0.7], "colour": "#996940"},
+            {"name": "red ball", "at_m": [2.7, 0.75], "radius_m": 0.15, "colour": "#db241c"},
+        ],
+        "pose": [0.5, 0.4, 0.6],
+        "geometry": "",
+    },
 }
 
 

@@ -11,11 +11,15 @@ from typing import Any
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.media.plot import path_plot
+from agentrob.agent.media.replay import PoseLog, PoseSample, encoded
+from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.reporting import report as words
 from agentrob.agent.reporting import visual_text
 from agentrob.agent.reporting.command_page import public
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.extract import Assessment
+from agentrob.config.map import MapConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.language.messages.catalog import say
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
@@ -31,6 +35,8 @@ from agentrob.model import (
     Op,
     Outcome,
     Plan,
+    Pose,
+    Posture,
     Primitive,
     Report,
     Role,
@@ -100,6 +106,17 @@ def fields(report: Report) -> dict[str, Any]:
     return {name: getattr(report, name) for name in Report.__slots__}
 
 
+def replay_of(report: Report) -> bytes:
+    """The replay of a report, from its own path."""
+    room = RoomMap(ROBOT, RobotConfig(map=MapConfig(room="lab", size_m=(8, 6))))
+    start = Pose(*report.results[0].path[0][1:])
+    log = PoseLog(plan=room.planned(start, [r.primitive for r in report.results]))
+    for result in report.results:
+        for at_s, *where in result.path:
+            log.add(PoseSample(result.started_s + at_s, Pose(*where), Posture(0.0)))
+    return encoded(log, robot=ROBOT, map=room.as_data(), geometry="")
+
+
 def send_report(
     site: Site, topic: str, command: str, report: Report, loop: LoopRecord | None = None, **more: Any
 ) -> None:
@@ -121,6 +138,8 @@ def send_report(
         "card": card,
     }
     reply = robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"]
+    if report.results and report.results[0].path:
+        robot.put(f"/commands/{command}/replay", content=replay_of(report)).raise_for_status()
     understood = Understanding(Intent.COMMAND, plan=report.plan)
     thought = Assessment(
         understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,))

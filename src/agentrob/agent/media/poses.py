@@ -22,7 +22,9 @@ from agentrob.forums.protocol import PosePages
 from agentrob.model import Pose, Primitive
 from agentrob.robots.driver.client import DriverClient
 
-HZ = 10.0
+#: How often the pose is sampled for the 3D view, for a map, and for the replay of a robot that has no shape, which its
+#: page draws on the map only: a worker with many robots must not pay for more.
+HZ, MAP_HZ, PLAIN_HZ = 10.0, 5.0, 2.5
 #: An older posture is not shown: the robot may be anywhere.
 OLD_S = 1.0
 #: A pose is still sampled this long after a command, so that its replay shows the end.
@@ -36,11 +38,15 @@ _log = structlog.get_logger()
 
 
 class PoseStream:
-    """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled."""
+    """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled.
+    `shaped`: whether the robot's shape is known, so that replays need its joint angles."""
 
-    def __init__(self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap) -> None:
+    def __init__(
+        self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap, *, shaped: bool
+    ) -> None:
+        self._shaped = shaped
         self._pages, self._driver, self._robot, self._room = pages, driver, robot, room
-        self._watched = False
+        self._watched = self._body = False
         self._running: PoseLog | None = None
         self._until_s = -math.inf
         self._steps: Sequence[Primitive] = ()
@@ -100,7 +106,7 @@ class PoseStream:
     async def _sample(self) -> None:
         while True:
             if not self._watched and time.monotonic() > self._until_s:
-                self._running = None
+                self._running, self._body = None, False
                 self._wanted.clear()
                 await self._wanted.wait()
             begun_s = time.monotonic()
@@ -109,10 +115,16 @@ class PoseStream:
             except RobotError as e:
                 _log.info("no pose", robot=self._robot, error=str(e))
                 await asyncio.sleep(AGAIN_S)
-            await asyncio.sleep(max(0.0, 1.0 / HZ - (time.monotonic() - begun_s)))
+            await asyncio.sleep(max(0.0, 1.0 / self._hz - (time.monotonic() - begun_s)))
+
+    @property
+    def _hz(self) -> float:
+        if self._body or (self._running is not None and self._shaped):
+            return HZ
+        return MAP_HZ if self._watched else PLAIN_HZ
 
     async def _take(self) -> None:
-        posture = await self._driver.posture()
+        posture = await self._driver.posture(joints=self._shaped and (self._body or self._running is not None))
         if posture.pose is None or posture.age_s > OLD_S:
             return
         self._newest = sample = PoseSample(time.monotonic(), self._room.in_room(posture.pose), posture)
@@ -131,7 +143,7 @@ class PoseStream:
             log, begun_s = self._running, time.monotonic()
             try:
                 seen = await pages.publish_pose(self._robot, self._frame(self._newest, log))
-                self._watched, self._sent = seen.viewers > 0, log
+                self._watched, self._sent, self._body = seen.viewers > 0, log, seen.viewers > 0 and seen.body
                 await asyncio.sleep(max(0.0, seen.every_s - (time.monotonic() - begun_s)))
             except ForumError as e:
                 if not isinstance(e, ForumUnoffered):
@@ -144,7 +156,7 @@ class PoseStream:
     def _frame(self, sample: PoseSample, log: PoseLog | None) -> dict[str, Any]:
         """What the forum gets: pose, body, and with the first pose of a command its plan and its way so far."""
         pose = [round(v, 3) for v in (sample.pose.x_m, sample.pose.y_m, sample.pose.yaw_rad)]
-        frame: dict[str, Any] = {"pose": pose, "body": sample.body}
+        frame: dict[str, Any] = {"pose": pose, "body": sample.body if self._body else []}
         if log is not None and log is not self._sent and log.samples:
             frame |= {"plan": log.plan, "trail": trail_of(log)}
         return frame

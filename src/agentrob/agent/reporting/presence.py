@@ -19,7 +19,7 @@ from agentrob.agent.stop.owner import OwnerActions
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import RobotPages
-from agentrob.model import Capabilities, Lock, Pose, Posture, RobotState
+from agentrob.model import Capabilities, Lock, Pose, RobotState
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
@@ -30,6 +30,8 @@ DEBOUNCE_S = 0.1
 #: How many waiting commands are listed.
 LINE = 20
 REFRESH_S = 5.0
+#: How often the driver is asked where a robot that stands still is in its room: its home may have been set.
+PLACE_S = 30.0
 #: After a reset the odometry jumps, so the guard accepts a new home only after a moment.
 HOME_TRIES, HOME_WAIT_S = 10, 0.3
 _log = structlog.get_logger()
@@ -59,6 +61,8 @@ class Presence:
         self._activity = activity
         self._room, self._geometry = room, geometry
         self._stands: Pose | None = None
+        self._odometry: Pose | None = None
+        self._placed_s = -math.inf
         self._changed = asyncio.Event()
         self._capabilities: Capabilities | None = None
         self._asked_s = -math.inf
@@ -92,8 +96,7 @@ class Presence:
         """Return the current card; a robot whose driver does not answer is `offline`."""
         try:
             state = await self._driver.state()
-            if self._room is not None and state.homed:
-                self._note_pose(await self._driver.posture(), self._room)
+            await self._note_pose(state)
             if self._capabilities is None or time.monotonic() - self._asked_s >= REFRESH_S:
                 self._capabilities, self._asked_s = await self._driver.capabilities(), time.monotonic()
         except RobotError:
@@ -101,9 +104,16 @@ class Presence:
             return self._card(None, None)
         return self._card(self._capabilities, state)
 
-    def _note_pose(self, posture: Posture, room: RoomMap) -> None:
-        """Note where it stands; a robot that only sways has not moved, so that its card does not change."""
-        if posture.pose is not None and has_moved(self._stands, pose := room.in_room(posture.pose)):
+    async def _note_pose(self, state: RobotState) -> None:
+        """Note where it stands in its room. The driver is asked only when its odometry changed, or its home may have; a
+        robot that only sways has not moved, so that its card stays the same."""
+        if self._room is None or not state.homed or state.pose is None:
+            return
+        if not has_moved(self._odometry, state.pose) and time.monotonic() - self._placed_s < PLACE_S:
+            return
+        self._odometry, self._placed_s = state.pose, time.monotonic()
+        posture = await self._driver.posture(joints=False)
+        if posture.pose is not None and has_moved(self._stands, pose := self._room.in_room(posture.pose)):
             self._stands = pose
 
     def _map(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from agentrob.board.access import Member, ReadingViewer
 from agentrob.board.api.dependencies import documented, json_response, still_allowed
 from agentrob.board.api.models import GeometryOut, MapOut, PoseViewers, Viewers
 from agentrob.board.db.reader import not_found
-from agentrob.board.events.poses import PoseStream
+from agentrob.board.events.poses import BODY_EVERY_S, MAP_EVERY_S, PoseStream
 from agentrob.board.robots import actions, geometry, live, replays
 from agentrob.board.robots.actions import check_own_robot
 from agentrob.board.services import AppServices
@@ -49,8 +49,9 @@ class PoseIn(BaseModel):
 async def publish_pose(services: AppServices, name: str, frame: PoseIn, by: Member) -> Response:
     """Publish where the robot is. Returns the number of viewers, and after how many seconds to send the next pose."""
     check_own_robot(by, name)
-    viewers, every_s = services.presence.poses.show(name, frame.model_dump(exclude_none=True))
-    return json_response(PoseViewers(viewers=viewers, every_s=every_s))
+    viewers, body = services.presence.poses.show(name, frame.model_dump(exclude_none=True))
+    every_s = BODY_EVERY_S if body else MAP_EVERY_S
+    return json_response(PoseViewers(viewers=viewers, every_s=every_s, body=body))
 
 
 @router.get(

@@ -316,10 +316,11 @@ class Viewers(_Out):
 
 
 class PoseViewers(_Out):
-    """`every_s`: after how many seconds the viewers get the next pose."""
+    """`every_s`: after how many seconds the viewers get the next pose; `body`: whether some see the 3D view."""
 
     viewers: int
     every_s: float
+    body: bool
 
 
 class MapOut(_Out):

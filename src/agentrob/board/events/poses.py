@@ -19,7 +19,7 @@ from agentrob.board.events import streams
 from agentrob.errors import BoardError
 
 #: Seconds between two messages to a viewer of the map, whose page moves the robot smoothly, and of the 3D view.
-MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.1
+MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.12
 #: A robot whose agent sent no pose for this many seconds must be told of its viewers.
 SHOWING_S = 1.0
 #: A limit for each account, and for all.
@@ -144,13 +144,13 @@ class PoseTracker:
         """The robot of this name. The caller checks that there is such an account."""
         return self._robots.setdefault(name, RobotPoses(name))
 
-    def show(self, name: str, frame: Mapping[str, Any]) -> tuple[int, float]:
-        """Store a new pose for its viewers; return their number, and after how many seconds they get the next one."""
+    def show(self, name: str, frame: Mapping[str, Any]) -> tuple[int, bool]:
+        """Store a new pose for its viewers; return their number, and whether some see the 3D view."""
         robot = self._take(name, frame, time.monotonic())
         if robot.elsewhere:
             self.changed(name, "pose")
-        bodies = robot.elsewhere or any(c.body and robot in c.robots for c in self._channels.values())
-        return robot.watched, BODY_EVERY_S if bodies else MAP_EVERY_S
+        body = robot.elsewhere > 0 or any(c.body and robot in c.robots for c in self._channels.values())
+        return robot.watched, body
 
     def receive(self, name: str, text: str) -> None:
         """Store a pose that another process received. Raises `ValueError` for anything else."""

@@ -399,7 +399,7 @@ def _page(read: Callable[[Any], T], found: _JSON) -> Page[T]:
 
 
 def _pose_viewers(answer: _JSON) -> PoseViewers:
-    return PoseViewers(int(answer["viewers"]), float(answer["every_s"]))
+    return PoseViewers(int(answer["viewers"]), float(answer["every_s"]), bool(answer["body"]))
 
 
 def _boards(found: _JSON) -> tuple[Board, ...]:

@@ -174,8 +174,8 @@ class _Handlers:
         lease = None if holder is None else {"holder": holder}
         return JSONResponse({**encode(self.driver.state()), "lease": lease, "busy": self.driver.busy})
 
-    async def posture(self, _: Request) -> JSONResponse:
-        return JSONResponse(encode(self.driver.posture()))
+    async def posture(self, request: Request) -> JSONResponse:
+        return JSONResponse(encode(self.driver.posture(joints=request.query_params.get("joints") != "0")))
 
     async def look(self, _: Request) -> Response:
         return Response(await run_in_thread(self.driver.look), media_type="image/jpeg")

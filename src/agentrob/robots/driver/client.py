@@ -67,9 +67,9 @@ class DriverClient:
         data = await self._call("GET", "/state")
         return codec.decode_state({k: v for k, v in data.items() if k not in ("lease", "busy")})
 
-    async def posture(self) -> Posture:
+    async def posture(self, *, joints: bool = True) -> Posture:
         """How the robot holds its body now, with its pose in the frame of its home."""
-        return codec.decode_posture(await self._call("GET", "/pose"))
+        return codec.decode_posture(await self._call("GET", "/pose" if joints else "/pose?joints=0"))
 
     async def holder(self) -> str | None:
         """The holder of the current lease."""

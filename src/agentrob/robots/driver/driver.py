@@ -41,8 +41,8 @@ class Driver:
     def state(self) -> RobotState:
         return self.guard.state()
 
-    def posture(self) -> Posture:
-        return self.guard.posture()
+    def posture(self, *, joints: bool = True) -> Posture:
+        return self.guard.posture(joints=joints)
 
     def fence(self, fence: FencingToken) -> None:
         """Lock out workers with a smaller fencing number of the same database, also after a restart of the driver; a

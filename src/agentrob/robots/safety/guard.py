@@ -152,10 +152,10 @@ class Guard:
             raise RobotError("this robot has no camera that can be looked through while it moves")
         return self._robot.look()
 
-    def posture(self) -> Posture:
+    def posture(self, *, joints: bool = True) -> Posture:
         """Return how the robot holds its body, with its pose in the frame of its home. Never blocks."""
         state = sanitized(self._robot.state())
-        seen = self._robot.posture() if isinstance(self._robot, HasPosture) else Posture(state.age_s)
+        seen = self._robot.posture(joints=joints) if isinstance(self._robot, HasPosture) else Posture(state.age_s)
         fence = self._fence
         if fence is None or state.pose is None:
             return replace(seen, pose=None)

@@ -139,8 +139,8 @@ class G1(UnitreeRobot):
         state = replace(read(newest[1]), age_s=time.monotonic() - newest[0])
         return replace(state, mode=mode_of(state, self._fsm.id, gesturing=self._gesturing))
 
-    def posture(self) -> Posture:
-        return posture_of(self._odometry.newest(), self._joints.now())
+    def posture(self, *, joints: bool) -> Posture:
+        return posture_of(self._odometry.newest(), self._joints.now() if joints else ())
 
     def _recent(self) -> tuple[tuple[float, Pose], ...]:
         return poses(self._odometry)

@@ -115,8 +115,8 @@ class Go2(UnitreeRobot):
         state = replace(read(message), age_s=time.monotonic() - came_s, battery_percent=percent)
         return replace(state, upright=True, mode="gesture") if self._flipping and state.mode == "fallen" else state
 
-    def posture(self) -> Posture:
-        return posture_of(self._state.newest(), self._joints.now())
+    def posture(self, *, joints: bool) -> Posture:
+        return posture_of(self._state.newest(), self._joints.now() if joints else ())
 
     @property
     def _flipping(self) -> bool:

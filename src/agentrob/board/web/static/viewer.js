@@ -81,6 +81,14 @@ class View {
     if (this.three) this.three.way(name, this.plans.get(name) || [], trail);
   }
 
+  // The camera of the 3D view follows the robot of the page, else the one that moved last.
+  moved(name) {
+    if (!this.section.dataset.follow && this.followed !== name) {
+      this.followed = name;
+      if (this.three) this.three.follow(name);
+    }
+  }
+
   // Where each robot's shape is; the replay knows its own.
   async shapes() {
     const found = new Map();
@@ -104,7 +112,7 @@ class View {
         const shapes = await this.shapes();
         if (!shapes.size) throw new Error("no shape of a robot is known");
         const { openView } = await import(this.section.dataset.three);
-        this.three = await openView(this.stage, shapes, this.section.dataset.follow);
+        this.three = await openView(this.stage, shapes, this.section.dataset.follow || this.followed || this.names[0]);
         this.svg.style.display = "none";
         for (const [name, [pose, body]] of this.poses) this.three.place(name, pose, body);
         for (const [name, plan] of this.plans) this.three.way(name, plan, []);
@@ -159,6 +167,7 @@ function live(section) {
       trail.push(told.pose.slice(0, 2));
       if (trail.length > MOST_TRAIL) trail.shift();
       view.way(told.robot, null, trail);
+      view.moved(told.robot);
     }
     robots.set(told.robot, {
       trail: last ? trail : [told.pose.slice(0, 2)], from: robot.shown || told.pose, shown: robot.shown || told.pose,
