@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.agent.media.poses import PoseStream, has_moved, in_words
+from agentrob.agent.media.poses import PoseStream, has_moved
 from agentrob.agent.media.replay import MOST_BYTES, PoseLog, PoseSample, encoded
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.config.map import MapConfig, MapThing
@@ -168,11 +168,6 @@ def test_joint_angles_that_are_missing_for_a_moment_stay_as_they_were() -> None:
         log.add(PoseSample(float(n), Pose(0, 0, 0), posture))
     told = json.loads(gzip.decompress(encoded(log)))
     assert [list(accumulate(channel)) for channel in told["body"]][-1] == [500, 500, 500]
-
-
-def test_steps_are_told_in_a_few_words() -> None:
-    assert in_words(Primitive(Op.TURN, Direction.LEFT, degrees=90)) == "turn left 90°"
-    assert in_words(Primitive(Op.GET_FRONT_IMAGE)) == "get front image"
 
 
 def test_a_robot_that_sways_has_not_moved() -> None:

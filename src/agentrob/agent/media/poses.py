@@ -19,6 +19,7 @@ from agentrob.agent.media.replay import PoseLog, PoseSample, encoded
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.errors import ForumError, ForumUnoffered, RobotError
 from agentrob.forums.protocol import PosePages
+from agentrob.language.messages.plan_text import step_label
 from agentrob.model import Pose, Primitive
 from agentrob.robots.driver.client import DriverClient
 
@@ -81,7 +82,7 @@ class PoseStream:
     def begin_step(self, step: Primitive) -> None:
         """Note that a step of the running command begins."""
         if self._running is not None:
-            self._running.steps.append((time.monotonic(), in_words(step)))
+            self._running.steps.append((time.monotonic(), step_label(step, "en")))
 
     async def replay(self, post_id: str, geometry: str) -> bytes:
         """The gzipped replay of a command, once; nothing if no poses were known."""
@@ -170,18 +171,6 @@ def trail_of(log: PoseLog) -> list[tuple[float, float]]:
         if not trail or math.dist(point, trail[-1]) >= TRAIL_M:
             trail.append(point)
     return trail[-MOST_TRAIL:]
-
-
-def in_words(step: Primitive) -> str:
-    """A step in a few words, for the replay."""
-    words = [str(step.op).replace("_", " ")]
-    if step.direction is not None:
-        words.append(str(step.direction))
-    if step.distance_m is not None:
-        words.append(f"{step.distance_m:g} m")
-    if step.degrees is not None:
-        words.append(f"{step.degrees:g}°")
-    return " ".join(words)
 
 
 def has_moved(before: Pose | None, now: Pose, far_m: float = 0.05, far_rad: float = 0.1) -> bool:
