@@ -139,7 +139,7 @@ async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: D
     assert len(replay) < 3000
     told = json.loads(gzip.decompress(replay))
     assert told["plan"] == [[1.0, 2.0], [1.0, pytest.approx(2.4, abs=0.01)]]
-    assert told["steps"][0][1] == "move forward 0.4 m"
+    assert told["steps"][0][1] == "walk forward 0.4 m"
     assert told["geometry"] == "f" * 32
     x, y, _ = ([mm / 1000 for mm in accumulate(channel)] for channel in told["pose"])
     assert (x[0], y[0]) == pytest.approx((1, 2), abs=0.02)
