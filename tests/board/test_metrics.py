@@ -19,7 +19,7 @@ def test_it_counts_requests_and_changes(tmp_path: Path) -> None:
     )
     metrics = BoardMetrics()
     with TestClient(create_app(settings, metrics)) as client:
-        assert client.get("/healthz").status_code == 200
+        assert client.get("/api/v1/boards").status_code == 200
         assert client.get("/metrics").status_code == 404
         lines = generate_latest(metrics.registry).decode().splitlines()
     assert 'agentrob_http_requests_total{method="GET",status="200"} 1.0' in lines

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from collections.abc import Iterator
 from typing import Any
 
@@ -49,6 +50,8 @@ LEAST = {
     "POST /commands/{post_id}/approve": "approver",
     "POST /commands/{post_id}/deny": "approver",
     "PUT /commands/{post_id}": "robot+robot",  # for any post, under the robot's own name
+    "PUT /commands/{post_id}/replay": "robot+robot",
+    "GET /commands/{post_id}/replay": "guest",
     "GET /changes": "guest",
     "GET /events": "guest",
     "GET /robots": "guest",
@@ -57,6 +60,11 @@ LEAST = {
     "PUT /robots/{name}/frame": "robot",
     "GET /robots/{name}/frame.jpg": "guest",
     "GET /robots/{name}/camera.mjpg": "guest",
+    "PUT /robots/{name}/pose": "robot",
+    "GET /poses": "guest",
+    "GET /robots/{name}/map": "guest",
+    "PUT /robots/{name}/geometry": "robot",
+    "GET /geometry/{name}": "guest",
     "GET /robots/{name}/rights": "guest",
     "POST /robots/{name}/stop": "guest",
     "POST /robots/{name}/estop": "guest",
@@ -77,6 +85,7 @@ BODIES: dict[str, Any] = {
     "PUT /topics/{topic_id}/tags": {"tags": ["mine"]},
     "PUT /unread": {"up_to": "0"},
     "PUT /robots/{name}": {"card": {}},
+    "PUT /robots/{name}/pose": {"pose": [0, 0, 0]},
     "PUT /commands/{post_id}": {"record": {}},
     "POST /commands/read": {"text": "@quadruped wave"},
     "POST /commands/{post_id}/approve": {"robot": "quadruped"},
@@ -173,11 +182,15 @@ def ask(client: httpx2.Client, name: str, ids: dict[str, str]) -> int:
     path = path.format(**(NAMES | ids | ({"name": "quadruped"} if robots else {})))
     params = {"key": "x", "q": "x"} if name in ("GET /posts", "GET /search") else {}
     params |= {"board_id": "talk"} if path.endswith("/rights") else {}
+    params |= {"robots": "quadruped"} if path == "/poses" else {}
+    params |= {"robot": "quadruped"} if path.endswith("/replay") else {}
     options: dict[str, Any] = {"params": params}
     if name == "POST /images":
         options["files"] = {"file": ("x.jpg", jpeg(), "image/jpeg")}
     elif path.endswith("/frame"):
         options |= {"content": jpeg(), "headers": {"Content-Type": "image/jpeg"}}
+    elif method == "PUT" and path.endswith(("/geometry", "/replay")):
+        options["content"] = gzip.compress(b"{}")
     elif method in ("POST", "PATCH", "PUT"):
         options["json"] = BODIES.get(name, {})
     with client.stream(method, path, **options) as answer:
