@@ -197,6 +197,7 @@ def test_the_robot_page_shows_the_room_while_it_moves_and_its_button_stops_the_r
     expect(page.locator(".status .chip")).to_have_text(re.compile("running", re.IGNORECASE), timeout=MOTION_MS)
     thread = page.url
     page.goto(f"{demo.url}/robots/quadruped")
+    page.locator(".camera").scroll_into_view_if_needed()  # it runs only while it is on the screen
     picture = page.locator(".camera img")
     expect(picture).to_be_visible(timeout=60_000)
     width = picture.evaluate(
