@@ -29,7 +29,7 @@ from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
-from agentrob.agent.media.poses import PoseStream
+from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder, look_of
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
@@ -155,7 +155,7 @@ class RobotAgent:
         live = forum if isinstance(forum, PosePages) else None
         room = RoomMap(name, settings)
         self.geometry = Geometry(live, name, settings.map.geometry)
-        self.poses = PoseStream(live, driver, name, room, shaped=bool(settings.map.geometry))
+        self.poses = PoseSampler(live, driver, name, room, shaped=bool(settings.map.geometry))
         self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
         self.camera = self._make_camera(pages)

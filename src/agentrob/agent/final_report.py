@@ -12,7 +12,7 @@ import structlog
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
-from agentrob.agent.media.poses import PoseStream
+from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
@@ -47,7 +47,7 @@ class FinalReport:
     ending: Callable[[], bool]
     owner: OwnerActions
     on_end: Callable[[Report], None]
-    poses: PoseStream
+    poses: PoseSampler
     geometry: Geometry
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:

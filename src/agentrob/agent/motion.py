@@ -15,7 +15,7 @@ from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.intake.event_stream import EventStream
-from agentrob.agent.media.poses import PoseStream
+from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.stop.replies import StopReplies
@@ -46,7 +46,7 @@ class Motion:
     stops: StopReplies
     records: Records
     recorder: Recorder
-    poses: PoseStream
+    poses: PoseSampler
     surroundings: Surroundings
     vision_model: Callable[[], ChatModel | None]
     ending: Callable[[], bool]

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.agent.media.poses import PoseStream, has_moved
+from agentrob.agent.media.poses import PoseSampler, has_moved
 from agentrob.agent.media.replay import MOST_BYTES, PoseLog, PoseSample, encoded
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.config.map import MapConfig, MapThing
@@ -68,10 +68,10 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 
 
 @asynccontextmanager
-async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseStream, Any]]:
+async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseSampler, Any]]:
     name, _ = drivers.start()
     async with drivers.client(name) as driver:
-        stream = PoseStream(pages, driver, name, RoomMap(name, ROOM), shaped=True)
+        stream = PoseSampler(pages, driver, name, RoomMap(name, ROOM), shaped=True)
         running = asyncio.create_task(stream.run())
         try:
             yield stream, driver

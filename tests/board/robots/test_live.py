@@ -239,13 +239,13 @@ def test_old_replays_are_deleted_and_those_of_erased_accounts(board: RunningBoar
     assert not board.services.store.everything.rows(replays.db.replays.select())
 
 
-def test_the_last_picture_of_a_replay_shows_the_whole_way(board: RunningBoard) -> None:
-    shown = replays.last_picture(packed(REPLAY))
+def test_the_final_map_of_a_replay_shows_the_whole_path(board: RunningBoard) -> None:
+    shown = replays.final_map(packed(REPLAY))
     assert shown is not None
     assert shown.measured == "0.00,-0.00 0.50,-0.01 1.00,-0.00"
     assert shown.plan == "0.00,-0.00 1.00,-0.00"
     for broken in ({"pose": [[0]]}, {"pose": 1}, {"map": None}, {"pose": [[], [], []]}, {"plan": [1]}):
-        assert replays.last_picture(packed(REPLAY | broken)) is None
+        assert replays.final_map(packed(REPLAY | broken)) is None
 
 
 # -------------------------------------------------------------------- shapes
@@ -265,7 +265,7 @@ def test_the_shape_of_a_robot_is_stored_by_its_content_and_cached_for_ever(board
 
 def test_only_the_newest_shapes_are_kept(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(geometry, "MOST_FILES", 2)
-    names = [geometry.keep(tmp_path, gzip.compress(bytes([n]))) for n in range(4)]
+    names = [geometry.store(tmp_path, gzip.compress(bytes([n]))) for n in range(4)]
     assert len([name for name in names if geometry.read(tmp_path, name)]) == 2
     assert geometry.read(tmp_path, names[-1])
 

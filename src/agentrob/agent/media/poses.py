@@ -33,12 +33,12 @@ LINGER_S = 0.6
 AGAIN_S = 1.0
 #: How many commands' poses wait for their reports.
 LOGS = 4
-#: Points of the way so far that a new watcher gets, and the distance between two of them.
+#: Points of the measured path that a new watcher gets, and the distance between two of them.
 MOST_TRAIL, TRAIL_M = 300, 0.03
 _log = structlog.get_logger()
 
 
-class PoseStream:
+class PoseSampler:
     """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled.
     `shaped`: whether the robot's shape is known, so that replays need its joint angles."""
 
@@ -155,7 +155,7 @@ class PoseStream:
                 raise
 
     def _frame(self, sample: PoseSample, log: PoseLog | None) -> dict[str, Any]:
-        """What the forum gets: pose, body, and with the first pose of a command its plan and its way so far."""
+        """What the forum gets: pose, body, and with the first pose of a command its planned and measured path."""
         pose = [round(v, 3) for v in (sample.pose.x_m, sample.pose.y_m, sample.pose.yaw_rad)]
         frame: dict[str, Any] = {"pose": pose, "body": sample.body if self._body else []}
         if log is not None and log is not self._sent and log.samples:
@@ -164,7 +164,7 @@ class PoseStream:
 
 
 def trail_of(log: PoseLog) -> list[tuple[float, float]]:
-    """The way so far, with a point every few centimetres."""
+    """The measured path, with a point every few centimetres."""
     trail: list[tuple[float, float]] = []
     for sample in log.samples:
         point = round(sample.pose.x_m, 3), round(sample.pose.y_m, 3)

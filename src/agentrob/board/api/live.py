@@ -110,7 +110,7 @@ async def publish_geometry(request: Request, services: AppServices, name: str, b
     """Store the shape of a robot, gzipped, for the 3D view (`docs/seams.md`). Returns the name it is stored under."""
     check_own_robot(by, name)
     data = await request.body()
-    stored = await asyncio.to_thread(geometry.keep, services.settings.images_dir, data)
+    stored = await asyncio.to_thread(geometry.store, services.settings.images_dir, data)
     return json_response(GeometryOut(name=stored))
 
 

@@ -24,7 +24,7 @@ MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.12
 SHOWING_S = 1.0
 #: A limit for each account, and for all.
 MOST_STREAMS, MOST_PER_ACCOUNT = 500, 100
-#: Points of the way so far that are kept, and the distance between two of them.
+#: Points of the measured path that are kept, and the distance between two of them.
 MOST_TRAIL, TRAIL_M = 500, 0.03
 #: PostgreSQL delivers notifications of at most 8000 bytes.
 MOST_SHARED = 7000
@@ -34,7 +34,7 @@ Point = Sequence[float]
 
 @dataclass(slots=True)
 class RobotPoses:
-    """The newest pose of one robot, the plan of its command and the way so far.
+    """The newest pose of one robot, the planned path of its command and the measured one so far.
 
     `called_s` (monotonic) is when its agent was last told of viewers, `call` the timer that tells it again. `viewers`
     are those of this process, `elsewhere` those of other processes.
@@ -42,7 +42,7 @@ class RobotPoses:
 
     name: str
     poses: int = 0
-    ways: int = 0
+    paths: int = 0
     pose_s: float = 0.0
     frame: Mapping[str, Any] = field(default_factory=dict)
     plan: Sequence[Point] = ()
@@ -68,7 +68,7 @@ class RobotPoses:
         """Store a pose: `pose`, `body`, and with a new command its `plan` and `trail`."""
         if "plan" in frame:
             self.plan, self.trail = frame["plan"], list(frame.get("trail", ()))
-            self.ways += 1
+            self.paths += 1
         x, y = frame["pose"][:2]
         last = self.trail[-1] if self.trail else None
         if last is None or abs(x - last[0]) + abs(y - last[1]) > TRAIL_M:
@@ -80,8 +80,8 @@ class RobotPoses:
         self.message = _message(told)
         self.with_body = _message(told | {"body": frame["body"]}) if frame.get("body") else self.message
 
-    def way(self) -> bytes:
-        """The plan and the way so far."""
+    def path_message(self) -> bytes:
+        """The planned path and the measured one so far, as a message."""
         return _message({"robot": self.name, "plan": list(self.plan), "trail": self.trail})
 
 
@@ -96,27 +96,27 @@ class _Channel:
         self.task: asyncio.Task[None] | None = None
 
     def now(self) -> bytes:
-        """What a new viewer gets: the ways, and the poses that are not old."""
+        """What a new viewer gets: the paths, and the poses that are not old."""
         fresh_s = time.monotonic() - SHOWING_S
         poses = (self._pose(robot) for robot in self.robots if robot.pose_s > fresh_s)
-        return b"".join((*(robot.way() for robot in self.robots if robot.poses), *poses))
+        return b"".join((*(robot.path_message() for robot in self.robots if robot.poses), *poses))
 
     def _pose(self, robot: RobotPoses) -> bytes:
         return robot.with_body if self.body else robot.message
 
     async def run(self) -> None:
-        seen = [(robot.poses, robot.ways) for robot in self.robots]
+        seen = [(robot.poses, robot.paths) for robot in self.robots]
         while True:
             await self.changed.wait()
             self.changed.clear()
             parts = []
             for n, robot in enumerate(self.robots):
-                poses, ways = seen[n]
-                if robot.ways != ways:
-                    parts.append(robot.way())
+                poses, paths = seen[n]
+                if robot.paths != paths:
+                    parts.append(robot.path_message())
                 if robot.poses != poses:
                     parts.append(self._pose(robot))
-                seen[n] = robot.poses, robot.ways
+                seen[n] = robot.poses, robot.paths
             if message := b"".join(parts):
                 waiters, self.waiters = self.waiters, set()
                 for waiter in waiters:

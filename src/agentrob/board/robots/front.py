@@ -70,13 +70,13 @@ def last_picture(services: Services, robot: str, viewer: Account | None) -> Imag
         return None
 
     def read() -> Image | None:
-        return telling([image for post in reader.posts_by(account, _LOOK_BACK) for image in post.images])
+        return best_picture([image for post in reader.posts_by(account, _LOOK_BACK) for image in post.images])
 
     return reader.kept(("last picture", account.id, reader.seen()), read)
 
 
-def telling(images: Sequence[Image]) -> Image | None:
-    """The picture that tells most in a list: the first photo, else recording, else plot; None without any."""
+def best_picture(images: Sequence[Image]) -> Image | None:
+    """The picture to show for a reply: the first photo, else recording, else plot; None without any."""
     return min(
         images, key=lambda image: 0 if image.media_type == "image/jpeg" else 1 if image.moving else 2, default=None
     )

@@ -16,7 +16,7 @@ MOST_BYTES, MOST_UNPACKED = 4 * 2**20, 16 * 2**20
 MOST_FILES = 60
 
 
-def keep(images_dir: Path, data: bytes) -> str:
+def store(images_dir: Path, data: bytes) -> str:
     """Store a gzipped geometry; return its name. 413 if it is too large, 422 if it is not gzip."""
     hint = f"gzip, at most {MOST_BYTES} bytes, which unpack to at most {MOST_UNPACKED}"
     if len(data) > MOST_BYTES:

@@ -122,9 +122,9 @@ def drawn_pose(pose: Sequence[float]) -> tuple[float, float, float]:
     return round(pose[0], 3), round(-pose[1], 3), round(-math.degrees(pose[2]), 1)
 
 
-def with_way(one: MapView, plan: Sequence[Sequence[float]], way: Sequence[Sequence[float]]) -> MapView:
-    """The map with a planned and a measured path; poses of `way` are x, y and yaw."""
-    return replace(one, plan=line(plan), measured=line(way), pose=drawn_pose(way[-1]) if way else one.pose)
+def with_paths(one: MapView, plan: Sequence[Sequence[float]], poses: Sequence[Sequence[float]]) -> MapView:
+    """The map with a planned and a measured path; `poses` are x, y and yaw."""
+    return replace(one, plan=line(plan), measured=line(poses), pose=drawn_pose(poses[-1]) if poses else one.pose)
 
 
 def _thing(told: object) -> ThingView | None:

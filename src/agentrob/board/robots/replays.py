@@ -65,14 +65,14 @@ def replay_of(reader: Reader, post_id: str, robot: str) -> bytes | None:
     return None if row is None else base64.b64decode(row.replay)
 
 
-def last_picture(replay: bytes) -> MapView | None:
-    """The map of a replay with the whole way, for pages without scripts; None for a malformed one."""
+def final_map(replay: bytes) -> MapView | None:
+    """The map of a replay with the whole path, for pages without scripts; None for a malformed one."""
     try:
         data = unpacked(replay)
         one = live.map_view(data.get("map"))
         channels = [list(accumulate(channel)) for channel in data["pose"]]
-        way = [(x / 1000, y / 1000, yaw / 1000) for x, y, yaw in zip(*channels, strict=True)]
-        return None if one is None or not way else live.with_way(one, _planned(data), way)
+        poses = [(x / 1000, y / 1000, yaw / 1000) for x, y, yaw in zip(*channels, strict=True)]
+        return None if one is None or not poses else live.with_paths(one, _planned(data), poses)
     except (BoardError, KeyError, TypeError, ValueError, OverflowError):
         return None
 

@@ -46,7 +46,7 @@ async def command(
 def _replays(services: Services, post_id: str, robots: Sequence[str]) -> dict[str, RoomView]:
     """The last picture of each robot's replay, by robot."""
     found = {robot: replays.replay_of(services.store.reader, post_id, robot) for robot in robots}
-    maps = [(robot, replays.last_picture(replay)) for robot, replay in found.items() if replay is not None]
+    maps = [(robot, replays.final_map(replay)) for robot, replay in found.items() if replay is not None]
     return {robot: live.rooms([(robot, one)])[0] for robot, one in maps if one is not None}
 
 

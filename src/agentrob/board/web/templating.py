@@ -28,7 +28,7 @@ from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
 from agentrob.board.robots import live
-from agentrob.board.robots.front import telling
+from agentrob.board.robots.front import best_picture
 from agentrob.board.robots.live import RoomView
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import get_services
@@ -137,7 +137,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"stamp": stamp, "iso": iso, "word": word, "tone": tone, "excerpt": excerpt}
-    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "telling": telling}
+    made.filters |= {"inline_code": inline_code, "report_parts": report_parts, "best_picture": best_picture}
     made.filters |= {"status_card": status_card, "time": from_text}
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
