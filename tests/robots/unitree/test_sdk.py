@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -97,6 +98,20 @@ def test_a_sway_is_no_motion_and_a_moment_of_standing_within_a_stride_is_no_rest
     stopped = ScriptedRobot(at, AT_REST, recent=recent_poses(path)).stop()
     assert stopped.confirmed, stopped.message
     assert stopped.was_moving is was_moving
+
+
+def test_a_second_stop_does_not_count_the_motion_that_the_first_one_ended() -> None:
+    robot, asked_s = ScriptedRobot(AT_REST), time.monotonic()
+    assert robot.stop().confirmed
+    rested_s = time.monotonic()
+
+    def turned_before_the_first_stop(at_s: float) -> Pose:
+        return Pose(0, 0, math.pi - 2 * max(0.0, asked_s - at_s))
+
+    times_s = [rested_s - 0.9 + k / 50 for k in range(46)]
+    robot._recent = lambda: tuple((at_s, turned_before_the_first_stop(at_s)) for at_s in times_s)  # type: ignore[method-assign]
+    second = robot.stop()
+    assert (second.confirmed, second.was_moving) == (True, False)
 
 
 def test_law_18_a_stop_tells_no_way_across_a_jump_of_the_odometry() -> None:

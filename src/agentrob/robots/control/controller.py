@@ -125,6 +125,11 @@ class RestDetector:
         )
         return self.reached
 
+    @property
+    def since_s(self) -> float:
+        """Time of the oldest pose of the rest window; infinite before the first."""
+        return self._seen[0][0] if self._seen else math.inf
+
     def distance_m(self, start: Pose | None) -> float | None:
         """Distance from `start` to the current position, averaged over the rest window; None if either is unknown."""
         if start is None or not self._seen:

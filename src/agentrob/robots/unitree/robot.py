@@ -55,6 +55,7 @@ class UnitreeRobot:
         self._stops = 0
         self._gesture: Gesture | None = None
         self._walking = False
+        self._at_rest_since_s = -math.inf  # as the last confirmed stop saw it
         self._looking = threading.Lock()
 
     # ------------------------------------------------------------ of each kind
@@ -94,7 +95,8 @@ class UnitreeRobot:
         """Command zero velocity at once on a separate client that does not wait for an answer; then wait for rest."""
         asked_s = time.monotonic()
         self._stops += 1
-        before, recent, walking = self.state(), self._recent(), self._walking
+        before, walking = self.state(), self._walking
+        recent = tuple((at_s, pose) for at_s, pose in self._recent() if at_s >= self._at_rest_since_s)
         sent = self._send_stop()
         latency_ms = round(1000 * (time.monotonic() - asked_s), 3)
         rest, gesturing, odometry, jumped = RestDetector(STOPPED_WINDOW_S), self._gesturing, OdometryMonitor(), False
@@ -122,6 +124,8 @@ class UnitreeRobot:
         doubt = self._doubt(rest)
         if doubt and not sent:
             doubt += " The stop could not be written to the robot's network."
+        if not doubt:
+            self._at_rest_since_s = rest.since_s
         return StopResult(latency_ms, not doubt, was_moving, None if doubt else moved_m, doubt)
 
     def _doubt(self, rest: RestDetector) -> str:
