@@ -17,7 +17,7 @@ from agentrob.model import Capabilities, Direction, Language, Mandate, Op, Primi
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.unitree.g1 import CAPABILITIES as G1
 from agentrob.robots.unitree.go2 import CAPABILITIES as GO2
-from agentrob.screening.estimate import GESTURE_S, step_seconds
+from agentrob.model.estimate import GESTURE_S, step_seconds
 from tests.agent.agent_scene import ROBOT, Driver, make_scene
 
 LANGUAGES: list[Language] = ["en", "zh"]

@@ -44,7 +44,7 @@ from agentrob.model import (
     Understanding,
 )
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.estimate import seconds_of
+from agentrob.model.estimate import seconds_of
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
 from agentrob.screening.second_opinion import is_own_words, with_opinion
