@@ -408,7 +408,7 @@ class Pipeline:
         **more: Any,
     ) -> Report:
         if execution is not None:
-            more = {"results": execution.results, "verdict": execution.verdict, **more}
+            more = {"results": execution.results, "verdict": execution.verdict, "findings": execution.findings, **more}
         by = job.decided.by.name if job.decided is not None and job.decided.approved else ""
         timings = dict(job.timings_ms)
         return Report(job.command, status, plan=plan, timings_ms=timings, goal=job.goal_text, approved_by=by, **more)

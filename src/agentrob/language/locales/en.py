@@ -170,7 +170,8 @@ TABLE = {
         |dance for me|dance for us|start dancing|have a dance|do a dance for us|do a dance for me
         |do a little dance for us|do a little dance for me""",
     "op=square": """walk a square|walk in a square|walk the shape of a square|do a square|make a square|go in a square
-        |move in a square|drive a square|drive in a square|trot in a square|walk around in a square|trace a square|walk squares""",
+        |move in a square|drive a square|drive in a square|trot in a square|walk around in a square|trace a square
+        |walk squares""",
     "op=circle": """walk a circle|walk in a circle|walk in circles|walk a little circle|walk in a small circle
         |walk in a little circle|walk around in a circle|walk around in circles|go in a circle|go around in a circle
         |move in a circle|trot in a circle|drive in a circle|drive a circle|walk one circle|trace a circle

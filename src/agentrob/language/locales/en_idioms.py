@@ -51,7 +51,10 @@ def _clock() -> tuple[tuple[str, str], ...]:
 
 
 #: A length, and where one is said of the sides of a square.
-_LENGTH = rf"(?:{_NUMBER}|\d*\.\d+|\d+\.\d+|half an?|an?)(?: and a half)? ?-?(?:m|cm|met(?:er|re)s?|centimet(?:er|re)s?|ft|feet|foot)"
+_LENGTH = (
+    rf"(?:{_NUMBER}|\d*\.\d+|\d+\.\d+|half an?|an?)(?: and a half)? ?-?"
+    r"(?:m|cm|met(?:er|re)s?|centimet(?:er|re)s?|ft|feet|foot)"
+)
 _A_SIDE = r"(?:sides?|side lengths?|edges?|edge lengths?|legs?)"
 
 

@@ -16,9 +16,7 @@ def routine_note(routine: Routine, steps: Sequence[Primitive], times: int, langu
     return say(f"note.routine.{_key(routine)}", language, **values)
 
 
-def unfit(
-    routine: Routine, can: Capabilities, language: Language, words: str, size_m: float | None, times: int
-) -> str:
+def unfit(routine: Routine, can: Capabilities, language: Language, words: str, size_m: float | None, times: int) -> str:
     """Return why a routine cannot be done like this, and what could be."""
     if times > 1 and (most := most_times(routine, can, size_m)):
         return say("ask.routine.times", language, words=words, times=most)

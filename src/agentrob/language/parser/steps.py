@@ -39,6 +39,7 @@ class ParsedSteps:
     picture_after: TokenKind | None = None
     hints: list[list[Primitive]] = field(default_factory=list)  # candidates for the first step that was not understood
     hinted_at: int = 0  # how many steps stand before that one
+    unfit: bool = False  # a routine is known and does not fit the robot's limits
     doubts: int = 0  # how many things were not understood
     offers: list[list[Primitive]] = field(
         default_factory=list
@@ -387,6 +388,7 @@ class _StepBuilder:
             reading.object_to(self._say("ask.speed", said))
             return
         if draft.again or draft.times < 1 or not (steps := steps_of(routine, can, size_m, draft.times)):
+            reading.unfit = True
             reading.object_to(unfit(routine, can, self.language, quote(said), size_m, draft.times))
             return
         if draft.faster:
