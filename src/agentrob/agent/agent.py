@@ -180,7 +180,10 @@ class RobotAgent:
         if pages is None:
             return None
         posts, shape = lambda: self.queue.posts, lambda: self.geometry.name
-        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape)
+        sees = self.detector.things if self.detector else ()
+        return Presence(
+            pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape, sees
+        )  # fmt: skip
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
         recording = self.settings.recording

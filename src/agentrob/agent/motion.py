@@ -24,10 +24,11 @@ from agentrob.agent.store.journal import NotBegun
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
-from agentrob.agent.understanding.visual_goal import local_task_of, visual_task_of, without_model
+from agentrob.agent.understanding.visual_goal import local_task_of, visual_task_of
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
+from agentrob.minds.visual_loop.pursuit import without_model
 from agentrob.model import Capabilities, CommandState, Decision, EndReason, Plan, Primitive, Verdict
 from agentrob.robots.driver.client import DriverClient
 

@@ -230,7 +230,8 @@ class Pipeline:
             return await self._ended(job, understood.plan)
         match understood.intent:
             case Intent.HELP:
-                text = help_text(await self.driver.capabilities(), self.name, language)
+                sees = self.assessor.detector is not None
+                text = help_text(await self.driver.capabilities(), self.name, language, sees=sees)
                 return self._report(job, CommandState.ANSWERED, message=text)
             case Intent.STATUS:
                 return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))

@@ -58,6 +58,7 @@ class ColourDetector:
             _detection(mask, at, HUES[number][0], every, picture.shape, named.size)
             for number in range(len(HUES) - 1)
             for mask, at in _blobs(named == number, least_px)
+            if not _is_ground(mask, at, named.shape)
         ]
         return sorted(found, key=lambda one: -one.score)
 
@@ -121,6 +122,12 @@ def _root(parent: list[int], n: int) -> int:
         parent[n] = parent[parent[n]]
         n = parent[n]
     return n
+
+
+def _is_ground(mask: NDArray[np.bool_], at: tuple[int, int], shape: tuple[int, ...]) -> bool:
+    """Return whether a part reaches three edges of the picture, as a wall, a floor or a sky does."""
+    left, top, right, bottom = at[0], at[1], at[0] + mask.shape[1], at[1] + mask.shape[0]
+    return (left == 0) + (top == 0) + (right >= shape[1]) + (bottom >= shape[0]) >= 3
 
 
 def _detection(

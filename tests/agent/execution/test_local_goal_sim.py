@@ -1,4 +1,5 @@
-"""Goals without a model with the simulated Go2: it walks home by its odometry, and turns to the red ball by its camera."""
+"""Goals without a model with the simulated Go2: it walks home by its odometry and turns to the red ball by its
+camera."""
 
 from __future__ import annotations
 
@@ -50,14 +51,14 @@ async def test_it_turns_to_the_red_ball_walks_away_and_comes_home(world: ServedW
         turned = await scene.final(await scene.post("alice", f"@{ROBOT} turn to the red ball"), 100)
         x_m, y_m, yaw_rad = await place()
         aside_deg = math.degrees(math.atan2(BALL_M[1] - y_m, BALL_M[0] - x_m) - yaw_rad)
-        assert turned.card is not None and turned.card.state == "done", turned.raw
+        assert turned.card.state == "done", turned.raw
         assert "I see a red ball" in turned.raw
         assert abs(aside_deg) < 8, turned.raw
         walked = await scene.final(await scene.post("alice", f"@{ROBOT} walk forward 1 m, turn left 100 degrees"), 100)
-        assert walked.card is not None and walked.card.state == "done", walked.raw
+        assert walked.card.state == "done", walked.raw
         home = await scene.final(await scene.post("alice", f"@{ROBOT} come home"), 100)
         end = await place()
-        assert home.card is not None and home.card.state == "done", home.raw
+        assert home.card.state == "done", home.raw
         assert "m from home by my odometry" in home.raw
         assert math.dist(start[:2], end[:2]) < 0.4, home.raw
         assert abs(math.degrees(math.remainder(end[2] - start[2], math.tau))) < 20, home.raw

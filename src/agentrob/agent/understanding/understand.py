@@ -14,15 +14,7 @@ from agentrob.agent.reporting.status_post import retry_until_answered
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
 from agentrob.agent.understanding.second_opinion import SecondOpinion
-from agentrob.agent.understanding.visual_goal import (
-    for_model,
-    goal_for,
-    in_words,
-    judged_plan,
-    replace_no_camera_answer,
-    vision_model,
-    without_model,
-)
+from agentrob.agent.understanding.visual_goal import replace_no_camera_answer, vision_model
 from agentrob.config.robots import RobotConfig
 from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import Forum
@@ -37,6 +29,7 @@ from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
 from agentrob.minds.visual_loop.goal import goal_of
+from agentrob.minds.visual_loop.pursuit import for_model, goal_for, in_words, judged_plan, without_model
 from agentrob.model import (
     Capabilities,
     Command,

@@ -380,7 +380,14 @@ class _StepBuilder:
     def _routine(self, routine: Routine, draft: Draft, said: str) -> None:
         """Add the steps of a dance, a figure or a patrol, or say which sizes and counts fit this robot's limits."""
         reading, can = self.reading, self.background.can or Capabilities("", self.ops)
+        kind = draft.amount.kind if draft.amount else None
         size_m = draft.amount.value if draft.amount and isinstance(draft.amount.value, float) else None
+        if kind is TokenKind.ANGLE and size_m and not size_m % 360 and not draft.counted:  # 巡逻两圈
+            draft = replace(draft, times=int(size_m / 360), amount=None)
+            kind, size_m = None, None
+        if kind not in (None, TokenKind.LENGTH):  # "walk a square of 1"
+            reading.object_to(self._say("ask.unit" if kind is TokenKind.NUMBER else "ask.words", said))
+            return
         if size_m is None:
             size_m = usual_size_m(routine, can, max(1, draft.times))
         speed_mps = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)

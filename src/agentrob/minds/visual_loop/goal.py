@@ -32,8 +32,8 @@ _POLITE = re.compile(
     r"|i want you to|i would like you to|go and|come on)\s+)+|\s+(?:please|now|for me|thanks|thank you)$"
     r"|^(?:请你?|麻烦你?|帮我|现在|先|能不能|可以|你好|去(?=看|找))+|(?:吧|好吗|一下|谢谢|呗)+$"
 )
-#: A clause that asks or requests; only what is requested may move the robot.
-_ASKED = re.compile(r"[?？]|[吗么]\s*$")
+#: What stands before a question mark, and what requests; a mere question never moves the robot.
+_ASKED = re.compile(r"([^,;.!?\n，。；！？、]*)[?？]")
 _REQUESTED = re.compile(r"\b(?:(?:could|can|would|will) you|please)\b|请|麻烦|帮我|能不能|可以|能否|能(?!看)")
 _MOVING = (Aim.APPROACH, Aim.FACE, Aim.FIND, Aim.HOME)
 _QUESTIONS = {Aim.SEE, Aim.COLOURS}
@@ -86,7 +86,7 @@ def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
     clauses, found = list(_clauses(part)), list[Subgoal]()
     if not any(pattern.fullmatch(clause) for clause in clauses for pattern, _ in _patterns()):
         return None  # without reading the rest
-    if _ASKED.search(part) and not _REQUESTED.search(part) and any(_moves(clause) for clause in clauses):
+    if any(_moves(asked[1]) for asked in _ASKED.finditer(part)):
         return None
     for clause in clauses:
         tasks = _tasks(clause, addressee, found)
@@ -107,8 +107,11 @@ def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> 
     )
 
 
-def _moves(clause: str) -> bool:
-    return any(aim in _MOVING and pattern.fullmatch(clause) for pattern, aim in _patterns())
+def _moves(asked: str) -> bool:
+    """Return whether a question would move the robot if it were a request: "come home?"."""
+    last = list(_clauses(asked))[-1:]
+    moves = any(aim in _MOVING and pattern.fullmatch(clause) for clause in last for pattern, aim in _patterns())
+    return moves and not _REQUESTED.search(asked)
 
 
 def _task_told(task: Subgoal, words: dict[str, str], language: Language) -> str:
