@@ -127,7 +127,7 @@ def _root(parent: list[int], n: int) -> int:
 def _is_ground(mask: NDArray[np.bool_], at: tuple[int, int], shape: tuple[int, ...]) -> bool:
     """Return whether a part reaches three edges of the picture, as a wall, a floor or a sky does."""
     left, top, right, bottom = at[0], at[1], at[0] + mask.shape[1], at[1] + mask.shape[0]
-    return (left == 0) + (top == 0) + (right >= shape[1]) + (bottom >= shape[0]) >= 3
+    return [left == 0, top == 0, right >= shape[1], bottom >= shape[0]].count(True) >= 3
 
 
 def _detection(
