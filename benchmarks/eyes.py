@@ -49,8 +49,8 @@ def main() -> None:
                     seen, shaped = seen + 1, shaped + (nearest.thing == shape)
                     errors.append(abs(nearest.left_deg - view))
             print(
-                f"{name}: seen from {seen} of {asked} places, as a {shape} from {shaped}; error "
-                f"of the angle {np.median(errors):.1f}°, {np.percentile(errors, 95):.1f}° at 95 %; {np.median(took_ms):.0f} ms a picture"
+                f"{name}: seen from {seen} of {asked} places, as a {shape} from {shaped}; error of the angle "
+                f"{np.median(errors):.1f}°, {np.percentile(errors, 95):.1f}° at 95 %; {np.median(took_ms):.0f} ms each"
             )
 
 

@@ -94,9 +94,10 @@ def test_the_marked_picture_has_a_frame_around_the_thing() -> None:
     assert before.shape == after.shape
     changed = np.abs(before - after).max(axis=2) > 60
     left, top, right, bottom = seen.box
-    assert changed[top : top + 2, left + 10 : right - 10].mean() > 0.9
-    assert changed[top + 10 : bottom - 10, left : left + 2].mean() > 0.9
+    assert changed[top - 3 : top - 1, left + 10 : right - 10].mean() > 0.9
+    assert changed[top + 10 : bottom - 10, left - 3 : left - 1].mean() > 0.9
     assert not changed[bottom + 30 :].any()
+    assert changed[top + 10 : bottom - 10, left + 10 : right - 10].mean() < 0.01  # the thing itself stays visible
     assert changed[:top, left : left + 60].any()  # the label
 
 

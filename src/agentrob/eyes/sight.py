@@ -15,7 +15,7 @@ from agentrob.eyes.protocol import Detection, Detector
 FOV_DEG, FOV_OF_MODEL_DEG = 60.0, {"go2": 60.0, "g1": 60.0, "fake": 60.0}
 #: More things than this are not marked, the surest are.
 MOST_MARKED = 12
-_LINE_PX, _FONT_PX = 3, 16
+_LINE_PX, _GAP_PX, _FONT_PX = 3, 3, 16
 _MARK, _INK = (255, 255, 255), (20, 20, 20)
 
 
@@ -53,11 +53,12 @@ def marked(jpeg: bytes, labels: Sequence[tuple[Seen, str]]) -> bytes:
     draw, font = ImageDraw.Draw(picture), ImageFont.load_default(_FONT_PX)
     for one, label in labels[:MOST_MARKED]:
         left, top, right, bottom = one.box
-        draw.rectangle((left - 1, top - 1, right, bottom), outline=_INK, width=_LINE_PX + 2)
-        draw.rectangle((left, top, right - 1, bottom - 1), outline=_MARK, width=_LINE_PX)
+        for ink, line_px, away_px in ((_INK, _LINE_PX + 2, _GAP_PX + 1), (_MARK, _LINE_PX, _GAP_PX)):
+            frame = (left - away_px, top - away_px, right - 1 + away_px, bottom - 1 + away_px)
+            draw.rectangle(tuple(map(float, frame)), outline=ink, width=line_px)
         wide, high = draw.textbbox((0, 0), label, font=font)[2:]
         x = max(0, min(left, picture.width - int(wide) - 6))
-        y = top - int(high) - 6 if top > high + 6 else min(bottom, picture.height - int(high) - 6)
+        y = top - int(high) - 10 if top > high + 10 else min(bottom + 4, picture.height - int(high) - 6)
         draw.rectangle((x, y, x + wide + 6, y + high + 6), fill=_MARK)
         draw.text((x + 3, y + 2), label, fill=_INK, font=font)
     out = io.BytesIO()
