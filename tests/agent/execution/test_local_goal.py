@@ -140,7 +140,7 @@ async def test_it_turns_to_the_red_ball_and_marks_it(robot: MakeRobot) -> None:
     assert done.status is CommandState.DONE
     assert pose is not None
     assert math.degrees(pose.yaw_rad) == pytest.approx(math.degrees(math.atan2(1, 2)), abs=5)
-    assert done.findings[0].startswith("I see a red ball")
+    assert done.findings[0].startswith("I turned to a red ball: measured ")
     pictures = [result.image for result in done.results if result.image]
     assert len(pictures) == 1  # the last one, marked
     assert {step.op for step in driver.steps} == {Op.TURN, Op.GET_FRONT_IMAGE}
@@ -188,15 +188,16 @@ class Chairs:
 
     things, colours = ("chair",), ()
 
-    def __init__(self, error: Exception | None = None) -> None:
+    def __init__(self, error: Exception | None = None, *, always: bool = False) -> None:
         self.looked = 0
         self.error = error
+        self.always = always
 
     def detect(self, picture: Picture) -> Sequence[Detection]:
         self.looked += 1
         if self.error:
             raise self.error
-        return [Detection("chair", "", (0, 100, 60, 200), 0.9)] if self.looked == 1 else []
+        return [Detection("chair", "", (0, 100, 60, 200), 0.9)] if self.always or self.looked == 1 else []
 
 
 async def test_an_owner_s_detector_decides_what_is_seen_and_what_is_lost(robot: MakeRobot) -> None:
@@ -205,6 +206,14 @@ async def test_an_owner_s_detector_decides_what_is_seen_and_what_is_lost(robot: 
     assert ended.status is CommandState.FAILED
     assert ended.findings == ("I turned towards a chair and do not see it any more.",)
     assert eyes.looked == 2
+
+
+async def test_a_detector_that_always_sees_something_aside_turns_the_robot_a_few_times_only(robot: MakeRobot) -> None:
+    driver, eyes = robot(), Chairs(always=True)
+    ended = await pursue(driver, Goal((Subgoal(Aim.FACE, "chair"),)), eyes)
+    assert ended.status is CommandState.FAILED
+    assert ended.findings[0].startswith("I turned several times and still see a chair about ")
+    assert sum(step.moves for step in driver.steps) == 4
 
 
 async def test_a_detector_that_fails_is_told_and_moves_nothing(robot: MakeRobot) -> None:

@@ -52,7 +52,7 @@ async def test_it_turns_to_the_red_ball_walks_away_and_comes_home(world: ServedW
         x_m, y_m, yaw_rad = await place()
         aside_deg = math.degrees(math.atan2(BALL_M[1] - y_m, BALL_M[0] - x_m) - yaw_rad)
         assert turned.card.state == "done", turned.raw
-        assert "I see a red ball" in turned.raw
+        assert "I turned to a red ball: measured " in turned.raw
         assert abs(aside_deg) < 8, turned.raw
         walked = await scene.final(await scene.post("alice", f"@{ROBOT} walk forward 1 m, turn left 100 degrees"), 100)
         assert walked.card.state == "done", walked.raw

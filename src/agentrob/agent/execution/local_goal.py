@@ -36,8 +36,9 @@ from agentrob.model import (
 from agentrob.model.estimate import seconds_of
 from agentrob.robots.driver.client import DriverClient
 
-#: So near to straight ahead a turn towards a thing ends, and after so many turns in any case.
-FACED_DEG, MOST_TURNS = 4.0, 4
+#: So near to straight ahead a turn towards a thing ends, and after so many turns in any case; then it has failed if the
+#: thing is farther aside than the second.
+FACED_DEG, MISSED_DEG, MOST_TURNS = 4.0, 10.0, 4
 #: A look around turns so far after each picture; with the field of view that covers a full turn.
 AROUND_DEG, FULL_TURN_DEG = 45.0, 360.0
 #: The way home is corrected once if it ends farther away than this, and has failed beyond the second.
@@ -164,8 +165,12 @@ class LocalGoalRun(GoalRun):
             if again is None:
                 raise self._fail("eyes.lost", thing=thing_text(part.thing, part.colour, language))
             found = again
-        self.findings.append(say("eyes.faced", language, thing=seen_text(found, language)))
         await self._mark([found])
+        if abs(found.left_deg) > MISSED_DEG:
+            raise self._fail("eyes.not_faced", thing=seen_text(found, language))
+        side = "left" if found.left_deg >= 0 else "right"
+        thing = thing_text(found.thing, found.colour, language)
+        self.findings.append(say(f"eyes.faced.{side}", language, thing=thing, degrees=abs(found.left_deg)))
 
     async def _search(self, part: Subgoal) -> Seen:
         """Look around in steps, if a full turn is within the limits; raises `CommandEnded` if nothing is found."""

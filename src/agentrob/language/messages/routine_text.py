@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from agentrob.language.messages.catalog import say
+from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.routines import Routine, largest_size_m, most_times, sides_of
 from agentrob.model import Capabilities, Language, Primitive
 
@@ -13,7 +13,8 @@ def routine_note(routine: Routine, steps: Sequence[Primitive], times: int, langu
     """Return the note that says which steps a routine was taken as."""
     sides, side_m = sides_of(steps)
     values = {"words": words, "sides": sides // times, "side": f"{side_m:.4g}", "times": times}
-    return say(f"note.routine.{_key(routine)}", language, **values)
+    key = f"note.routine.{_key(routine)}"
+    return say(f"{key}.times" if times > 1 and can_say(f"{key}.times") else key, language, **values)
 
 
 def unfit(routine: Routine, can: Capabilities, language: Language, words: str, size_m: float | None, times: int) -> str:
