@@ -46,7 +46,7 @@ def robot(tmp_path: Path) -> Iterator[MakeRobot]:
     made: list[Guard] = []
 
     def make(*, homed: bool = True, limits: dict[str, Any] | None = None, **options: Any) -> LocalDriver:
-        fake = {"time_scale": 20, "things": [[2, 1, 0.3, "red"], [-3, 0.2, 0.4, "green"]], **options}
+        fake = {"time_scale": math.inf, "things": [[2, 1, 0.3, "red"], [-3, 0.2, 0.4, "green"]], **options}
         settings = RobotConfig.model_validate(
             {"model": "fake", "simulated": True, "home_on_start": homed, "options": fake, "limits": limits or {}}
         )
