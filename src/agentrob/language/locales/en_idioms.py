@@ -56,7 +56,33 @@ def _clock() -> tuple[tuple[str, str], ...]:
     return tuple(found)
 
 
+#: A length, and where one is said of the sides of a square.
+_LENGTH = (
+    rf"(?:{_NUMBER}|\d*\.\d+|\d+\.\d+|half an?|an?)(?: and a half)? ?-?"
+    r"(?:m|cm|met(?:er|re)s?|centimet(?:er|re)s?|ft|feet|foot)"
+)
+_A_SIDE = r"(?:sides?|side lengths?|edges?|edge lengths?|legs?)"
+
+
+def _routines() -> tuple[tuple[str, str], ...]:
+    """Sizes and counts of routines that stand elsewhere than behind their names: "walk a 1 m square"."""
+    walk = r"\b(?:walk|do|make|drive|trace|go|move|trot)(?: in)? "
+    return (
+        (rf"{walk}an? ({_LENGTH}) (?:by|x) \1 square\b", r"walk a square of \1"),
+        (rf"{walk}an? ({_LENGTH}) square\b", r"walk a square of \1"),
+        (rf"{walk}an? ({_LENGTH}) circle\b", r"walk a circle of \1"),
+        (rf"(\bsquare),? (?:with|of) (?:an? |each )?{_A_SIDE} (?:of |is |being )?(?={_LENGTH})", r"\1 of "),
+        (rf"(\bsquare)(?: of|,| with)? ({_LENGTH}) (?:sides|a side|per side|each side|on each side)\b", r"\1 of \2"),
+        (rf"(\bcircle),? (?:with|of) an? diameter (?:of )?(?={_LENGTH})", r"\1 of "),
+        (rf"{walk}a circle,? (?:with|of) an? radius (?:of )?(?={_LENGTH})", "walk a circle with a radius of "),
+        (rf"(\b(?:circle|square) of {_LENGTH}) across\b", r"\1"),
+        (rf"\bpatrol ({_NUMBER}) (?:laps?|rounds?|loops?)\b", r"patrol \1 times"),
+        (r"\bpatrol (?:for )?(?:a|one) (?:lap|round|loop)\b", "patrol once"),
+    )
+
+
 IDIOMS: tuple[tuple[str, str], ...] = (
+    *_routines(),
     (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?wave\b", r"wave to \1"),
     (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?(?:clap|round of applause|hand)\b", r"clap for \1"),
     (rf"\b(?:give|show|send|make) {_WHOM} (?:a|your) (?:{_KINDLY} )?heart\b", r"make a heart for \1"),
