@@ -8,10 +8,9 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for processes half of the time, so three workers keep two cores busy. Simulated worlds run in real time: a
-# robot's state may be at most 0.5 s old, so they get no more workers than cores.
-MANY := -n 3
-WORLDS := -n 2
+# Tests wait for processes and simulated worlds more than half of the time, so four workers keep two cores busy; worlds run
+# on at most two of them at a time (tests/file_scheduler.py).
+MANY := -n 4
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
 SLICE ?= 1/12
@@ -31,8 +30,7 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
-	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim" $(ARGS)
-	$(BIN)/pytest -q $(WORLDS) --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)

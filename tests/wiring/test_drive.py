@@ -17,7 +17,6 @@ import pytest
 from agentrob.config.load import Config, parse, runtime_dir
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, RobotError
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Capabilities, Op, Outcome
 from agentrob.robots.fake import FakeRobot
 from agentrob.wiring.drive import Driven, robot_command_driver
@@ -25,6 +24,8 @@ from tests.agent.execution.visual_model import DONE, running_loop_model
 from tests.minds.scripted_model import move
 from tests.robots.driver_scene import Drivers
 from tests.tolerances import about_m
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 
 @pytest.fixture

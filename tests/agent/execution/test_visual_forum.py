@@ -12,7 +12,6 @@ import pytest
 
 from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import Post
@@ -27,6 +26,8 @@ from tests.agent.execution.visual_model import (
     said,
 )
 from tests.minds.model_double import model_double
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 GOAL = f"@{ROBOT} walk to the red ball and tell me what is beside it"
 LOOK = {"allowed": True}
