@@ -1,8 +1,8 @@
 """Our own processes, started at once: a fork server has imported what drivers, boards, agents and commands need.
 
-A child is a process of its own, with signals, sockets, locks and files as any other. It only does not import and prepare
-everything again, which takes 0.6 s of CPU for a driver, 2 to 3 s for a board or a command that asks it, and 4 s for an
-agent.
+A child is a process of its own, with signals, sockets, locks and files as any other. It only does not import and
+prepare everything again, which takes 0.6 s of CPU for a driver, 2 to 3 s for a board or a command that asks it, and 4 s
+for an agent.
 At least one test of each command starts it from nothing.
 """
 
