@@ -3,7 +3,8 @@
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               the tests that every change must pass
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
-#   make test-long          all slow tests at their full size: kill points, floods, live forums, peers, benchmarks
+#   make test-long          all slow tests, and all floods of generated posts, at their full size: kill points, live
+#                           forums, peers, benchmarks
 #   make check              format, lint, types, contracts, and the tests that run without a board, robot or agent
 SHELL := /bin/sh
 BIN := .venv/bin
@@ -13,6 +14,8 @@ ARGS ?=
 MANY := -n 4
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
+# Files with tests that `make test` runs at a smaller size (tests/sizes.py).
+SIZED = $(shell grep -rl --include='test_*.py' 'tests.sizes import' tests)
 SLICE ?= 1/12
 # A slice may contain no tests of one kind; pytest then exits with 5.
 OR_NONE := || [ $$? = 5 ]
@@ -41,6 +44,7 @@ test-long: export AGENTROB_TEST_SIZE := full
 test-long: setup-slow
 	$(BIN)/pytest -q -n 2 --dist worksteal --files-with slow -m "slow and not sim" $(ARGS)
 	$(BIN)/pytest -q --files-with slow -m "slow and sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim" $(SIZED) $(ARGS)
 
 setup-slow: setup-dev
 	@scripts/system-packages render browser postgres peers
