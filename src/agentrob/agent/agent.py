@@ -657,7 +657,7 @@ class RobotAgent:
     def _queue_changed(self) -> None:
         if self.presence:
             self.presence.changed()
-        if self.camera and self.queue.moving:
-            self.camera.wake()
+        if self.camera and self.queue.moving and not self.recorder.asks_afterwards:
+            self.camera.wake()  # for the recording
         for job in self.queue:
             self.pipeline.show_place(job)

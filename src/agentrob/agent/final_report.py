@@ -114,7 +114,8 @@ class FinalReport:
         with job.log_errors("calls of the model not listed"):
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
-            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+            once = self.forum.max_edits is not None
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
         with job.log_errors("page of the command not known"):
             page = await page_of(self.forum, command.post_id, hurry=self.ending())
         facts: dict[str, Any] | None = None
