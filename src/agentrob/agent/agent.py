@@ -29,6 +29,7 @@ from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.pose_files import PoseFiles
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder, look_of
 from agentrob.agent.media.room_map import RoomMap
@@ -155,7 +156,9 @@ class RobotAgent:
         live = forum if isinstance(forum, PosePages) else None
         room = RoomMap(name, settings)
         self.geometry = Geometry(live, name, settings.map.geometry)
-        self.poses = PoseSampler(live, driver, name, room, shaped=bool(settings.map.geometry))
+        self.poses = PoseSampler(
+            live, driver, name, room, PoseFiles(self.folder / "poses"), shaped=bool(settings.map.geometry)
+        )
         self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
         self.camera = self._make_camera(pages)
@@ -290,6 +293,7 @@ class RobotAgent:
         await self._resume()
         if begun > self.event_stream.now() - LOOK_BACK and await self.journal.get("looked_back") is None:
             await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
+        self._spawn(self.pipeline.final_report.publish_left_replays())
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
 

@@ -99,7 +99,7 @@ class FinalReport:
             with job.log_errors("record not published"):
                 await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(report)
+            await self._publish_replay(report.command.post_id)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -113,14 +113,24 @@ class FinalReport:
                 if not await job.status.add(late, added) and told:
                     await publish_pictures(pictures)
 
-    async def _publish_replay(self, report: Report) -> None:
+    async def publish_left_replays(self) -> None:
+        """Publish the replays of commands that an earlier process reported before it ended."""
+        for post_id in await self.poses.left():
+            claim = await self.journal.claimed(post_id)
+            if claim is None:
+                await self.poses.forget(post_id)
+            elif claim.final is not None:
+                await self._publish_replay(post_id)
+
+    async def _publish_replay(self, post_id: str) -> None:
         """Publish how the robot moved, if the forum replays commands."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
-        geometry, post_id = await self.geometry.publish(), report.command.post_id
+        geometry = await self.geometry.publish()
         replay = await self.poses.replay(post_id, geometry)
         if replay:
             await retry_until_answered(partial(self.forum.publish_replay, post_id, replay), TRIES)
+        await self.poses.forget(post_id)
 
     async def _composed(
         self, job: QueuedCommand, report: Report
