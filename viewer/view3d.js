@@ -100,7 +100,7 @@ class Robot {
 }
 
 // ---------------------------------------------------------------- the view
-class Way {
+class Path {
   constructor(scene, dark) {
     this.scene = scene;
     this.plan = new Line(new BufferGeometry(), new LineDashedMaterial({ color: dark ? 0xffffff : 0x303844, dashSize: 0.12, gapSize: 0.08 }));
@@ -135,7 +135,7 @@ export async function openView(stage, shapes, follow) {
   sun.position.set(2, -3, 5);
   scene.add(sun);
 
-  const robots = new Map(), ways = new Map();
+  const robots = new Map(), paths = new Map();
   let furnished = false;
   for (const [name, shape] of read) {
     if (!furnished && shape.head.room.length) {
@@ -148,7 +148,7 @@ export async function openView(stage, shapes, follow) {
     const robot = new Robot(shape);
     robot.root.visible = false;
     robots.set(name, robot);
-    ways.set(name, new Way(scene, dark));
+    paths.set(name, new Path(scene, dark));
     scene.add(robot.root);
   }
   if (!furnished) scene.add(new GridHelper(12, 12).rotateX(Math.PI / 2));
@@ -201,9 +201,9 @@ export async function openView(stage, shapes, follow) {
       robot.place(pose, body);
       redraw();
     },
-    way(name, plan, trail) {
-      const way = ways.get(name);
-      if (way) { way.set(plan, trail); redraw(); }
+    path(name, plan, trail) {
+      const path = paths.get(name);
+      if (path) { path.set(plan, trail); redraw(); }
     },
     follow(name) {
       follow = name;

@@ -155,9 +155,9 @@ class RobotAgent:
         pages = forum if isinstance(forum, RobotPages) else None
         live = forum if isinstance(forum, PosePages) else None
         room = RoomMap(name, settings)
-        self.geometry = Geometry(live, name, settings.map.geometry)
+        self.geometry = Geometry(live, name, settings.model, settings.map.geometry)
         self.poses = PoseSampler(
-            live, driver, name, room, PoseFiles(self.folder / "poses"), shaped=bool(settings.map.geometry)
+            live, driver, name, room, PoseFiles(self.folder / "poses"), shaped=lambda: not self.geometry.missing
         )
         self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
@@ -178,8 +178,10 @@ class RobotAgent:
     def _make_presence(self, pages: RobotPages | None, room: RoomMap | None) -> Presence | None:
         if pages is None:
             return None
-        posts, shape = lambda: self.queue.posts, lambda: self.geometry.name
-        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape)
+        return Presence(
+            pages, self.driver, self.name, self.settings, lambda: self.queue.posts, self.owner, self.activity, room,
+            self.geometry,
+        )  # fmt: skip
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
         recording = self.settings.recording
@@ -535,11 +537,17 @@ class RobotAgent:
             self.camera.wake()
         elif event.robot == self.name and event.kind is EventKind.ROBOT_POSES:
             self.poses.watch()
-            self._spawn(self.geometry.publish())
+            self._spawn(self._publish_geometry())
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
             self.inbox.put(event, triaged)
+
+    async def _publish_geometry(self) -> None:
+        before = self.geometry.name, self.geometry.missing
+        await self.geometry.publish()
+        if self.presence and before != (self.geometry.name, self.geometry.missing):
+            self.presence.changed()
 
     # ------------------------------------------------------------------ the forum's clock
     @property

@@ -72,7 +72,7 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 async def streaming(drivers: Drivers, pages: Pages, folder: Path) -> AsyncIterator[tuple[PoseSampler, Any]]:
     name, _ = drivers.start()
     async with drivers.client(name) as driver:
-        stream = PoseSampler(pages, driver, name, RoomMap(name, ROOM), PoseFiles(folder), shaped=True)
+        stream = PoseSampler(pages, driver, name, RoomMap(name, ROOM), PoseFiles(folder), shaped=lambda: True)
         running = asyncio.create_task(stream.run())
         try:
             yield stream, driver
@@ -168,7 +168,9 @@ async def test_the_replay_survives_the_agent_that_took_it(drivers: Drivers, tmp_
         file.write('{"at":1,"pose":[0.1')  # the line that was being written
     name, _ = drivers.start("second")
     async with drivers.client(name) as driver:
-        later = PoseSampler(pages, driver, "quadruped", RoomMap("quadruped", ROOM), PoseFiles(tmp_path), shaped=True)
+        later = PoseSampler(
+            pages, driver, "quadruped", RoomMap("quadruped", ROOM), PoseFiles(tmp_path), shaped=lambda: True
+        )
         assert await later.left() == ["7"]
         after = json.loads(gzip.decompress(await later.replay("7", "f" * 32)))
     assert (after["plan"], after["steps"]) == (before["plan"], before["steps"])

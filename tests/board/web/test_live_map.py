@@ -84,7 +84,7 @@ def test_the_robot_moves_on_the_map_of_an_open_topic(site: Site, windows: Window
     pose(site, 1.5, 1.0)
     wait_until_at(page, 1.5, 1.0)
     assert page.locator(".map-plan").get_attribute("points") == "0.50,-1.00 1.50,-1.00"
-    assert (page.locator(".map-way").get_attribute("points") or "").endswith("1.50,-1.00")
+    assert (page.locator(".map-path").get_attribute("points") or "").endswith("1.50,-1.00")
     expect(page.locator(".live-state")).to_contain_text("no position now")
 
 
@@ -149,7 +149,7 @@ def test_without_scripts_the_pages_show_the_last_picture(site: Site) -> None:
         assert at in alice.get(path).text, path
     shown = alice.get(f"/c/{post}").text
     assert "translate(2.0 -0.0)" in shown
-    assert 'class="map-way" points="0.00,-0.00 0.05,-0.00' in shown
+    assert 'class="map-path" points="0.00,-0.00 0.05,-0.00' in shown
     assert shown.count('class="map-thing"') == 2
 
 

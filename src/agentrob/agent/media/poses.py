@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import structlog
@@ -44,7 +44,7 @@ _log = structlog.get_logger()
 
 class PoseSampler:
     """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled.
-    `shaped`: whether the robot's shape is known, so that replays need its joint angles. `files` keep the poses of
+    `shaped`: whether the robot's shape may be known, so that replays need its joint angles. `files` keep the poses of
     commands until their replays are published."""
 
     def __init__(
@@ -55,7 +55,7 @@ class PoseSampler:
         room: RoomMap,
         files: PoseFiles,
         *,
-        shaped: bool,
+        shaped: Callable[[], bool],
     ) -> None:
         self._shaped, self._files = shaped, files
         self._unwritten: tuple[str, PoseLines] | None = None
@@ -176,12 +176,12 @@ class PoseSampler:
 
     @property
     def _hz(self) -> float:
-        if self._body or (self._running is not None and self._shaped):
+        if self._body or (self._running is not None and self._shaped()):
             return HZ
         return MAP_HZ if self._watched else PLAIN_HZ
 
     async def _take(self) -> None:
-        posture = await self._driver.posture(joints=self._shaped and (self._body or self._running is not None))
+        posture = await self._driver.posture(joints=self._shaped() and (self._body or self._running is not None))
         if posture.pose is None or posture.age_s > OLD_S:
             return
         self._newest = sample = PoseSample(time.monotonic(), self._room.in_room(posture.pose), posture)

@@ -30,6 +30,7 @@ Shot = tuple[View, Array, Deliver]
 
 SEVERAL_S = 0.5  # if other views were drawn within this time, several cameras are in use
 SMOOTH_SAMPLES = 4
+SLOW_S = 0.2  # if a shot took longer than this, the machine is busy, and the next one is not smoothed
 FRESH_S = 0.07  # a younger picture is reused; ten requests a second with some jitter all get new ones
 JPEG_QUALITY = 88
 NICE = 5  # physics and drivers, which share the cores, are served first; at 10 a picture on a busy machine took seconds
@@ -147,6 +148,7 @@ class Cameras:
         self._model, self._views, self._pose = model, views, pose
         self._waiting: dict[str, list[Deliver]] = {}
         self._shots: deque[Shot] = deque()
+        self._shot_s = 0.0
         self._newest: dict[str, tuple[float, bytes]] = {}
         self._wake = threading.Condition()
         self._closing = False
@@ -210,8 +212,10 @@ class Cameras:
             return partial(self._live, view, self._waiting.pop(view))
 
     def _shot(self, view: View, pose: Array, deliver: Deliver, renderer: Renderer) -> None:
-        renderer.smooth = not self._in_use(but="")
+        renderer.smooth = not self._in_use(but="") and self._shot_s < SLOW_S
+        begun_s = time.monotonic()
         deliver(self._rendered(view, pose, renderer))
+        self._shot_s = time.monotonic() - begun_s
 
     def _live(self, name: str, delivers: list[Deliver], renderer: Renderer) -> None:
         now, jpeg = time.monotonic(), None
