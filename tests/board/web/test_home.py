@@ -50,11 +50,15 @@ def moving() -> bytes:
     return file.getvalue()
 
 
-def run_command(site: Site, text: str, card: dict[str, Any], body: str = "Seen.", picture: bool = False) -> str:
+def run_command(site: Site, text: str, card: dict[str, Any], body: str = "Seen.", picture: bytes = b"") -> str:
     """Post a command and the robot's claim of it; return the id of the command's post."""
     made = site.api("alice").post("/topics", json={"board_id": "robots", "title": text[11:], "body": text}).json()
     topic, post, robot = made["topic"]["id"], made["post"]["id"], site.api("quadruped")
-    images = [robot.post("/images", files={"file": ("a.png", png(), "image/png")}).json()["id"]] if picture else []
+    images = (
+        [robot.post("/images", files={"file": ("a", picture, "application/octet-stream")}).json()["id"]]
+        if picture
+        else []
+    )
     reply = {"body": body, "reply_to": post, "card": card, "images": images}
     robot.post(f"/topics/{topic}/posts", json=reply, headers={"Idempotency-Key": f"claim:{post}"}).raise_for_status()
     return str(post)
@@ -134,7 +138,7 @@ def test_the_examples_are_what_the_robots_can_do(site: Site) -> None:
 
 def test_threads_show_robot_outcome_sentence_and_picture(site: Site) -> None:
     done = "**Done:** walked 0.97 m.\n\n| Step |\n|---|\n| 1 |\n\nAssumed: x.\n\n#### Details\n\n*trace `4f1c`*"
-    run_command(site, "@quadruped walk there", {"robot": "quadruped", "state": "done"}, done, picture=True)
+    run_command(site, "@quadruped walk there", {"robot": "quadruped", "state": "done"}, done, picture=png())
     row = site.browser("alice").get("/").text.split("walk there")[1].split("</li>")[0]
     assert '<span class="row-text" dir="auto">Done: walked 0.97 m.</span>' in row
     assert '<span class="chip small is-done">done</span> @quadruped' in row
@@ -228,7 +232,7 @@ def test_law_13_escape_stops_what_moves_and_twice_all(site: Site, windows: Windo
 
 
 def test_a_picture_opens_in_place_and_escape_closes_it(site: Site, windows: Windows) -> None:
-    post = run_command(site, "@quadruped look", {"robot": "quadruped", "state": "done"}, "Done.", picture=True)
+    post = run_command(site, "@quadruped look", {"robot": "quadruped", "state": "done"}, "Done.", picture=png())
     page = windows.open("bob")
     page.goto(f"/p/{post}")
     address, before = page.url, stops(site)
@@ -276,6 +280,23 @@ def test_a_report_comes_with_its_captions_and_its_recording_is_added_without_a_f
     assert page.evaluate("window.states") == ["1,1", "2,2"]
     assert page.evaluate("window.seen.isConnected && window.seen.complete"), "the picture that was there stays"
     expect(page.locator("article.by-robot details")).to_have_attribute("open", "")
+
+
+def test_a_recording_can_be_paused(site: Site, windows: Windows) -> None:
+    post = run_command(site, "@quadruped film", {"robot": "quadruped", "state": "done"}, "Done.", picture=moving())
+    page = windows.open("bob", reduced_motion="no-preference")
+    page.goto(f"/p/{post}")
+    shown = page.locator(".pictures img")
+    expect(shown).to_be_visible()
+    page.get_by_role("button", name="Pause").click()
+    expect(page.locator(".pictures canvas")).to_be_visible()
+    expect(shown).to_be_hidden()
+    page.get_by_role("button", name="Play").click()
+    expect(shown).to_be_visible()
+    calm = windows.open("bob")
+    calm.goto(f"/p/{post}")
+    expect(calm.get_by_role("link", name="Play the recording")).to_be_visible()
+    expect(calm.get_by_role("button", name="Pause")).to_be_hidden()
 
 
 def test_times_are_relative_with_the_exact_time_on_hover(site: Site, windows: Windows) -> None:

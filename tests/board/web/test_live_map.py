@@ -101,9 +101,12 @@ def test_the_3d_view_is_loaded_only_when_asked_for_and_falls_back_to_the_map(sit
     page = windows.open("alice")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
+    missing = "no 3D model of a rover is known"
+    card = CARD | {"map": MAP | {"no_geometry": missing}}
+    site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
     page.goto(f"/t/{topic}")
     page.get_by_role("button", name="3D").click()
-    expect(page.locator(".live-state")).to_contain_text("3D is not available here")
+    expect(page.locator(".live-state")).to_contain_text(f"3D is not available here: {missing}")
     expect(page.locator(".map")).to_be_visible()
     expect(page.get_by_role("button", name="3D")).to_have_count(0)
     assert not [url for url in asked if "viewer3d" in url], "without a shape three.js is not loaded either"

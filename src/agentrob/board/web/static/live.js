@@ -129,6 +129,7 @@ function keepSeen(old, fresh) {
     if (!same) continue;
     loaded.delete(image.getAttribute("src"));
     same.alt = image.alt;
+    same.hidden = false;
     image.replaceWith(same);
   }
   if (old.querySelector("details[open]")) for (const fold of fresh.querySelectorAll("details")) fold.open = true;
@@ -271,6 +272,22 @@ document.addEventListener("click", (event) => {
   shownPicture.classList.toggle("plot", Boolean(link.closest(".plot")));
   shownPicture.querySelector("p").textContent = link.closest("figure")?.querySelector("figcaption")?.textContent || "";
   shownPicture.showModal();
+});
+
+// A recording plays again and again; paused, its first picture is shown.
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("[data-pause]");
+  if (!button) return;
+  const image = button.closest("figure").querySelector("img");
+  const still = button.closest("figure").querySelector("canvas");
+  if (still) still.remove();
+  else {
+    const canvas = make("canvas", { width: image.naturalWidth, height: image.naturalHeight }, { role: "img", "aria-label": image.alt });
+    canvas.getContext("2d").drawImage(image, 0, 0);
+    image.after(canvas);
+  }
+  image.hidden = !still;
+  button.textContent = still ? "Pause" : "Play";
 });
 
 // ---------------------------------------------------------------- the state of robots, updated while visible
