@@ -218,16 +218,19 @@ class Cameras:
         self._shot_s = time.monotonic() - begun_s
 
     def _live(self, name: str, delivers: list[Deliver], renderer: Renderer) -> None:
-        now, jpeg = time.monotonic(), None
-        if name in self._newest and now - self._newest[name][0] < FRESH_S:
-            jpeg = self._newest[name][1]
-        else:
-            renderer.smooth = not self._in_use(but=name)
-            jpeg = self._rendered(self._views[name], self._pose(), renderer)
-            if jpeg is not None:
-                self._newest[name] = (now, jpeg)
+        jpeg = self._fresh(name, renderer)
         for deliver in delivers:
             deliver(jpeg)
+
+    def _fresh(self, name: str, renderer: Renderer) -> bytes | None:
+        now = time.monotonic()
+        if name in self._newest and now - self._newest[name][0] < FRESH_S:
+            return self._newest[name][1]
+        renderer.smooth = not self._in_use(but=name)
+        jpeg = self._rendered(self._views[name], self._pose(), renderer)
+        if jpeg is not None:
+            self._newest[name] = (now, jpeg)
+        return jpeg
 
     def _in_use(self, but: str) -> bool:
         """Whether another live view was rendered just now."""
