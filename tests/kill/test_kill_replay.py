@@ -11,9 +11,10 @@ from tests.kill.kill_scene import ROBOT, KillScene, check
 
 #: The agent dies before (or after) this function; the robot walked 0.3 m.
 JOURNAL, FORUM = "agentrob.agent.store.journal:Journal.", "agentrob.forums.agentrob.forum:BoardForum."
+END, REPORT = "the motion's end is committed", "the report is posted, its replay not"
 POINTS = {
-    "the motion's end is committed": {"target": JOURNAL + "_end", "when": "after"},
-    "the report is posted, its replay not": {"target": FORUM + "publish_replay", "when": "before"},
+    END: {"target": JOURNAL + "_end", "when": "after"},
+    REPORT: {"target": FORUM + "publish_replay", "when": "before"},
 }
 
 
@@ -27,7 +28,7 @@ def replay_of(scene: KillScene, post_id: str) -> dict[str, Any]:
     return dict(wait_for("the replay", find, 60.0))
 
 
-@pytest.mark.parametrize("point", POINTS)
+@pytest.mark.parametrize("point", [END, pytest.param(REPORT, marks=pytest.mark.slow)])
 def test_the_replay_survives_the_agent(point: str, scene: KillScene) -> None:
     scene.arm("agent", {"nth": 1, "containing": "", **POINTS[point]})
     command = scene.ask("walk forward 0.3 metres")
