@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import http.server
 import io
 import threading
@@ -96,6 +97,16 @@ async def test_a_backflip_has_at_least_24_different_frames_at_real_speed_and_loo
 async def test_where_a_reply_cannot_be_edited_it_waits_for_its_recording(camera: PastCamera, tmp_path: Path) -> None:
     recorder = Recorder(tmp_path, RecordingConfig(camera=camera.url))
     assert await recorder.animation(report((flip(camera.begin_s),)), once=True)
+
+
+async def test_nothing_is_rendered_while_the_robot_moves_again(camera: PastCamera, tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path, RecordingConfig(camera=camera.url))
+    with recorder.filming("8"):
+        late = asyncio.create_task(recorder.animation(report((flip(camera.begin_s),)), once=True))
+        await asyncio.wait({late}, timeout=3 * film.REST_S)
+        assert camera.asked == 0
+    assert await late or await recorder.late("7")
+    assert camera.asked > 24
 
 
 async def test_a_camera_that_is_slow_leaves_out_pictures_evenly(

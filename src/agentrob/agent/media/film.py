@@ -6,7 +6,9 @@ then no picture of a quick gesture is missing, and taking them costs nothing whi
 
 from __future__ import annotations
 
+import asyncio
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import httpx2
@@ -21,6 +23,8 @@ from agentrob.process.tls import tls
 FIRST_EVERY_S, MANY, MOST_BYTES = 0.04, 96, 24 * 2**20
 #: How long pictures of the past may take; those that are left out then are spread evenly.
 FETCH_S = 15.0
+#: How often it is checked whether the robot still moves.
+REST_S = 0.2
 #: After this many consecutive failures, a camera is not asked until the next command.
 TRIES = 4
 _MAX_FRAME = 2**20
@@ -45,14 +49,20 @@ class Film:
             self.frames, self.every_s = self.frames[::2], self.every_s * 2
 
 
-async def past(url: str, begin_s: float, end_s: float, count: int) -> Film:
-    """Ask a camera that keeps the past for `count` pictures between two monotonic times. Never raises."""
+async def past(url: str, begin_s: float, end_s: float, count: int, moving: Callable[[], bool] = lambda: False) -> Film:
+    """Ask a camera that keeps the past for `count` pictures between two monotonic times. Never raises.
+
+    While the robot is `moving` again it is not asked: rendering would take time from the next command and its stop.
+    """
     film, left, until_s = Film(follows=True), TRIES, time.monotonic() + FETCH_S
     if count < 2:
         return film
     async with httpx2.AsyncClient(timeout=5.0, trust_env=False, verify=tls()) as http:
         for n in coarse_first(count):
             at_s = begin_s + (end_s - begin_s) * n / (count - 1)
+            while moving():
+                await asyncio.sleep(REST_S)
+                until_s += REST_S
             if time.monotonic() > until_s or not left:
                 break
             try:

@@ -31,7 +31,7 @@ from agentrob.robots.driver.client import DriverClient
 
 #: How long a reply waits for its animation; where a reply cannot be edited, how long it waits then; and how long after
 #: a reply the animation may still be added.
-DRAW_S, ONCE_S, LATE_S = 1.5, 8.0, 40.0
+DRAW_S, ONCE_S, LATE_S = 1.5, 8.0, 90.0
 #: Shorter commands get no animation.
 SHORTEST_S = 1.0
 #: How many films wait for their reports: a model may still work on one report while the next command runs.
@@ -163,7 +163,13 @@ class Recorder:
         begin_s, length_s = begins_s(results), seconds(results)
         try:
             if self.asks_afterwards:
-                film = await past(self._settings.camera, begin_s, begin_s + length_s, animation.frames_of(length_s))
+                film = await past(
+                    self._settings.camera,
+                    begin_s,
+                    begin_s + length_s,
+                    animation.frames_of(length_s),
+                    lambda: self._running is not None,
+                )
             scene = await asyncio.to_thread(_written, results, film, round(1000 * self._settings.max_kb))
             if scene and (webp := await _drawn(scene)):
                 await asyncio.to_thread(_write, self.file(post_id, "webp"), webp)
