@@ -9,7 +9,7 @@ import pytest
 
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import rights
-from tests.board.web.forum_site import PASSWORD, Site, running_site
+from tests.board.web.forum_site import CARD, PASSWORD, Site, running_site
 
 SECRET = re.compile(r'<textarea id="secret"[^>]*>([^<]*)</textarea>')
 
@@ -79,6 +79,37 @@ def test_boards_and_invites(site: Site) -> None:
     assert site.browser().send(path, name="invited", password=PASSWORD).url.path == "/"
     late = site.browser()
     assert "was used up" in late.send(path, name="late", password=PASSWORD).text
+
+
+def test_an_invite_for_simulated_robots(site: Site) -> None:
+    root = site.browser("root")
+    assert 'name="commands_simulated" checked' in root.get("/admin/invites?simulated=1").text
+    assert 'href="/admin/invites?simulated=1"' in root.get("/").text
+    shown = root.send("/admin/invites", role="member", uses="1", days="3", commands_simulated="on")
+    assert "who may command simulated robots" in shown.text
+    assert "member, operator of simulated robots" in root.get("/admin/invites").text
+    link = SECRET.search(shown.text)
+    assert link
+    guest = site.browser()
+    home = guest.send(link[1].removeprefix(site.base), name="player", password=PASSWORD)
+    assert "Your account may command simulated robots" in home.text
+    assert "can command simulated robots" in guest.get("/u/player").text
+    account = site.api("root").get("/accounts/player").json()
+    assert (account["role"], account["commands_simulated"]) == ("member", True)
+    root.send("/admin/accounts/player/change", "/admin/accounts/player", role="member", display_name="")
+    assert site.api("root").get("/accounts/player").json()["commands_simulated"] is False
+
+
+def test_a_room_is_reset_by_an_account_for_simulated_robots_only_if_the_robot_is_simulated(site: Site) -> None:
+    admin_api, robot = site.admin_api(), site.api("quadruped")
+    made = {"name": "tester", "role": "member"}
+    admin_api.post("/admin/accounts", json=made).raise_for_status()
+    admin_api.patch("/admin/accounts/tester", json={"commands_simulated": True}).raise_for_status()
+    token = admin_api.post("/admin/accounts/tester/tokens", json={}).json()["token"]
+    for simulated, status in ((True, 200), (False, 403)):
+        robot.put("/robots/quadruped", json={"card": CARD | {"simulated": simulated}}).raise_for_status()
+        sent = site.api("root").post("/robots/quadruped/reset", headers={"Authorization": f"Bearer {token}"})
+        assert sent.status_code == status, sent.text
 
 
 def test_only_the_owner_may_change_a_robots_rights(site: Site) -> None:
