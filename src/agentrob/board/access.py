@@ -219,11 +219,20 @@ async def new_password(services: Services, secret: str, password: str, address: 
 
 
 async def change_password(services: Services, account: Account, old: str, new: str, address: str) -> str:
-    """Change a password, given the old one; return a session and end all others. 401, 422, 429."""
-    await _check_password(services, account.name, old, address)
+    """Change a password, given the old one if there is one; return a session and end all others. 401, 422, 429."""
+    if has_password(services, account):
+        await _check_password(services, account.name, old, address)
+    else:
+        await _record_attempt(services, account.name, address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, new)
     return await services.store.do(lambda t: accounts.set_password(t.connection, int(account.id), password_hash))
+
+
+def has_password(services: Services, account: Account) -> bool:
+    """Whether an account can sign in by a password; one that was made for links has none at first."""
+    row = services.store.reader.first(accounts.password_of(account.name))
+    return row is not None and row.password_hash is not None
 
 
 async def enter(services: Services, secret: str) -> str:

@@ -66,6 +66,24 @@ def test_a_token_is_shown_once_and_can_be_revoked(site: Site) -> None:
     assert f'value="{token_id}"' not in root.get(page).text
 
 
+def test_an_account_that_was_made_for_a_link_sets_its_first_password_itself(site: Site) -> None:
+    site.admin_api().post("/admin/accounts", json={"name": "guest"}).raise_for_status()
+    guest = site.browser("guest")
+    assert "Set a password" in guest.get("/u/guest").text
+    assert 'name="old"' not in guest.get("/password").text
+    short = guest.send("/password", password="short")
+    assert (short.status_code, 'name="old"' in short.text) == (422, False)
+    elsewhere = site.browser("guest")
+    assert guest.send("/password", password=PASSWORD).url.path == "/"
+    assert "Change password" in guest.get("/u/guest").text
+    assert elsewhere.get("/password").url.path == "/sign-in", "other sessions have ended"
+    assert site.browser().send("/sign-in", name="guest", password=PASSWORD).url.path == "/"
+    assert 'name="old"' in guest.get("/password").text
+    assert guest.send("/password", password="another password").status_code == 401, (
+        "the old one is asked for from now on"
+    )
+
+
 def test_boards_and_invites(site: Site) -> None:
     root = site.browser("root")
     fields = {"name": "The lab", "description": "", "read_role": "operator", "post_role": "operator"}
