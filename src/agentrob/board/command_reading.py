@@ -29,12 +29,17 @@ MAX_WAITING = 16
 
 @dataclass(frozen=True, slots=True)
 class ReadableRobot:
-    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first."""
+    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first.
+
+    `flips`: its owner consents to flips, or that is not known. `scene` describes its surroundings, if that is known.
+    """
 
     name: str
     can: Capabilities
     rights: RobotRights = RobotRights()
     history: tuple[Plan, ...] = ()
+    flips: bool = True
+    scene: str = ""
 
 
 @dataclass(frozen=True, slots=True)

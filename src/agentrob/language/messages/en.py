@@ -62,7 +62,7 @@ PHRASES = {
     "read.limit.command_time": "Too long: {limit} s a command at most.",
     "read.limit.command_steps": "Too much: {limit} steps a command at most.",
     "read.limit.speed": "Too fast: {limit} m/s at most.",
-    "read.approval": "I would {steps}, after an approval.",
+    "read.approval": "This would wait for an approval. Then I would {steps}.",
     "read.stop": "I would stop.",
     "read.answer": "I would answer, without moving.",
     "read.no_command": "I read no command in this.",

@@ -62,7 +62,7 @@ PHRASES = {
     "read.limit.command_time": "太久：每条命令最多 {limit} 秒。",
     "read.limit.command_steps": "太多：每条命令最多 {limit} 步。",
     "read.limit.speed": "太快：最多 {limit} 米/秒。",
-    "read.approval": "经批准后，我会{steps}。",
+    "read.approval": "这需要等待批准。批准后，我会{steps}。",
     "read.stop": "我会停下。",
     "read.answer": "我会回答，不会移动。",
     "read.no_command": "我在这里没有读到命令。",
