@@ -102,6 +102,7 @@ def test_boards_and_invites(site: Site) -> None:
 def test_an_invite_for_simulated_robots(site: Site) -> None:
     root = site.browser("root")
     assert 'name="commands_simulated" checked' in root.get("/admin/invites?simulated=1").text
+    assert 'name="commands_simulated">' in root.get("/admin/invites").text
     assert 'href="/admin/invites?simulated=1"' in root.get("/").text
     shown = root.send("/admin/invites", role="member", uses="1", days="3", commands_simulated="on")
     assert "who may command simulated robots" in shown.text
