@@ -88,6 +88,14 @@ def test_law_2_who_may_not_command_is_told_who_can_allow_it() -> None:
     assert "An admin of the forum can give it." in found.line
 
 
+def test_law_2_an_account_for_simulated_robots_is_told_where_it_may_command() -> None:
+    player = Account("3", "eve", commands_simulated=True)
+    simulated = replace(DOG, can=replace(DOG.can, simulated=True))
+    assert read(DraftCommand("@quadruped wave", player, (simulated,))).robots[0].outcome == "would"
+    (found,) = read(DraftCommand("@quadruped wave", player, (DOG,))).robots
+    assert (found.outcome, found.rule) == ("refuse", "rights.simulated")
+
+
 @pytest.fixture(scope="module")
 def process() -> Iterator[ReaderProcess]:
     process = ReaderProcess()
