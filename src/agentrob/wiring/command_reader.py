@@ -62,7 +62,9 @@ def serve() -> None:
     """Read texts from standard input until it ends."""
     server = LineServer(LIMIT_S)
     prepare()
-    warm = ReadableRobot("robot", Capabilities("", frozenset(Op)), scene="A room with a table 2 m in front of the robot.")
+    warm = ReadableRobot(
+        "robot", Capabilities("", frozenset(Op)), scene="A room with a table 2 m in front of the robot."
+    )
     read(DraftCommand("@robot walk forward 1 m, then turn left. 向前走一米", Account("0", "nobody"), (warm,)))
     while _one(server):
         pass

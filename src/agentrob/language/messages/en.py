@@ -370,6 +370,7 @@ PHRASES = {
     "agent.unknown.odometry_jump": "unknown: odometry jumped",
     # -------------------------------- why a step ended
     "agent.reason.obstacle": "Something was in the way.",
+    "agent.reason.obstacle.near": "Something is {distance} m away ({side}); this step needs {needed} m there.",
     "agent.reason.fence": "It would have left the allowed area.",
     "agent.reason.deadline": "It took too long.",
     "agent.reason.stale_state": "The robot's state was too old to trust.",

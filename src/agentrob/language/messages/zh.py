@@ -306,7 +306,8 @@ PHRASES = {
     "agent.unknown.odometry_lost": "未知：里程计丢失",
     "agent.unknown.odometry_jump": "未知：里程计跳变",
     # -------------------------------- why a step ended
-    "agent.reason.obstacle": "前方有障碍物。",
+    "agent.reason.obstacle": "有障碍物离得太近。",
+    "agent.reason.obstacle.near": "{side}方 {distance} 米处有障碍物，这一步在那里需要 {needed} 米。",
     "agent.reason.fence": "会走出允许的区域。",
     "agent.reason.deadline": "超时。",
     "agent.reason.stale_state": "机器人状态太旧，不可信。",
