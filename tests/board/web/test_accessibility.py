@@ -291,6 +291,8 @@ def test_every_control_is_reachable_by_tab_with_a_visible_focus(
         page.add_init_script("window.setInterval = () => 0")  # nothing is renewed under the marks
         for entry in (s for s in PAGES if s.who == who):
             page.goto(entry.path.format(**names), wait_until="domcontentloaded")
+            if page.locator("[data-replay]").count():
+                page.locator(".live-controls").first.wait_for()  # made by a script, once the replay is loaded
             page.evaluate(FOCUS_TOP)
             found[entry.name] = tab_order_problems(page)
     windows.console_errors = [c for c in windows.console_errors if "404" not in c]  # the page that says so
