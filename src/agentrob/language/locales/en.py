@@ -11,6 +11,7 @@ from agentrob.language.locales.en_idioms import IDIOMS
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
+from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.talk.words_en import FORMS
 
@@ -707,6 +708,8 @@ LOCALE = Locale(
         |after which|later|subsequently|thereafter|at the end|in the end""",
     waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
         |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
+    statements=StatementClassifier("en"),
+    looks="look|face",
     remark=REMARKS.remark,
     fragment=REMARKS.fragment,
     introduction=REMARKS.introduction,

@@ -13,6 +13,7 @@ from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
 from agentrob.language.remarks import chinese as remarks
+from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.talk.words_zh import FORMS
 
 
@@ -333,7 +334,7 @@ TABLE = {
     "op=get_front_image": f"""{_separable("拍|照", "照")}|{_separable("照|拍", "相")}|拍一张|拍张|拍上一张|照张相
         |拍张照|拍一张照|拍张相|照一张|来一张|拍张照片|拍一张照片|拍个照片|照张照片|拍照片|拍张图|拍一张图|拍个图
         |拍几张照片|来张照片|来一张照片|照张|拍照一张|照一张相|拍个合影|合个影|合张影|拍拍照|抓拍一张|抓拍|咔嚓一张
-        |咔嚓一下|来张图|给张照片|影相|影张相|影个相|影张|{_separable("拍|照", "相片")}|照个像|照张像|截个图
+        |咔嚓一下|来张图|给张照片|影相|影张相|影个相|影张|{_separable("拍|照", "相片")}|照个像|照张像
         |截张图|截一张图|截屏|截个屏|抓图|抓个图|抓张图|抓一张图|采图|采集图像
         |采集一张图像|采集一帧图像|采一帧图像|采一张图|抓一帧|抓一帧图像|抓一帧画面|抓一帧前视图像|抓取图像
         |抓取一帧|抓取一帧图像
@@ -615,6 +616,8 @@ LOCALE = Locale(
         |(?<![向往朝背身])後""",
     waits="等到|等|当|當|如果|要是|一旦|直到|在|只要|的时候|的時候|那会儿|那會兒|那一刻|的瞬间",
     phrases=with_phrases,
+    statements=StatementClassifier("zh"),
+    looks="看",
     remark=remarks.REMARK,
     aside=remarks.ASIDE,
     purpose=remarks.PURPOSE,

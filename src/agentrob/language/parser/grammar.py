@@ -268,7 +268,7 @@ class _Reader:
         if is_spoken_of(plain, self.known.talk):
             return True
         return understood.intent is Intent.ASK_BACK and is_talk(
-            plain, self.known.remark, self.known.talk, self._names_deed
+            plain, self.known.talk, self.known.states, self.known.surely_states, self._names_deed
         )
 
     def _names_deed(self, words: str) -> bool:
