@@ -644,7 +644,8 @@ class RobotAgent:
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
         await self._compared()
-        allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
+        granted = may(account, "command", simulated=self.settings.simulated)
+        allowed = obeyed(account, self._me) and granted.decision is Decision.ALLOW
         fresh = (self.event_stream.now() - at).total_seconds() <= self.settings.max_post_age_s
         if not self.settings.room_reset or not allowed or not fresh:
             return

@@ -47,7 +47,8 @@ class MapConfig(Section):
 
     Positions are in metres in the frame of `room`: x and y as you choose them, `home_at_m` and `home_facing_deg` say
     where the robot's home is in it. Without a `room` the robot has a map of its own, around its home. Only the `things`
-    that are listed are shown. `geometry` is where the robot's shape for the 3D view comes from: `auto` (made from the
+    that are listed are shown; if there are any, the forum also gets the robot's `scene`, to judge by it what people
+    write before they post it. `geometry` is where the robot's shape for the 3D view comes from: `auto` (made from the
     installed models of a Go2 or G1, extra `sim`), a URL (`agentrob sim` serves one, with its room), or `none`. Without
     a shape there is only the map.
     """

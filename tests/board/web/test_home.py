@@ -157,8 +157,9 @@ def test_threads_show_robot_outcome_sentence_and_picture(site: Site) -> None:
 def test_only_an_admin_is_offered_to_invite_somebody(site: Site) -> None:
     assert "Invite someone" in site.browser("root").get("/").text
     assert "Invite someone" not in site.browser("alice").get("/").text
-    form = site.browser("root").get("/admin/invites?role=operator").text
-    assert "<option selected>operator</option>" in form
+    form = site.browser("root").get("/admin/invites?simulated=1").text
+    assert "<option selected>member</option>" in form
+    assert 'name="commands_simulated" checked' in form
 
 
 def test_the_first_page_is_small(site: Site) -> None:

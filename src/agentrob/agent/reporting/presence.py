@@ -127,7 +127,8 @@ class Presence:
         pose = [round(v, 2) for v in (stands.x_m, stands.y_m, stands.yaw_rad)] if stands else None
         shape = self._geometry
         known = {"geometry": shape.name, "no_geometry": shape.missing} if shape else {}
-        return {"map": {**self._room.as_data(), "pose": pose, **known}}
+        scene = {"scene": self._settings.scene} if self._settings.map.things else {}
+        return {"map": {**self._room.as_data(), **scene, "pose": pose, **known}}
 
     def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
         battery = state.battery_percent if state else None
@@ -147,6 +148,8 @@ class Presence:
             "camera": bool(self._settings.room_camera),
             "sees": self._sees,
             "owner": self._settings.owner,
+            "consents": ["flip"] if self._settings.allow_flip else [],
+            "approval": [str(kind) for kind in self._settings.approval.classes],
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,

@@ -52,7 +52,7 @@ setInterval(() => { if (!document.hidden) localTimes(document); }, 20000);
 
 // Make elements that scroll sideways reachable by keyboard.
 function reachable(root) {
-  for (const one of root.querySelectorAll(".body table, pre")) {
+  for (const one of root.querySelectorAll(".body table, pre, .wide-table:not([role])")) {
     if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
     else one.removeAttribute("tabindex");
   }
