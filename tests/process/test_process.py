@@ -14,6 +14,7 @@ from agentrob.config import load
 from agentrob.errors import ConfigError, RobotBusy
 from agentrob.process import host_lock
 from agentrob.process.child import Child, ChildError, terminate_all
+from tests.host_numbers import dds_number
 
 LIMIT_S = 60.0
 
@@ -100,7 +101,7 @@ def test_a_failed_child_is_reported_with_its_last_output(tmp_path: Path) -> None
 def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     code = (
         "from pathlib import Path; from agentrob.process.child import Child\n"
-        "c = Child('sim', ['sim', '--domain', 'go2=150'], Path('log')); c.wait_ready(60)\n"
+        f"c = Child('sim', ['sim', '--domain', 'go2={181 + dds_number()}'], Path('log')); c.wait_ready(60)\n"
         "print(c.process.pid, flush=True); input()"
     )
     parent = subprocess.Popen(

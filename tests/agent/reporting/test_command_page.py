@@ -52,7 +52,7 @@ async def test_a_finished_command_has_a_page_with_what_was_asked_and_measured(
     assert f"[trace `{record['trace_id']}`]({address})" in posts[1]["raw"]
     assert f'href="{address}"' in posts[1]["html"]
     page = board.browser("op").get(f"/c/{posts[0]['id']}").text
-    assert "0.50 m" in page
+    assert "walk forward 0.5 m" in page
     assert record["trace_id"] in page
 
 

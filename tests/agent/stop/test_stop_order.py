@@ -82,6 +82,7 @@ class Scenario:
         self.ran: list[str] = []
         self.refused: dict[str, str] = {}
         self.gate = asyncio.Event()
+        self.final_report = self
         self.waiting: set[asyncio.Task[Any] | None] = set()
         self.denied: set[asyncio.Task[Any]] = set()
 
@@ -92,6 +93,9 @@ class Scenario:
         await self.agent._start()
         self._note_heard()
         await self.idle()
+
+    async def publish_left_replays(self) -> None:
+        """Nothing was recorded."""
 
     async def end(self) -> None:
         for task in tuple(self.agent._tasks):

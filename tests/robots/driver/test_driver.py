@@ -535,7 +535,7 @@ def test_an_unknown_model_or_option_says_what_would_be_valid(drivers: Drivers) -
     for thread in threads:
         thread.join()
     assert "installed robots: fake, g1, go2" in results["model"]
-    assert "valid: faults, obstacles, room, time_scale" in results["option"]
+    assert "valid: faults, obstacles, room, things, time_scale" in results["option"]
 
 
 def test_a_robot_of_a_stranger_that_cannot_be_loaded_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
