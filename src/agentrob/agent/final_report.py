@@ -55,7 +55,7 @@ class FinalReport:
         try:
             await self._post(job, report)
         finally:
-            self.recorder.forget(job.command.post_id)
+            self.recorder.forget(job.command.key)
 
     async def _post(self, job: QueuedCommand, report: Report) -> None:
         command, text, pictures, facts = job.command, *await self._composed(job, report)
@@ -69,7 +69,7 @@ class FinalReport:
         # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
         with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
-                await self.journal.set_plan(command.post_id, report.plan)
+                await self.journal.set_plan(command.key, report.plan)
         close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
         try:
             ours = await self.writes.when_allowed(close)
@@ -77,28 +77,30 @@ class FinalReport:
             _log.error("final reply not posted", post=command.post_id, error=str(e))
             return
         with job.log_errors("claim not closed in the journal"):
-            await self.journal.finish(command.post_id, report.status)
+            await self.journal.finish(command.key, report.status)
         if not ours:
             return  # another agent of this account posted the end, and keeps its record and pictures
         with job.log_errors("record not published"):
-            await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+            if command.run is None:  # the page of a command is that of its post
+                await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
             await self._publish_replay(report)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
-            if recording := await late_recording(command.post_id, self.recorder, self.store):
+            if recording := await late_recording(command.key, self.recorder, self.store):
                 late = Shown(text((*pictures, recording)), card)
                 await job.status.add(late, [recording.data] if recording.attached else [])
-                await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+                if command.run is None:
+                    await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
 
     async def _publish_replay(self, report: Report) -> None:
         """Publish how the robot moved, if the forum replays commands."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
         geometry, post_id = await self.geometry.publish(), report.command.post_id
-        replay = await self.poses.replay(post_id, geometry)
-        if replay:
+        replay = await self.poses.replay(report.command.key, geometry)
+        if replay and report.command.run is None:  # a post has one replay
             await retry_until_answered(partial(self.forum.publish_replay, post_id, replay), TRIES)
 
     async def _composed(
@@ -116,10 +118,10 @@ class FinalReport:
         with job.log_errors("no pictures"):
             pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
         with job.log_errors("page of the command not known"):
-            page = await page_of(self.forum, command.post_id, hurry=self.ending())
+            page = await page_of(self.forum, command.post_id, hurry=self.ending()) if command.run is None else ""
         facts: dict[str, Any] | None = None
         with job.log_errors("record not written"):
-            kept, said = self.recorder.stored_path(command.post_id), summary and summary.as_data()
+            kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.assessment, **more)

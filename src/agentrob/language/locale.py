@@ -10,6 +10,7 @@ from typing import Literal
 from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
+from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
 
 
@@ -43,7 +44,8 @@ class Locale:
     what they are in plain words, for posts that are not understood as they stand. `called` matches names
     for a robot where one is called: "Rover, sit".
 
-    `talk` is how posts are recognised that are only talk, and what they are about.
+    `talk` is how posts are recognised that are only talk, and what they are about. `schedule` is how the language says
+    when something is to be done.
     """
 
     words: Lexicon
@@ -73,6 +75,7 @@ class Locale:
     claims: str = "(?!)"
     put_first: str = "(?!)"
     talk: TalkForms = TalkForms()
+    schedule: ScheduleWords = ScheduleWords()
     in_order: OrderWords | None = None
     idioms: Sequence[tuple[str, str]] = ()
     called: str = ""

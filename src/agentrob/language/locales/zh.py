@@ -13,6 +13,7 @@ from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
 from agentrob.language.remarks import chinese as remarks
+from agentrob.language.schedule.chinese import WORDS as SCHEDULE
 from agentrob.language.talk.words_zh import FORMS
 
 
@@ -628,5 +629,6 @@ LOCALE = Locale(
     introduction=remarks.INTRODUCTION,
     never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
+    schedule=SCHEDULE,
     idioms=IDIOMS,
 )
