@@ -38,6 +38,12 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped 向前走一米，然后挥手", "would", "我会向前走1米，然后打个招呼。"),
         ("@quadruped 向前走九米", "refuse", "太远：每步最多 5 米。"),
         ("@quadruped 停", "stop", "我会停下。"),
+        ("@quadruped every weekday at 9 wave", "would", "I would wave. At the times that my reply will name."),
+        ("@humanoid in 10 minutes wave", "needs_approval", "I would wave, after an approval. At the times"),
+        ("@quadruped tomorrow at 9 walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
+        ("@quadruped tomorrow wave", "ask_back", "I understood the day, but not the time."),
+        ("@quadruped schedules", "answer", "I would answer, without moving."),
+        ("@quadruped 明天早上九点挥手", "would", "我会打个招呼。时间见我的答复。"),
     ],
 )
 def test_a_text_is_read_in_one_line(text: str, outcome: str, line: str) -> None:

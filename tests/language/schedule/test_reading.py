@@ -129,8 +129,8 @@ ASKED = [
 UNTIMED = [
     "walk for two seconds", "walk 2 m in 10 seconds", "wave three times", "turn to 3 o'clock", "wait 5 seconds",
     "walk at 0.5 m/s", "stop after 2 m", "take 3 photos", "turn left, then right",
-    "make a heart, I passed today's exam",
-    "走两秒后挥手", "挥手三次", "转向三点钟方向", "前进3秒", "往后退一米", "一米五", "先挥手再坐下",
+    "make a heart, I passed today's exam", "一样但是慢一点", "往前走一点", "走两秒后挥手", "挥手三次", "转向三点钟方向",
+    "前进3秒", "往后退一米", "一米五", "先挥手再坐下",
 ]  # fmt: skip
 
 

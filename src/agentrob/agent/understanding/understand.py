@@ -108,7 +108,7 @@ class Assessor:
         if lists_schedules(part):
             return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
         timed = timed_text(part, command.posted_at, self.settings.time_zone)
-        if timed is None or await self._is_command_of_now(command):
+        if timed is None or (timed.schedule is None and await self._is_command_of_now(command)):
             return await self._consider(job, command, terms)
         if timed.schedule is not None and command.text.count(part) == 1:
             untimed = replace(command, text=command.text.replace(part, timed.rest))
@@ -124,10 +124,11 @@ class Assessor:
         return tuple(name for name in mentions(command.text) if name not in self.names)
 
     async def _is_command_of_now(self, command: Command) -> bool:
-        """Whether the rules understand every word, the time included: "my exam is over today, wave"."""
+        """Whether the rules understand every word, and so take what says when for a remark: "happy friday, wave"."""
         capabilities = await self.driver.capabilities()
         addressee = Addressee(tuple(self.names), self._others(command), capabilities, self.settings.step_length_m)
-        return (await by_rules(command.text, addressee, ())).understanding.intent is Intent.COMMAND
+        history = await self.journal.history(command.topic_id)
+        return (await by_rules(command.text, addressee, history)).understanding.intent is Intent.COMMAND
 
     async def _consider(
         self, job: QueuedCommand, command: Command, terms: CommandTerms, *, alone: bool = False

@@ -16,6 +16,7 @@ SCHEDULE = {
     "schedule.between": "Between which times is that meant? I have not scheduled anything.",
     "schedule.examples": "Put the time at the beginning, for example `in 10 minutes wave` · `tomorrow at 9:00 wave` · "
     "`every weekday at 9:00 take a photo` · `every 15 minutes between 9:00 and 17:00 take a photo`.",
+    "read.later": "{line} At the times that my reply will name.",
     "schedule.made": "Scheduled: {understood}.",
     "schedule.next.once": "It runs on {times} ({zone}).",
     "schedule.next": "The next runs are {times} ({zone}).",

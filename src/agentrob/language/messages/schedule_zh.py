@@ -14,6 +14,7 @@ SCHEDULE = {
     "schedule.between": "是在几点到几点之间？我没有安排日程。",
     "schedule.examples": "请把时间写在开头，例如`十分钟后挥手` · `明天早上九点挥手` · `每个工作日九点拍照` · "
     "`每隔15分钟从9点到17点拍照`。",
+    "read.later": "{line}时间见我的答复。",
     "schedule.made": "已安排：{understood}。",
     "schedule.next.once": "运行时间：{times}（{zone}）。",
     "schedule.next": "接下来的运行时间：{times}（{zone}）。",

@@ -241,7 +241,7 @@ WORDS = ScheduleWords(
     present=r"\b(?:now|right away|immediately|at once|already|straight away|first|until|till|except|between)\b",
     breaks=r"[.;:!?\n](?=\s*\S)|,|\bthen\b",
     amount=r"\d|\b(?:met(?:er|re)s?|feet|foot|steps?|degrees?)\b",
-    lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all )*schedules?(?: please)?",
+    lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all ){0,3}schedules?(?: please)?",
     cancels=r"(?:please )?(?:cancel|cancelled|call it off|unschedule)"
-    r"(?: (?:it|this|that|all|(?:the |this |that |all )*(?:schedules?|runs?)))?(?: please)?",
+    r"(?: (?:it|this|that|all|(?:the |this |that |all ){0,3}(?:schedules?|runs?)))?(?: please)?",
 )

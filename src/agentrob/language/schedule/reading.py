@@ -21,6 +21,8 @@ from agentrob.model import Language, Schedule
 
 #: Longer texts are not read as schedules: the grammar reads none of that length either.
 MAX_CHARS = 2_000
+#: The most parts before a command, and behind it: no schedule has two of a kind.
+MOST_PARTS = 6
 _ENDS = " \t\r\n,.!?;，。！？；、~"
 
 
@@ -83,14 +85,14 @@ def _split(text: str, words: ScheduleWords) -> tuple[list[Placed], str]:
     """Return the parts at the beginning and at the end of a text, and what is left."""
     found: list[Placed] = []
     rest, first = text, True
-    while (leading := _leading(rest, words, first)) is not None:
+    while len(found) < MOST_PARTS and (leading := _leading(rest, words, first)) is not None:
         part, end = leading
         if isinstance(part, Times) and not part.apart_s and first:
             break  # "three times wave" is no time
         found.append((part, False))
         rest, first = rest[end:], False
     behind: list[tuple[Part, str]] = []  # each with the text before it was taken off
-    while (trailing := _trailing(rest, words)) is not None:
+    while len(behind) < MOST_PARTS and (trailing := _trailing(rest, words)) is not None:
         part, start = trailing
         behind.insert(0, (part, rest))
         rest = rest[:start]
