@@ -36,7 +36,7 @@ from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
-from agentrob.agent.queue.schedules import Schedules
+from agentrob.agent.queue.schedules import Schedules, lost_right
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.activity import AgentActivity, process_name
 from agentrob.agent.reporting.presence import Presence, reset_room
@@ -445,9 +445,7 @@ class RobotAgent:
 
     def _ended(self, report: Report) -> None:
         self.activity.ended(report)
-        verdict, run = report.verdict, report.command.run
-        lost = verdict is not None and verdict.decision is Decision.REFUSE and verdict.rule.startswith("rights.")
-        if run is not None and lost:
+        if report.command.run is not None and lost_right(report.verdict):
             self._spawn(self.schedules.lose_right(report.command.post_id))
         self._on_end(report)
 

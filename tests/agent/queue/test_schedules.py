@@ -243,11 +243,13 @@ async def next_at_of(agent: RobotAgent, post: Post) -> datetime:
     return kept.next_at
 
 
-async def test_law_14_a_stop_ends_what_was_scheduled_before_it(scene: Scene) -> None:
+@pytest.mark.parametrize(("word", "in_thread"), [(f"@{ROBOT} stop", False), ("stop", True), ("停", True)])
+async def test_law_14_a_stop_ends_what_was_scheduled_before_it(scene: Scene, word: str, in_thread: bool) -> None:
     async with scene.agent() as agent:
         post = await posted(scene, "every hour wave")
         due = await next_at(agent)
-        await scene.post("bob", f"@{ROBOT} stop")
+        await agent.schedules.load()
+        await scene.post("bob", word, topic=post.topic_id if in_thread else None)
         (told,) = await scene.until(lambda: ended(scene, post))
         assert "stopped" in told
         await steps(agent, due)
@@ -291,18 +293,3 @@ async def test_a_schedule_ends_after_its_runs_and_says_so_only_if_it_met_a_limit
         await run_of(scene, many, runs_done(scene, many) + 1)
         assert "as many runs or days" in (await scene.until(lambda: ended(scene, many)))[0]
         assert ended(scene, three) == []
-
-
-# -------------------------------------------------------------------- restarts
-async def test_law_6_a_restart_continues_schedules_and_tells_what_was_missed(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await posted(scene, "every hour wave")
-        due = await next_at(agent)
-    scene.world.clock_offset_s = (due - post.created_at).total_seconds() + 600.0
-    async with scene.agent() as agent:
-        told = await run_of(scene, post, 1)
-        assert (state(told), "I did not run at" in told.raw) == ("expired", True)
-        assert await next_at(agent) == due + HOUR
-    scene.world.clock_offset_s += 3000.0 + 1.0
-    async with scene.agent():
-        assert state(await run_of(scene, post, 2)) == "done"

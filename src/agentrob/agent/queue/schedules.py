@@ -28,7 +28,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, JournalError
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
-from agentrob.model import Account, Decision, EndReason, Post, ScheduledRun, ScheduleEnd
+from agentrob.model import Account, Decision, EndReason, Post, ScheduledRun, ScheduleEnd, Verdict
 from agentrob.model.run_times import next_run
 from agentrob.screening.rights import may
 
@@ -222,6 +222,12 @@ def following(kept: KeptSchedule, last: datetime, count: int) -> KeptSchedule:
     limited = schedule.limited_runs if left <= 0 else schedule.limited_days
     end = ScheduleEnd.LIMIT if limited else ScheduleEnd.DONE
     return replace(kept, next_at=None, runs_left=left, ended=end, told=end is ScheduleEnd.DONE)
+
+
+def lost_right(verdict: Verdict | None) -> bool:
+    """Whether a run was refused because its author may not command the robot; maintenance hours pass."""
+    refused = verdict is not None and verdict.decision is Decision.REFUSE
+    return refused and verdict is not None and verdict.rule.startswith("rights.") and verdict.rule != "rights.closed"
 
 
 def _end_of(kept: KeptSchedule, post: Post, author: Account | None) -> ScheduleEnd | None:

@@ -1,4 +1,5 @@
-"""An agent that dies at a write of a scheduled run (law 6): the run is not doubled, and never silently missed.
+"""Agents that restart: schedules continue, and a run at a write of which the agent dies is neither doubled nor silently
+missed (law 6).
 
 The agent runs in this process; where it dies, its write never returns, and the forum is out of its reach. The next
 agent has only what was written.
@@ -14,7 +15,7 @@ import pytest
 
 from agentrob.agent.store.journal import Journal
 from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
-from tests.agent.queue.test_schedules import finals, next_at, posted, run_of, state
+from tests.agent.queue.test_schedules import HOUR, finals, next_at, posted, run_of, state
 
 pytestmark = pytest.mark.usefixtures("database")
 
@@ -25,6 +26,20 @@ def scene(tmp_path: Path) -> Iterator[Scene]:
     driver = Driver(tmp_path, robot_settings())
     yield make_scene(driver, tmp_path)
     driver.end()
+
+
+async def test_law_6_a_restart_continues_schedules_and_tells_what_was_missed(scene: Scene) -> None:
+    async with scene.agent() as agent:
+        post = await posted(scene, "every hour wave")
+        due = await next_at(agent)
+    scene.world.clock_offset_s = (due - post.created_at).total_seconds() + 600.0
+    async with scene.agent() as agent:
+        told = await run_of(scene, post, 1)
+        assert (state(told), "I did not run at" in told.raw) == ("expired", True)
+        assert await next_at(agent) == due + HOUR
+    scene.world.clock_offset_s += 3000.0 + 1.0
+    async with scene.agent():
+        assert state(await run_of(scene, post, 2)) == "done"
 
 
 #: Some writes of a run, by the method of the journal, are tried in every run of the tests.
