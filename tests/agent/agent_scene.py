@@ -16,6 +16,7 @@ from typing import Any
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.config.robots import RobotConfig
+from agentrob.eyes.colours import ColourDetector
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
 from agentrob.minds.protocol import Mind
@@ -199,7 +200,8 @@ class Scene:
         forum: Forum = self.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
         arguments: dict[str, Any] = {
             "name": ROBOT, "settings": self.settings, "forum": forum, "driver": self.driver.client(),
-            "mind": self.mind, "data": self.folder, "open_journal": partial(open_journal, self.folder, ROBOT),
+            "mind": self.mind, "data": self.folder, "detector": ColourDetector({}),
+            "open_journal": partial(open_journal, self.folder, ROBOT),
             **changed,
         }  # fmt: skip
         return RobotAgent(**arguments)

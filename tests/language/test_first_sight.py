@@ -18,7 +18,10 @@ ROWS: list[Row] = [
     json.loads(line) for line in (Path(__file__).parent / "first_sight.jsonl").read_text(encoding="utf-8").splitlines()
 ]
 #: How many rows of each set are understood since the rules were corrected by them; the first run had fewer.
-UNDERSTOOD = {"en": 249, "zh": 250, "remark_en": 180, "remark_zh": 178, "talk_en": 108, "talk_zh": 103}
+UNDERSTOOD = {
+    "en": 409, "zh": 377, "remark_en": 308, "remark_zh": 294, "talk_en": 242, "talk_zh": 218, "must_ask_en": 56,
+    "must_ask_zh": 54,
+}  # fmt: skip
 
 
 def read(text: str) -> Understanding:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.model import ActionResult, Capabilities, Direction, Limits, Mandate, Op, Outcome, Plan, Primitive
-from agentrob.screening.estimate import seconds_of
+from agentrob.model.estimate import seconds_of
 from agentrob.screening.mandate import mandate_of, mandate_violation
 
 GO2 = Capabilities("go2", frozenset(Op))

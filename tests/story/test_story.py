@@ -2,7 +2,8 @@
 
 A story is a Markdown file: front matter, then one step per heading. Text above the first heading and between the steps
 is for readers. The front matter names the accounts; it may set `max_edits` and `live` of the forum, settings of the
-robot's agent (`[robot]`, as in agentrob.toml), and `real = true` for a robot that does not report itself as simulated.
+robot's agent (`[robot]`, as in agentrob.toml), options of a fake robot of its own (`[fake]`), which begins at home, and
+`real = true` for a robot that does not report itself as simulated.
 The steps:
 
     ## NAME posts KEY                       post the text below as a new topic
@@ -32,10 +33,12 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
 import re
 import tomllib
 from collections import Counter
 from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -61,6 +64,7 @@ class Story:
     forum: dict[str, Any]
     robot: dict[str, Any]
     real: bool
+    fake: dict[str, Any] | None
     steps: tuple[tuple[str, str], ...]
 
 
@@ -70,7 +74,10 @@ def read(path: Path) -> Story:
     parts = re.split(r"^## (.+)\n", body, flags=re.MULTILINE)
     steps = tuple((h.strip(), t.strip("\n")) for h, t in zip(parts[1::2], parts[2::2], strict=True))
     forum: dict[str, Any] = {key: facts[key] for key in ("max_edits", "live") if key in facts}
-    return Story(facts["title"], facts["accounts"], forum, facts.get("robot", {}), facts.get("real", False), steps)
+    return Story(
+        facts["title"], facts["accounts"], forum, facts.get("robot", {}), facts.get("real", False), facts.get("fake"),
+        steps,
+    )  # fmt: skip
 
 
 class RealClient(DriverClient):
@@ -85,6 +92,21 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
     made = Driver(tmp_path_factory.mktemp("driver"), robot_settings())
     yield made
     made.end()
+
+
+@contextmanager
+def driver_of(story: Story, shared: Driver, folder: Path) -> Iterator[Driver]:
+    """The driver that stories share, or one of the story's own."""
+    if story.fake is None:
+        yield shared
+        return
+    folder.mkdir()
+    another = int(os.environ["AGENTROB_TEST_DOMAIN"]) ^ 1  # the shared driver holds this process's; locks are its own
+    own = Driver(folder, robot_settings(options=story.fake, domain=another))
+    try:
+        yield own
+    finally:
+        own.end()
 
 
 @dataclass
@@ -253,6 +275,11 @@ async def run_section(story_run: StoryRun, heading: str, text: str) -> None:
 @pytest.mark.parametrize("path", STORIES, ids=[p.stem for p in STORIES])
 async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
     story = read(path)
+    with driver_of(story, driver, tmp_path / "driver") as its_driver:
+        await told(story, its_driver, tmp_path)
+
+
+async def told(story: Story, driver: Driver, tmp_path: Path) -> None:
     scene = make_scene(driver, tmp_path, MemoryForum.world(**story.forum), poll_s=0.5, **story.robot)
     for name, what in story.accounts.items():
         kind = AccountKind(what) if what in frozenset(AccountKind) else AccountKind.HUMAN

@@ -14,7 +14,9 @@ from agentrob.wiring.command_reader import ReaderProcess, read
 RIGHTS = RobotRights(
     owner="ann", command=dict.fromkeys(ActionClass, "operator"), approve="owner", approval=("gesture",)
 )
-DOG = ReadableRobot("quadruped", Capabilities("go2", frozenset(Op), Limits()), RobotRights(command=RIGHTS.command))
+DOG = ReadableRobot(
+    "quadruped", Capabilities("go2", frozenset(Op), Limits()), RobotRights(command=RIGHTS.command), sees=("ball", "box")
+)
 SLOW = ReadableRobot("humanoid", Capabilities("g1", frozenset({Op.MOVE, Op.HELLO}), Limits(speed_mps=0.2)), RIGHTS)
 ALICE = Account("1", "alice", role=Role.OPERATOR)
 
@@ -44,6 +46,15 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped tomorrow wave", "ask_back", "I understood the day, but not the time."),
         ("@quadruped schedules", "answer", "I would answer, without moving."),
         ("@quadruped 明天早上九点挥手", "would", "我会打个招呼。时间见我的答复。"),
+        ("@quadruped come home", "would", "I would go home."),
+        ("@quadruped wave and come home", "would", "I would wave, then go home."),
+        ("@quadruped turn to the red ball", "would", "I would turn towards the red ball."),
+        ("@quadruped what colours do you see?", "would", "I would say which colours are to be seen."),
+        ("@quadruped 转向红球", "would", "我会转向红色球。"),
+        ("@quadruped turn to the green column", "ask_back", "I cannot `turn to the green column`"),
+        ("@humanoid turn to the red ball", "ask_back", "I cannot `turn to the red ball`"),
+        ("@quadruped come home?", "ask_back", "Is this a question or a command?"),
+        ("@quadruped walk a 9 m square", "ask_back", "`walk a square of 9 m`: that size does not fit my limits"),
     ],
 )
 def test_a_text_is_read_in_one_line(text: str, outcome: str, line: str) -> None:

@@ -64,6 +64,7 @@ from agentrob.errors import (
     RobotError,
     RobotUnreachable,
 )
+from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum, PosePages, RobotPages
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
@@ -95,6 +96,7 @@ class RobotAgent:
     itself. `open_journal` opens the robot's journal, by default in the folder `data`. Raises `JournalHeld` when another
     agent of this robot runs, `JournalError` when the robot was taken by another worker. `on_end` is called with each
     final report, `on_stop` with what each stop did, None if no driver was reached. `worker` names this process.
+    `detector` finds things in the robot's pictures.
     """
 
     def __init__(
@@ -113,6 +115,7 @@ class RobotAgent:
         open_journal: Callable[[], Awaitable[Journal]] | None = None,
         on_stop: Callable[[StopResult | None], None] = lambda _: None,
         worker: str = "",
+        detector: Detector | None = None,
     ) -> None:
         prepare_screen()  # not while it serves: stops would wait
         self.name = name
@@ -121,6 +124,7 @@ class RobotAgent:
         self.driver = driver
         self.mind = mind
         self.opinion = opinion
+        self.detector = detector
         self._store = store
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
@@ -179,7 +183,10 @@ class RobotAgent:
         if pages is None:
             return None
         posts, shape = lambda: self.queue.posts, lambda: self.geometry.name
-        return Presence(pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape)
+        sees = self.detector.things if self.detector else ()
+        return Presence(
+            pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape, sees
+        )  # fmt: skip
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
         recording = self.settings.recording
@@ -426,12 +433,13 @@ class RobotAgent:
             return rate_limiter.exceeded(account) or bool(most and self.queue.number_of(account) > most)
 
         assessor = Assessor(
-            names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self.opinion
-        )
+            names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self.opinion,
+            self.detector,
+        )  # fmt: skip
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
         motion = Motion(
             self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
-            self.poses, surroundings, lambda: assessor.vision_model, ending, self._queue_changed,
+            self.poses, surroundings, assessor, ending, self._queue_changed,
         )  # fmt: skip
         final_report = FinalReport(
             self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,

@@ -12,6 +12,7 @@ from functools import partial
 from pydantic import TypeAdapter
 
 from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
+from agentrob.agent.execution.local_goal import run_local_task
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.intake.event_stream import EventStream
@@ -22,11 +23,12 @@ from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.store.journal import NotBegun
 from agentrob.agent.store.records import Records
 from agentrob.agent.understanding.surroundings import Surroundings
-from agentrob.agent.understanding.visual_goal import visual_task_of
+from agentrob.agent.understanding.understand import Assessor
+from agentrob.agent.understanding.visual_goal import local_task_of, visual_task_of
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
-from agentrob.minds.llm.chat import ChatModel
+from agentrob.minds.visual_loop.pursuit import without_model
 from agentrob.model import Capabilities, CommandState, Decision, EndReason, Plan, Primitive, Verdict
 from agentrob.robots.driver.client import DriverClient
 
@@ -36,8 +38,8 @@ EXECUTION = TypeAdapter(Execution)
 
 @dataclass(frozen=True)
 class Motion:
-    """Moves one robot for its commands. `vision_model` returns the model that may steer by the camera, `on_motion` is
-    called when a motion begins. While `ending` returns true no step begins."""
+    """Moves one robot for its commands. `assessor` knows the model that may steer by the camera, `on_motion` is called
+    when a motion begins. While `ending` returns true no step begins."""
 
     settings: RobotConfig
     forum: Forum
@@ -48,7 +50,7 @@ class Motion:
     recorder: Recorder
     poses: PoseSampler
     surroundings: Surroundings
-    vision_model: Callable[[], ChatModel | None]
+    assessor: Assessor
     ending: Callable[[], bool]
     on_motion: Callable[[], None]
 
@@ -121,13 +123,17 @@ class Motion:
         return EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
     async def _execute_plan(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:
-        """Execute the plan, or let a model work towards the goal."""
-        assessment, seeing = job.assessment, self.vision_model()
+        """Execute the plan, or pursue the goal, by a model or without one."""
+        assessment, assessor = job.assessment, self.assessor
         if assessment is None or assessment.goal is None:
             return await execute(self.driver, job.command, plan, hooks)
-        if seeing is None:
-            return Execution(CommandState.FAILED, message="no model with images is configured any more")
-        capabilities = await self.driver.capabilities()
+        capabilities, seeing = await self.driver.capabilities(), assessor.vision_model
+        if not assessor.by_model(assessment.goal, capabilities):
+            if not without_model(assessment.goal, capabilities, assessor.detector):
+                return Execution(CommandState.FAILED, message="no model with images is configured any more")
+            task = local_task_of(assessment.goal, assessor.detector, capabilities, self.settings.eyes.fov_deg)
+            return await run_local_task(self.driver, job.command, task, hooks)
+        assert seeing is not None
         language = job.command.language
         visual_task = visual_task_of(
             assessment.goal, seeing, capabilities, self.settings.look, language, assessment.usage

@@ -61,7 +61,7 @@ from agentrob.model import (
     StatusCard,
     Verdict,
 )
-from agentrob.model.run_times import first_runs
+from agentrob.model.schedules import first_runs
 from agentrob.robots.driver.client import DriverClient
 
 #: How long the status post waits for the mind: a program's post that asks for nothing gets no status post.
@@ -237,7 +237,8 @@ class Pipeline:
             return await self._ended(job, understood.plan)
         match understood.intent:
             case Intent.HELP:
-                text = help_text(await self.driver.capabilities(), self.name, language)
+                sees = self.assessor.detector is not None
+                text = help_text(await self.driver.capabilities(), self.name, language, sees=sees)
                 return self._report(job, CommandState.ANSWERED, message=text)
             case Intent.STATUS:
                 return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))
@@ -458,7 +459,7 @@ class Pipeline:
         **more: Any,
     ) -> Report:
         if execution is not None:
-            more = {"results": execution.results, "verdict": execution.verdict, **more}
+            more = {"results": execution.results, "verdict": execution.verdict, "findings": execution.findings, **more}
         by = job.decided.by.name if job.decided is not None and job.decided.approved else ""
         timings = dict(job.timings_ms)
         return Report(job.command, status, plan=plan, timings_ms=timings, goal=job.goal_text, approved_by=by, **more)

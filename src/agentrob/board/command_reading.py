@@ -29,12 +29,14 @@ MAX_WAITING = 16
 
 @dataclass(frozen=True, slots=True)
 class ReadableRobot:
-    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first."""
+    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first, `sees` the
+    things that it finds in its camera's pictures."""
 
     name: str
     can: Capabilities
     rights: RobotRights = RobotRights()
     history: tuple[Plan, ...] = ()
+    sees: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

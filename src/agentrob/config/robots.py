@@ -31,7 +31,7 @@ from pydantic import Field, field_validator, model_validator
 from agentrob.config.map import MapConfig
 from agentrob.config.section import Section, WithMetrics
 from agentrob.model import ActionClass
-from agentrob.model.run_times import zone_of
+from agentrob.model.schedules import zone_of
 from agentrob.process.listen import is_loopback, parse_listen
 
 
@@ -83,6 +83,19 @@ class LookConfig(Section):
     pictures: Annotated[int, Field(ge=1, le=50)] = 10
     seconds: Annotated[float, Field(gt=0, le=600)] = 120.0
     speed_mps: Annotated[float, Field(ge=0.05, le=1.0)] = 0.3
+
+
+class EyesConfig(Section):
+    """What finds things in the robot's camera picture without a language model ("turn to the red ball").
+
+    `detector` is `colours` (built in: plain colours, and balls, boxes and columns by their outlines), the name of an
+    installed one, or empty for none; `options` are its own. `fov_deg` is the camera's vertical field of view, from
+    which angles are computed; without it, that of the simulated robots.
+    """
+
+    detector: str = "colours"
+    fov_deg: Annotated[float, Field(gt=5, lt=170)] | None = None
+    options: dict[str, Any] = Field(default_factory=dict)
 
 
 #: The maximum length of `scene`.
@@ -190,6 +203,7 @@ class RobotConfig(WithMetrics):
     rates: RatesConfig = Field(default_factory=RatesConfig)
     approval: ApprovalConfig = Field(default_factory=ApprovalConfig)
     look: LookConfig = Field(default_factory=LookConfig)
+    eyes: EyesConfig = Field(default_factory=EyesConfig)
     recording: RecordingConfig = Field(default_factory=RecordingConfig)
     retention: RetentionConfig = Field(default_factory=RetentionConfig)
     options: dict[str, Any] = Field(default_factory=dict)

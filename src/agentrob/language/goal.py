@@ -1,4 +1,4 @@
-"""Goals that need a camera, in a closed vocabulary: no part of a goal is text that somebody wrote."""
+"""Goals whose steps are decided on the way, in a closed vocabulary: no part of a goal is text that somebody wrote."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from agentrob.model import Primitive
 
 
 class Aim(StrEnum):
-    """What a part of a goal asks for: four aims need a camera, a `step` does not."""
+    """What a part of a goal asks for. All but `home` and `step` need a camera; `see` asks whether and where something
+    is in view, `colours` what colours are."""
 
     APPROACH = "approach"
     FACE = "face"
     FIND = "find"
     LOOK = "look"
+    SEE = "see"
+    COLOURS = "colours"
+    HOME = "home"
     STEP = "step"
 
 
@@ -36,9 +40,13 @@ class Subgoal:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What to reach or describe by camera; the steps towards it are decided on the way."""
+    """What to reach or describe; the steps towards it are decided on the way."""
 
     tasks: tuple[Subgoal, ...]
+
+    @property
+    def aims(self) -> frozenset[Aim]:
+        return frozenset(task.aim for task in self.tasks)
 
     @property
     def steps(self) -> tuple[Primitive, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +11,7 @@ from typing import Literal
 from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
+from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
 
@@ -37,6 +39,7 @@ class Locale:
     before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
     where a statement may begin that follows a command without punctuation; `open_end` words after which it cannot;
     `claims` talk that is always asked about: somebody claims rights, or introduces what another person said.
+    `looks` lists words that turn the robot and are also said of looking: "I look at it".
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -44,6 +47,7 @@ class Locale:
     what they are in plain words, for posts that are not understood as they stand. `called` matches names
     for a robot where one is called: "Rover, sit".
 
+    `statements` estimates whether a clause in words that no pattern knows is a statement or an order.
     `talk` is how posts are recognised that are only talk, and what they are about. `schedule` is how the language says
     when something is to be done.
     """
@@ -71,9 +75,11 @@ class Locale:
     run_on: str = ""
     begins: str = ""
     open_end: str = "(?!)"
+    looks: str = ""
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
+    statements: StatementClassifier | None = None
     talk: TalkForms = TalkForms()
     schedule: ScheduleWords = ScheduleWords()
     in_order: OrderWords | None = None
@@ -92,6 +98,25 @@ class Locale:
     @cached_property
     def calls(self) -> Prefiltered:
         return Prefiltered(self.called)
+
+    def states(self, clause: str) -> bool:
+        """Return whether a clause in lower case is a statement, by its form or its words."""
+        return self.has_form_of_remark(clause) or self.reads_as_statement(clause)
+
+    def has_form_of_remark(self, clause: str) -> bool:
+        return bool(self.remark) and self._remarks.search(clause) is not None
+
+    def reads_as_statement(self, clause: str) -> bool:
+        """Return whether the classifier takes a clause for a statement."""
+        return self.statements is not None and self.statements.is_statement(clause)
+
+    def surely_states(self, clause: str) -> bool:
+        """Return whether the classifier is sure that a clause is a statement."""
+        return self.statements is not None and self.statements.is_statement(clause, sure=True)
+
+    @cached_property
+    def _remarks(self) -> re.Pattern[str]:
+        return re.compile(self.remark)
 
     @property
     def code(self) -> str:

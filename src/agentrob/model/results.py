@@ -99,7 +99,7 @@ class StopResult:
 class Report:
     """Everything the final reply says. `status` is a final state. `timings_ms` counts from the moment the forum
     accepted the post. `goal` is what a model was to look for, in our words; `approved_by` is the handle of the account
-    that approved the command, if it needed an approval."""
+    that approved the command, if it needed an approval. `findings` are sentences about what was found on the way."""
 
     command: Command
     status: CommandState
@@ -111,3 +111,4 @@ class Report:
     timings_ms: Mapping[str, float] = field(default_factory=dict)
     goal: str = ""
     approved_by: str = ""
+    findings: tuple[str, ...] = ()

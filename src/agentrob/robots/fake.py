@@ -5,7 +5,8 @@
     options = { time_scale = 10, room = [-3, 3, -3, 3], obstacles = [[2, 0, 0.3]], faults = { stale = true } }
 
 `time_scale` is how much faster than real time it runs; with `inf`, steps take no time. It accelerates and coasts with a
-time constant of 0.15 s, holds a command for one second as real robots do, and its odometry is exact.
+time constant of 0.15 s, holds a command for one second as real robots do, and its odometry is exact. `things` are
+balls that its camera shows, such as `[[2, 1, 0.3, "red"]]`: x, y and radius in metres, and a colour.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ HOLD_S = 1.0
 SKIP_S = 0.8
 GESTURE_S = 2.0
 RANGE_MAX_M = 8.0
-OPTIONS = ("faults", "obstacles", "room", "time_scale")
+OPTIONS = ("faults", "obstacles", "room", "things", "time_scale")
+PICTURE_PX, PICTURE_FOV_DEG = (320, 240), 60.0
 
 
 @dataclass
@@ -67,6 +69,7 @@ class FakeRobot:
         self._time_scale = float(options.get("time_scale", 1.0))
         self.room = tuple(float(v) for v in options.get("room", (-20, 20, -20, 20)))  # x_min, x_max, y_min, y_max
         self.obstacles = [tuple(float(v) for v in o) for o in options.get("obstacles", ())]  # x, y, radius
+        self.things = [(float(x), float(y), float(r), str(c)) for x, y, r, c in options.get("things", ())]
         self.commanded = REST
         limits = self.capabilities.limits
         self._gait = Gait(gain_speed=3.0, gain_turn=4.0, coast_s=LAG_S, coast_turn_s=LAG_S, settle_s=0.4).at_most(
@@ -300,14 +303,26 @@ class FakeRobot:
         from PIL import Image, ImageDraw
 
         pose = self.pose
-        image = Image.new("RGB", (320, 240), (120 + int(60 * math.cos(pose.yaw_rad)), 150, 200))
+        image = Image.new("RGB", PICTURE_PX, (120 + int(60 * math.cos(pose.yaw_rad)), 150, 200))
         draw = ImageDraw.Draw(image)
         draw.rectangle((0, 130, 320, 240), fill=(110, 100, 90))
+        for thing in sorted(self.things, key=lambda t: -math.dist(t[:2], (pose.x_m, pose.y_m))):
+            _draw_ball(draw, pose, thing)
         place = f"fake robot  x {pose.x_m:.2f} m  y {pose.y_m:.2f} m  yaw {math.degrees(pose.yaw_rad):.0f} deg"
         draw.text((10, 215), place, fill=(255, 255, 255))
         buffer = io.BytesIO()
         image.save(buffer, "JPEG", quality=80)
         return buffer.getvalue()
+
+
+def _draw_ball(draw: Any, pose: Pose, thing: tuple[float, float, float, str]) -> None:
+    """Draw a ball (x, y, radius, colour) at the height of the camera, if it is in view."""
+    width, height = PICTURE_PX
+    focal_px = height / 2 / math.tan(math.radians(PICTURE_FOV_DEG) / 2)
+    ahead_m, left_m = rotate(thing[0] - pose.x_m, thing[1] - pose.y_m, -pose.yaw_rad)
+    if ahead_m > thing[2]:
+        x, y, r = width / 2 - focal_px * left_m / ahead_m, height / 2, focal_px * thing[2] / ahead_m
+        draw.ellipse((x - r, y - r, x + r, y + r), fill=thing[3])
 
 
 def _checked(options: dict[str, Any]) -> dict[str, Any]:

@@ -17,6 +17,9 @@ _IMPLIED = {
     Aim.FACE: (Op.TURN,),
     Aim.FIND: (Op.TURN,),
     Aim.LOOK: (),
+    Aim.SEE: (),
+    Aim.COLOURS: (),
+    Aim.HOME: (Op.MOVE, Op.TURN),
     Aim.STEP: (),
 }
 

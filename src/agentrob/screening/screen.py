@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import operation_names, sentence, step_sentence
 from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
-from agentrob.screening.estimate import seconds_of, step_seconds
+from agentrob.model.estimate import seconds_of, step_seconds
 from agentrob.screening.rights import classes_of, may
 from agentrob.screening.text import described_hazards, elsewhere, harm, side_remarks
 from agentrob.screening.text import scene as places

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from agentrob.agent.agent import RobotAgent
     from agentrob.agent.understanding.second_opinion import SecondOpinion
     from agentrob.board.settings import BoardSettings
+    from agentrob.eyes.protocol import Detector
     from agentrob.forums.protocol import Forum
     from agentrob.minds.llm.probe import ProbeResult
     from agentrob.minds.protocol import Mind
@@ -229,9 +230,23 @@ def make_agent(config: Config, name: str, forum: Forum | None = None, **more: An
         data=config.data_dir,
         store=make_store(config.images),
         opinion=make_second_opinion() if settings.harm_classifier else None,
+        detector=make_detector(settings),
         worker=config.worker.name,
         **more,
     )
+
+
+def make_detector(settings: RobotConfig) -> Detector | None:
+    """The detector of a robot, found by its entry point; None if its owner wants none. Raises `ConfigError`."""
+    name = settings.eyes.detector
+    if not name:
+        return None
+    from agentrob.eyes.protocol import Detector
+
+    detector = find("detectors", name)(settings.eyes.options)
+    if not isinstance(detector, Detector):
+        raise ConfigError(f"the detector {name!r} lacks one of things, colours and detect(picture): {detector!r}")
+    return detector
 
 
 def make_second_opinion() -> SecondOpinion | None:

@@ -7,7 +7,7 @@ a language model may understand more; what only the owner's configuration knows 
 from __future__ import annotations
 
 import asyncio
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 from pydantic import TypeAdapter
@@ -22,6 +22,8 @@ from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
+from agentrob.minds.visual_loop.pursuit import goal_for, in_words, judged_plan, without_model
+from agentrob.minds.visual_loop.vocabulary import colours
 from agentrob.model import Account, Capabilities, Decision, Intent, Language, Limits, Understanding
 from agentrob.process.answering.client import LineProcess
 from agentrob.process.answering.server import LineServer, TooSlow
@@ -60,6 +62,17 @@ class ReaderProcess:
 
     def close(self) -> None:
         self._process.close()
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """What a robot's card says that its detector knows; the colours are not on it."""
+
+    things: tuple[str, ...]
+
+    @property
+    def colours(self) -> frozenset[str]:
+        return frozenset(colours("en").values())
 
 
 # -------------------------------------------------------------------- in the process
@@ -123,6 +136,8 @@ def _read_now(visible: str, author: Account, robot: ReadableRobot, others: tuple
         RulesMind().understand(visible, Addressee((robot.name,), others, robot.can), robot.history)
     )
     language = understood.language
+    if (pursued := _goal(visible, author, robot, others, understood)) is not None:
+        return pursued
     match understood.intent:
         case Intent.COMMAND:
             return _judged(visible, author, robot, others, understood)
@@ -135,6 +150,22 @@ def _read_now(visible: str, author: Account, robot: ReadableRobot, others: tuple
         case Intent.NOTHING:
             return RobotReading(robot.name, say("read.no_command", language), "nothing")
     return RobotReading(robot.name, say("read.answer", language), "answer")
+
+
+def _goal(
+    visible: str, author: Account, robot: ReadableRobot, others: tuple[str, ...], understood: Understanding
+) -> RobotReading | None:
+    """How a goal is read that the robot pursues without a model, such as the way home; None if the text is none."""
+    goal = goal_for(visible, Addressee((robot.name,), others, robot.can), understood)
+    if goal is None or not without_model(goal, robot.can, _Sight(robot.sees) if robot.sees else None):
+        return None
+    plan = judged_plan(goal, local=True)
+    reading = _judged(visible, author, robot, others, replace(understood, plan=plan))
+    words = in_words(goal, understood.language)
+    if reading.outcome in ("would", "needs_approval"):
+        key = "read.would" if reading.outcome == "would" else "read.approval"
+        return replace(reading, line=say(key, understood.language, steps=words), steps=())
+    return reading
 
 
 def _judged(

@@ -184,12 +184,13 @@ def _goal(text: str, name: str, settings: RobotConfig, config: Config, capabilit
     """The visual goal of a text, if it has one and the robot's mind reads images."""
     if not settings.look.allowed or settings.mind not in config.minds or not config.minds[settings.mind].images:
         return None
-    from agentrob.agent.understanding.visual_goal import goal_for
     from agentrob.minds.rules import RulesMind
+    from agentrob.minds.visual_loop.pursuit import for_model, goal_for
 
     visible, addressee = _heard(text, name, capabilities, settings)
     understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, addressee)))
-    return goal_for(visible, addressee, understood)
+    goal = goal_for(visible, addressee, understood)
+    return goal if goal is not None and for_model(goal, capabilities) else None
 
 
 def _look(
@@ -198,10 +199,10 @@ def _look(
     """Let the mind steer the robot by its camera."""
     from agentrob.agent.execution.visual_local import judge, run_visual_task_locally
     from agentrob.agent.reporting import visual_text
-    from agentrob.agent.understanding.visual_goal import judged_plan
     from agentrob.language.registry import language_of
     from agentrob.language.visible_text import visible_text
     from agentrob.minds.llm.fallback import model_with_fallbacks
+    from agentrob.minds.visual_loop.pursuit import judged_plan
 
     visible, language = visible_text(text), language_of(text)
     capabilities = app.capabilities_of(settings.model, settings)

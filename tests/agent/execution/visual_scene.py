@@ -27,6 +27,7 @@ from agentrob.model import (
     Mandate,
     Op,
     Plan,
+    Posture,
     Primitive,
     RobotState,
     Verdict,
@@ -90,6 +91,9 @@ class LocalDriver:
 
     async def state(self) -> RobotState:
         return self.guard.state()
+
+    async def posture(self, *, joints: bool = True) -> Posture:
+        return self.guard.posture()
 
     @asynccontextmanager
     async def lease(self, holder: str, since_s: float) -> AsyncIterator[str]:

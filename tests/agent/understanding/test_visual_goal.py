@@ -7,11 +7,11 @@ from datetime import UTC, datetime
 import pytest
 
 from agentrob.agent.intake.authorization import CommandTerms, judge
-from agentrob.agent.understanding.visual_goal import judged_plan
 from agentrob.language.registry import language_of
 from agentrob.language.visible_text import mentions
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of
+from agentrob.minds.visual_loop.pursuit import judged_plan
 from agentrob.minds.visual_loop.vocabulary import things
 from agentrob.model import Account, Capabilities, Command, Decision, Op, Role, Verdict
 

@@ -21,7 +21,7 @@ EYES = {
 }
 HANDS = {"把报纸拿来": "把报纸拿来", "唱首歌": "唱首歌", "fetch me a beer": "fetch me a beer", "bow to us": "bow to us"}
 PATHS = {
-    "walk in a circle": "walk in a circle",
+    "walk in a triangle": "walk in a triangle",
     "zig zag forward": "zig zag forward",
     "往东走两米": "往东",
     "斜着走一米": "斜着",

@@ -9,12 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.eyes.colours import ColourDetector
 from agentrob.language.messages.catalog import QUOTE_CHARS, quote, say
 from agentrob.language.messages.help import examples, help_text, thread_examples
 from agentrob.language.parser.grammar import parse
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.registry import known
 from agentrob.language.visible_text import OMITTED, mentions, visible_text
+from agentrob.minds.protocol import Addressee
+from agentrob.minds.visual_loop.goal import goal_of
+from agentrob.minds.visual_loop.pursuit import without_model
 from agentrob.model import Capabilities, Direction, Intent, Language, Limits, Op, Plan, Primitive
 
 LANGUAGES: list[Language] = ["en", "zh"]
@@ -62,7 +66,7 @@ ROBOTS = [
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda r: r.model)
 def test_every_example_of_the_help_is_understood_as_what_it_stands_for(robot: Capabilities, language: Language) -> None:
-    text = help_text(robot, "quadruped", language)
+    text = help_text(robot, "quadruped", language, sees=True)
     said = re.findall(r"^- `(.*)`$", text, re.MULTILINE)
     wanted = examples(robot)
     assert len(said) >= len(wanted)
@@ -73,7 +77,8 @@ def test_every_example_of_the_help_is_understood_as_what_it_stands_for(robot: Ca
     walked = ParseContext(history=[Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5),))])
     for more in said[len(wanted) :]:
         understood = parse(more, ["quadruped"], [], robot.ops, walked)
-        assert understood.intent is Intent.COMMAND
+        goal = goal_of(more, Addressee(("quadruped",), (), robot), language)
+        assert understood.intent is Intent.COMMAND or (goal and without_model(goal, robot, ColourDetector({}))), more
         assert understood.language == language
     in_a_thread = [f"@quadruped {words}" for words in thread_examples(language)]
     assert set(in_a_thread) <= set(said) or Op.MOVE not in robot.ops

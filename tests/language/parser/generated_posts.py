@@ -132,7 +132,7 @@ EN = Tables(
     beyond=_list(
         """sing a song|open the door|tell me the temperature|walk to the kitchen|frobnicate|meander 2 m|patrol the room
         |report the weather|show me your teeth|follow me|fetch the ball|go upstairs|whistle|water the plants
-        |turn ten inches to the right|find my keys|count the chairs|lift the box|wait five seconds|walk in a circle"""
+        |turn ten inches to the right|find my keys|count the chairs|lift the box|wait five seconds|walk in a triangle"""
     ),
     frames={
         "politeness": _list(
@@ -252,8 +252,8 @@ ZH = Tables(
         来个后空翻 / = backflip"""
     ),
     beyond=_list(
-        "唱首歌|打开门|告诉我温度|去厨房|汇报|巡逻一圈|给他做个后空翻|把那个箱子打开|让我看看你坐下|跟着我|捡球|上楼|找我的钥匙"
-        "|数椅子|念诗|浇花|等五秒|绕圈走|学狗叫|去红球那里"
+        "唱首歌|打开门|告诉我温度|去厨房|汇报|巡逻仓库|给他做个后空翻|把那个箱子打开|让我看看你坐下|跟着我|捡球|上楼|找我的钥匙"
+        "|数椅子|念诗|浇花|等五秒|走之字形|学狗叫|去红球那里"
     ),
     frames={
         "politeness": _list(

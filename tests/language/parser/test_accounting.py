@@ -167,13 +167,15 @@ spin clockwise 180=r180|turn around=l180|wave=hello|wave at me=hello|take a phot
 show me what you see=photo|snap a pic=photo|sit down=sit|stand up=stand|clap=clap|shake hands=shake|make a heart=heart
 stretch=stretch|do a backflip=backflip|forward 1 m=F1|left 90 degrees=l90|sing a song=|open the door=|report=
 tell me the temperature=|walk to the kitchen=|frobnicate=|meander 2 m=|patrol the room=|let me know=
+patrol=F1 l180 F1 l180|dance=l30 r60 l30 hello heart|walk a square=F0.5 l90 F0.5 l90 F0.5 l90 F0.5 l90
 show me your teeth=|turn ten inches to the right="""
 )
 ZH = _deeds(
     """前进一米=F1|往前走一米=F1|向前走50厘米=F0.5|后退半米=B0.5|向左平移30厘米=L0.3|左转=l90|左转90度=l90|向右转45度=r45|掉头=l180
 挥手=hello|挥挥手=hello|给他挥挥手=hello|打个招呼=hello|拍照=photo|拍张照片=photo|发一张照片=photo|坐下=sit|站起来=stand
 鼓掌=clap|握手=shake|比心=heart|伸个懒腰=stretch|来个后空翻=backflip|唱首歌=|打开门=|告诉我温度=|去厨房=|汇报=
-巡逻一圈=|给他做个后空翻=|把那个箱子打开=|让我看看你坐下="""
+巡逻一圈=F1 l180 F1 l180|跳个舞=l30 r60 l30 hello heart|走一个正方形=F0.5 l90 F0.5 l90 F0.5 l90 F0.5 l90
+给他做个后空翻=|把那个箱子打开=|让我看看你坐下="""
 )
 #: Words around a deed that do not change it.
 EN_FRAMES = """{}|{}|{}|{}|please {}|{} please|could you {}|can you please {}|don't forget to {}|remember to {}|now {}
@@ -214,7 +216,7 @@ def posts(draw: st.DrawFn) -> tuple[str, list[str] | None]:
             said += draw(st.sampled_from(asides))
         text += (draw(st.sampled_from(joins)) if at else "") + said
         beyond |= not plan
-        steps += [plan] * repeated
+        steps += plan.split() * repeated
     ahead = draw(st.sampled_from(["", "", "", "", "", "twice: ", "three times: "])) if not chinese else ""
     if ahead:
         text, steps = f"{ahead}{text}", steps * (2 if ahead == "twice: " else 3)

@@ -161,7 +161,7 @@ def test_talk_is_told_by_its_form_and_nobody_asks_what_it_wants(text: str) -> No
 
 
 WISHES = """i want you to sing a song|you should go to the kitchen|the box needs to be lifted|could you water the plants
-can you carry this bag?|my dog is cute, go to the kitchen|nice work, now walk in a circle|hello, bring me a beer
+can you carry this bag?|my dog is cute, go to the kitchen|nice work, now walk in a triangle|hello, bring me a beer
 I'm standing well behind you, forward 2 metres|I was told not to ask for backflips, so just wave
 what a day! frobnicate the wall|I'm tired, follow me
 跳得真好，去厨房|今天天气真好，去厨房看看|我想让你唱歌|你真棒，帮我拿杯水|数一数屋里有几个人|去三号会议室看看灯关了没

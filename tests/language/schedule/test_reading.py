@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from agentrob.language.registry import known
 from agentrob.language.schedule.reading import cancels_schedule, lists_schedules, timed_text
 from agentrob.model import Schedule
-from agentrob.model.run_times import first_runs
+from agentrob.model.schedules import first_runs
 
 ZONE = "Europe/Berlin"
 #: A Tuesday.

@@ -81,8 +81,9 @@ class Execution:
     """The result of a plan, with one result per step. `first_motion_s` is monotonic. `message` is an English sentence
     of the driver; `fault` is set if an error in the agent ended it.
 
-    `stopped_by` is the name given by somebody who stopped the robot at the driver. `pictures` are the paths of the
-    steps' pictures ("" for none), once they are on disk. `looked` records the visual loop, if a model steered.
+    `findings` are sentences in the language of the post about what was found. `stopped_by` is the name given by
+    somebody who stopped the robot at the driver. `pictures` are the paths of the steps' pictures ("" for none), once
+    they are on disk. `looked` records the visual loop, if a model steered.
     """
 
     status: CommandState
@@ -94,6 +95,7 @@ class Execution:
     stopped_by: str = ""
     looked: LoopRecord | None = None
     fault: str = ""
+    findings: tuple[str, ...] = ()
 
 
 class Run:

@@ -1,8 +1,5 @@
-"""Execute a screened goal through the robot's driver: a model calls the steps, each checked like a plan's step.
-
-Every call is judged again before it moves anything: the mandate, the post, its author's rights, the limits, the stop
-channel, the lease and, in the driver's process, the guard. A stop interrupts the model at once.
-"""
+"""Execute a screened goal through the robot's driver: a model calls the steps, each checked like a plan's step (see
+`goal_run`). A stop interrupts the model at once."""
 
 from __future__ import annotations
 
@@ -15,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import structlog
 
-from agentrob.agent.execution.execute import BY_PEOPLE, LOOK_S, SILENT, Execution, ExecutionHooks, Run
+from agentrob.agent.execution.execute import LOOK_S, Execution, ExecutionHooks
+from agentrob.agent.execution.goal_run import CommandEnded, GoalRun
 from agentrob.errors import RobotError, RobotUnreachable
 from agentrob.language.goal import Goal
 from agentrob.minds.llm.chat import ChatModel
@@ -27,34 +25,18 @@ from agentrob.model import (
     Capabilities,
     Command,
     CommandState,
-    Decision,
     Mandate,
-    Outcome,
-    Plan,
     Primitive,
     RobotState,
 )
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.mandate import mandate_violation
 
 #: How often the lease is checked while a model thinks: a stop at the machine ends it.
 ASK_LEASE_S = 0.5
-#: Reasons after which the model may try another step; any other reason ends the command.
-_GOES_ON = frozenset({"", "obstacle", "fence", "deadline", "stalled", "invalid", "unsupported", "ranges_unknown"})
-#: Rules that refuse a step and not the command: the model gets the reason.
-_OF_A_STEP = ("limit.", "plan.", "ops.", "consent.", "scene.")
 
 
 _log = structlog.get_logger()
 OnResult = Callable[[ActionResult], None]
-
-
-class CommandEnded(Exception):
-    """The loop must end now; `status` is the command's final state."""
-
-    def __init__(self, status: CommandState) -> None:
-        super().__init__(status)
-        self.status = status
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +53,7 @@ class VisualTask:
     spent: Sequence[Usage] = ()
 
 
-class VisualRun(Run):
+class VisualRun(GoalRun):
     """One visual loop in progress; the `ToolExecutor` of the loop."""
 
     def __init__(
@@ -82,8 +64,7 @@ class VisualRun(Run):
         hooks: ExecutionHooks,
         on_result: OnResult,
     ) -> None:
-        super().__init__(driver, command, Plan(), hooks)
-        self.mandate = visual_task.mandate
+        super().__init__(driver, command, visual_task.mandate, hooks)
         self.visual_task = visual_task
         self.on_result = on_result
         self.stepping = False
@@ -105,47 +86,15 @@ class VisualRun(Run):
             return None
 
     async def act(self, step: Primitive) -> StepAttempt:
-        """Execute a step if permitted; raises `CommandEnded` if the whole command must end."""
         self.stepping = True
         try:
-            if (problem := await self._problem(step)) is not None:
-                return StepAttempt(None, problem)
-            self.hooks.on_step(step, len(self.results))
-            result = await self._step(step)
+            return await super().act(step)
         finally:
             self.stepping = False
+
+    def _settled(self, result: ActionResult) -> None:
+        self.stepping = False
         self.on_result(result)
-        if result.reason in BY_PEOPLE:
-            await self._ask_who()
-        goes_on = result.reason in _GOES_ON or result.reason.startswith("limit_")
-        if result.outcome is Outcome.UNKNOWN or not (result.ok or goes_on):
-            raise CommandEnded(self._status_of(result))
-        return StepAttempt(result)
-
-    async def _problem(self, step: Primitive) -> str | None:
-        """Return None if the step may begin now, else the reason. Raises `CommandEnded` if no step may begin."""
-        assert self.mandate is not None
-        if (beyond := mandate_violation(self.mandate, self.results, step)) is not None:
-            return beyond
-        if (step.moves or not self.results) and (reason := await self._denied(step)) is not None:
-            return reason
-        if step.moves and not await self.hooks.alive():
-            self._refused(step, SILENT, "The forum does not answer, so nobody could stop me.")
-            raise CommandEnded(CommandState.INTERRUPTED)
-        # There is no await between this check and the step, so an end that came earlier is never missed.
-        if why := self.hooks.ended():
-            raise CommandEnded(why.state_in_motion)
-        return None
-
-    async def _denied(self, step: Primitive) -> str | None:
-        """Return why the step is refused in the current state. Raises `CommandEnded` if that ends the command."""
-        verdict, capabilities = await self.hooks.permit(Plan((step,)))
-        if verdict.decision is Decision.ALLOW and capabilities is not None:
-            return None
-        if verdict.rule.startswith(_OF_A_STEP):
-            return verdict.reason
-        self.verdict = verdict
-        raise CommandEnded(self._status_of_verdict(verdict))
 
     def left_s(self) -> float:
         moved_s = sum(r.duration_s for r in self.results)

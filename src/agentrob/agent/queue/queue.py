@@ -16,8 +16,8 @@ import structlog
 from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
-from agentrob.agent.understanding.visual_goal import in_words
 from agentrob.minds.visual_loop.loop import LoopRecord
+from agentrob.minds.visual_loop.pursuit import in_words
 from agentrob.model import Command, EndReason, StopResult
 
 #: No run of a schedule begins later than this after its time.

@@ -29,7 +29,7 @@ from agentrob.errors import ForumDenied, ForumError, ForumNotFound, JournalError
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
 from agentrob.model import Account, Decision, EndReason, Post, ScheduledRun, ScheduleEnd, Verdict
-from agentrob.model.run_times import next_run
+from agentrob.model.schedules import next_run
 from agentrob.screening.rights import may
 
 #: The most schedules of one account that one robot keeps.

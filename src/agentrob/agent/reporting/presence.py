@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -38,7 +38,8 @@ _log = structlog.get_logger()
 
 
 class Presence:
-    """Publishes a card every five seconds and on changes. `waiting` returns the queued commands' posts in order."""
+    """Publishes a card every five seconds and on changes. `waiting` returns the queued commands' posts in order, `sees`
+    are the things that the robot's detector knows."""
 
     def __init__(
         self,
@@ -51,6 +52,7 @@ class Presence:
         activity: AgentActivity | None = None,
         room: RoomMap | None = None,
         geometry: Callable[[], str] = lambda: "",
+        sees: Collection[str] = (),
     ) -> None:
         self._pages = pages
         self._driver = driver
@@ -60,6 +62,7 @@ class Presence:
         self._owner = owner
         self._activity = activity
         self._room, self._geometry = room, geometry
+        self._sees = sorted(sees)
         self._stands: Pose | None = None
         self._odometry: Pose | None = None
         self._placed_s = -math.inf
@@ -139,6 +142,7 @@ class Presence:
             "simulated": self._settings.simulated,
             "can_reset": bool(self._settings.room_reset),
             "camera": bool(self._settings.room_camera),
+            "sees": self._sees,
             "owner": self._settings.owner,
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,

@@ -188,6 +188,9 @@ def _head(report: Report) -> str:
     begun = any(result.moved for result in report.results)
     at = next((n for n, r in enumerate(report.results, 1) if not r.ok), len(report.results))
     match report.status:
+        case CommandState.DONE if report.findings:
+            found = join_sentences(map(disarmed, report.findings), language)
+            return say("agent.goal.found", language, found=found)
         case CommandState.DONE | CommandState.FAILED if report.goal:
             return say(f"agent.goal.{report.status}", language, goal=report.goal)
         case CommandState.ANSWERED | CommandState.EXPIRED:
@@ -221,6 +224,8 @@ def _why(report: Report) -> str:
         sentences.append(disarmed(verdict.reason))
     if report.message and report.status is not CommandState.STOPPED:
         sentences.append(report.message if report.status is CommandState.ANSWERED else disarmed(report.message))
+    if report.status not in (CommandState.DONE, CommandState.STOPPED):
+        sentences += [disarmed(found) for found in report.findings]
     # On the way to a goal, a failed step may be followed by others.
     last = _decisive(report.results[-1:] if report.goal else report.results)
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):

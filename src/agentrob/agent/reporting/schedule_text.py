@@ -9,7 +9,7 @@ from agentrob.agent.store.rows import KeptSchedule
 from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.language.messages.durations import duration
 from agentrob.model import Language, Schedule, ScheduledRun
-from agentrob.model.run_times import runs, zone_of
+from agentrob.model.schedules import runs, zone_of
 
 #: How many of the next runs the first reply names.
 SHOWN = 3

@@ -161,6 +161,7 @@ class OwnerActions:
         """Paragraphs for a command that did not move because the robot is locked or has no home: who locked it, and how
         to release it or set its home."""
         reasons, language = {result.reason for result in report.results}, report.command.language
+        reasons |= {report.verdict.rule.removeprefix("guard.")} if report.verdict else set()
         if not reasons & (_LOCKED | _HOMELESS) and report.status is not CommandState.STOPPED:
             return []
         state = await self._state()

@@ -75,6 +75,7 @@ class Records:
             "notes": list(report.plan.notes),
             "verdict": asdict(report.verdict) if report.verdict else None,
             "steps": [result.as_data() for result in report.results],
+            "findings": list(report.findings),
             "stop": asdict(report.stop) if report.stop else None,
             "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
             **_minds(assessment),

@@ -14,17 +14,14 @@ from agentrob.agent.reporting.status_post import retry_until_answered
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.understanding.extract import OVER, RATE, Assessment, by_rules, extract
 from agentrob.agent.understanding.second_opinion import SecondOpinion
-from agentrob.agent.understanding.visual_goal import (
-    goal_for,
-    in_words,
-    judged_plan,
-    replace_no_camera_answer,
-    vision_model,
-)
+from agentrob.agent.understanding.visual_goal import replace_no_camera_answer, vision_model
 from agentrob.config.robots import RobotConfig
+from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
+from agentrob.language.goal import Goal
 from agentrob.language.messages.catalog import say
+from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
@@ -32,6 +29,8 @@ from agentrob.minds.extraction.summary import Summary, summarise
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.protocol import Addressee, Mind
 from agentrob.minds.safety_review import SafetyReview, apply_review, review_command
+from agentrob.minds.visual_loop.goal import goal_of
+from agentrob.minds.visual_loop.pursuit import for_model, goal_for, in_words, judged_plan, without_model
 from agentrob.model import (
     Capabilities,
     Command,
@@ -44,8 +43,8 @@ from agentrob.model import (
     Report,
     Understanding,
 )
+from agentrob.model.estimate import seconds_of
 from agentrob.robots.driver.client import DriverClient
-from agentrob.screening.estimate import seconds_of
 from agentrob.screening.rights import may
 from agentrob.screening.screen import harm_in_words
 from agentrob.screening.second_opinion import is_own_words, with_opinion
@@ -67,6 +66,8 @@ class Assessor:
     over_limit: Callable[[Command], bool] = lambda _: False
     #: A classifier that may suspect harm in what the rules allow.
     opinion: SecondOpinion | None = None
+    #: What finds things in the robot's pictures without a model.
+    detector: Detector | None = None
 
     @property
     def model(self) -> ChatModel | None:
@@ -155,7 +156,8 @@ class Assessor:
         if understood.intent is Intent.COMMAND:
             command = replace(command, language=understood.language)
             chained = await retry_until_answered(partial(chain_refusal, self.forum, command))
-            plan = judged_plan(assessment.goal) if assessment.goal else understood.plan
+            goal = assessment.goal
+            plan = judged_plan(goal, local=not self.by_model(goal, capabilities)) if goal else understood.plan
             job.takes_s = None if assessment.goal else seconds_of(plan, capabilities)
             rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
             known = replace(terms, known=assessment.goal is not None)
@@ -182,9 +184,15 @@ class Assessor:
             return understood
         return replace(understood, intent=Intent.COMMAND, plan=plan, looks=False)
 
+    def by_model(self, goal: Goal, capabilities: Capabilities) -> bool:
+        """Whether a model pursues the goal, as the owner allows, and not the robot's detector and odometry."""
+        return self.vision_model is not None and for_model(goal, capabilities)
+
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
-        """The assessment of a post that is a visual goal, if a model may steer this robot; else None."""
-        if self.vision_model is None:
+        """The assessment of a post that is a goal which this robot can pursue; else None."""
+        language, capabilities = language_of(command.text), addressee.capabilities
+        goal = goal_of(command.text, addressee, language)  # most posts are none, and the rules read them later
+        if goal is None or not (self.by_model(goal, capabilities) or without_model(goal, capabilities, self.detector)):
             return None
         assessment = await by_rules(command.text, addressee, history)
         understood = assessment.understanding

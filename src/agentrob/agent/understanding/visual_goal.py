@@ -1,29 +1,30 @@
-"""Decide whether a post is a visual goal, what it may cost, and how it is judged (laws 7 and 10)."""
+"""Decide whether a post is a goal, who pursues it, what it may cost, and how it is judged (laws 7 and 10)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+from agentrob.agent.execution.local_goal import LocalTask
 from agentrob.agent.execution.visual import VisualTask
 from agentrob.config.robots import LookConfig, RobotConfig
+from agentrob.eyes.protocol import Detector
+from agentrob.eyes.sight import FOV_DEG, FOV_OF_MODEL_DEG
 from agentrob.language.goal import Goal
 from agentrob.language.messages.catalog import say
-from agentrob.language.messages.plan_text import step_sentence
 from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.prompt import loop_prompt
-from agentrob.minds.protocol import Addressee
 from agentrob.minds.usage import Usage
-from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
 from agentrob.minds.visual_loop.loop import LoopBudget
-from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Plan, Primitive, Understanding
+from agentrob.minds.visual_loop.pursuit import in_words
+from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Understanding
 from agentrob.screening.mandate import goal_mandate
 
+#: The most pictures of a goal without a model, and the most degrees that it turns.
+LOCAL_PICTURES, LOCAL_DEG = 16, 1080.0
 #: How the rules say that something needs eyes.
 _NO_EYES = ("vision model", "视觉模型")
-#: What a post may be for the rules and still be a goal for eyes.
-_MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
 
 
 def vision_model(model: ChatModel | None, settings: RobotConfig) -> ChatModel | None:
@@ -33,16 +34,6 @@ def vision_model(model: ChatModel | None, settings: RobotConfig) -> ChatModel | 
     return model.with_images()
 
 
-def goal_for(text: str, addressee: Addressee, by_rules: Understanding) -> Goal | None:
-    """The goal of a post, as far as the rules read nothing else in it."""
-    if by_rules.intent not in _MAY_BE or by_rules.cancels or Op.GET_FRONT_IMAGE not in addressee.capabilities.ops:
-        return None
-    goal = goal_of(text, addressee, by_rules.language)
-    if goal is None or (by_rules.intent is Intent.COMMAND and by_rules.plan.steps != goal.steps):
-        return None
-    return goal
-
-
 def replace_no_camera_answer(understood: Understanding) -> Understanding:
     """Replace the rules' answer "I have no camera" for a robot that has one."""
     if understood.intent is not Intent.ASK_BACK or not any(w in understood.question for w in _NO_EYES):
@@ -50,14 +41,18 @@ def replace_no_camera_answer(understood: Understanding) -> Understanding:
     return replace(understood, question=say("visual.ask", understood.language))
 
 
-def judged_plan(goal: Goal) -> Plan:
-    """What of a goal can be judged before it is looked for: the steps that it names, at least a picture."""
-    return Plan(goal.steps or (Primitive(Op.GET_FRONT_IMAGE),))
-
-
-def in_words(goal: Goal, language: Language) -> str:
-    """The goal with its named steps, in our own words."""
-    return goal_sentence(goal, language, [step_sentence(step, language) for step in goal.steps])
+def local_task_of(
+    goal: Goal, detector: Detector | None, capabilities: Capabilities, fov_deg: float | None
+) -> LocalTask:
+    """Return all that is needed to pursue a goal without a model, within the limits of one command."""
+    limits = capabilities.limits
+    most = Mandate(
+        {Op.GET_FRONT_IMAGE: LOCAL_PICTURES}, limits.command_m, LOCAL_DEG, limits.command_s,
+        limits.command_steps + LOCAL_PICTURES,
+    )  # fmt: skip
+    fov_deg = fov_deg or FOV_OF_MODEL_DEG.get(capabilities.model, FOV_DEG)
+    mandate = replace(goal_mandate(goal, most, capabilities), speed_mps=None)  # as in a plan, the robot's own limit
+    return LocalTask(goal, mandate, capabilities, detector, fov_deg)
 
 
 def visual_task_of(

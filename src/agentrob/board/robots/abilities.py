@@ -7,7 +7,7 @@ from dataclasses import fields
 from itertools import islice
 from typing import Any
 
-from agentrob.language.messages.help import examples
+from agentrob.language.messages.help import examples, eye_examples, play_examples
 from agentrob.language.messages.plan_text import sentence
 from agentrob.model import Capabilities, Direction, Limits, Op, Primitive
 
@@ -82,13 +82,16 @@ def commands_of(can: Capabilities) -> list[str]:
     return list(dict.fromkeys(sentence(plan, "en") for plan in plans))
 
 
-def abilities_of(name: str, can: Capabilities | None) -> tuple[tuple[str, str], ...]:
-    """Each operation of the robot of this name in words, with a post that asks for it."""
+def abilities_of(name: str, can: Capabilities | None, *, sees: bool = False) -> tuple[tuple[str, str], ...]:
+    """Each operation of the robot of this name in words, with a post that asks for it; then its routines, the way home,
+    and what it can be asked about its camera's picture (`sees`)."""
     if can is None:
         return ()
     singles = {step.op: step for step in reversed(examples(can))}
     known = [op for op in Op if op in singles]
-    return tuple((op_in_words(op), f"@{name} {sentence([singles[op]], 'en')}") for op in known)
+    steps = tuple((op_in_words(op), f"@{name} {sentence([singles[op]], 'en')}") for op in known)
+    more = [*play_examples(can, "en"), *(eye_examples(can, "en") if sees else ())]
+    return steps + tuple((words.rstrip("?"), f"@{name} {words}") for words in more)
 
 
 def example_commands(robots: Sequence[tuple[str, Capabilities | None]]) -> tuple[str, ...]:

@@ -99,7 +99,7 @@ def _readable(services: Services, robot: RobotView, board_id: str, topic_id: str
     )
     account = reader.account(robot.name)
     history = commands.done_plans(reader, topic_id, account) if topic_id and account else ()
-    return ReadableRobot(robot.name, robot.can, allowed, history)
+    return ReadableRobot(robot.name, robot.can, allowed, history, robot.sees)
 
 
 def _nobody(services: Services, board_id: str) -> str:

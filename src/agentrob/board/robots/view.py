@@ -30,6 +30,7 @@ _KNOWN = {
     "simulated",
     "can_reset",
     "camera",
+    "sees",
     "queue",
     "line",
     "owner",
@@ -91,7 +92,8 @@ class RobotView:
 
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
     words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
-    not known; `told` is what came of the last release or home. `can` is what it can do, None while that is not known.
+    not known; `told` is what came of the last release or home. `can` is what it can do, None while that is not known;
+    `sees`: it finds things in its camera's pictures.
     """
 
     name: str
@@ -113,6 +115,7 @@ class RobotView:
     homed: bool | None = None
     told: ToldView | None = None
     can: Capabilities | None = None
+    sees: tuple[str, ...] = ()
     map: MapView | None = None
 
     @property
@@ -147,6 +150,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
         told=_told(card.get("told")),
         can=capabilities_of(card),
+        sees=_sees(card.get("sees")),
         map=live.map_view(card.get("map")),
     )
 
@@ -202,6 +206,11 @@ def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
     told = card.get("boards")
     boards = told if isinstance(told, (list, tuple)) else (card.get("board"),)
     return tuple(board for board in boards[:20] if isinstance(board, str) and board)
+
+
+def _sees(told: object) -> tuple[str, ...]:
+    things = told[:40] if isinstance(told, (list, tuple)) else ()
+    return tuple(thing[:40] for thing in things if isinstance(thing, str) and thing)
 
 
 def _is_id(value: object) -> bool:

@@ -199,7 +199,7 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
     about: dict[str, Any] = {
         "owner": actions.owner_of(services, view.name),
         "line": line,
-        "abilities": abilities_of(view.name, view.can),
+        "abilities": abilities_of(view.name, view.can, sees=bool(view.sees)),
     }
     about["moves"] = front.robot_now(services, view, viewer.account, pictures=False).moves
     return about | {"waiting": asking, "key": forms.nonce()}

@@ -9,8 +9,10 @@ from text_to_num import text2num
 from agentrob.language.locale import Locale
 from agentrob.language.locales.en_idioms import IDIOMS
 from agentrob.language.messages.en import PHRASES
+from agentrob.language.messages.play_en import PHRASES as PLAY
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
+from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
 from agentrob.language.talk.words_en import FORMS
@@ -163,6 +165,22 @@ TABLE = {
         pull off a backflip|bust out a backflip|
         do your backflip|a backflip|try a backflip|backflip for me|backflip|back flip|do a backflip
         |do a back flip|flip|do a flip|make a backflip|make a flip|somersault|do a somersault|perform a backflip""",
+    # ---------------------------------------------------------------- routines
+    "op=dance": """dance|do a dance|do a little dance|do a small dance|do a short dance|do your dance|do some dancing
+        |do your little dance|do a silly dance|do a happy dance|do a quick dance|do the dance|perform a dance
+        |give us a dance|give us a little dance|show us a dance|show me a dance|show us your dance|show me your dance
+        |dance for me|dance for us|start dancing|have a dance|do a dance for us|do a dance for me
+        |do a little dance for us|do a little dance for me""",
+    "op=square": """walk a square|walk in a square|walk the shape of a square|do a square|make a square|go in a square
+        |move in a square|drive a square|drive in a square|trot in a square|walk around in a square|trace a square
+        |walk squares""",
+    "op=circle": """walk a circle|walk in a circle|walk in circles|walk a little circle|walk in a small circle
+        |walk in a little circle|walk around in a circle|walk around in circles|go in a circle|go around in a circle
+        |move in a circle|trot in a circle|drive in a circle|drive a circle|walk one circle|trace a circle
+        |walk a small circle""",
+    "op=circle_radius": "walk a circle with a radius of|walk in a circle with a radius of|walk a circle of radius",
+    "op=patrol": """patrol|go on patrol|do a patrol|walk a patrol|start patrolling|start a patrol|patrol back and forth
+        |do a little patrol""",
     "op=sit": """plop down|park yourself|sit tight on your bottom|go to sit|sit on the floor|sit on the ground|
         sit right down|have a sit|a sit|sit for me|sit for us|get down and sit|go into a sit|
         sit pretty|do a sit|do your sit|take a load off|sitting position|assume a sitting position|
@@ -187,11 +205,11 @@ TABLE = {
         |stretch yourself|have a stretch|do a stretch|take a stretch|stretch out""",
     "beyond=eyes": """look around|look out|look inside|look outside|look behind|enter|exit|leave|find|look for|search
         |search for|seek|locate|follow|chase|explore|approach|come here|come to me|come over here|come over|go see
-        |go look|investigate|inspect|patrol|go home|track|hunt|guard|watch|survey|go explore|go find|go and find|go over
+        |go look|investigate|inspect|go home|track|hunt|guard|watch|survey|go explore|go find|go and find|go over
         |go check|check out|check|scan|identify|count""",
     "beyond=hands": """record a video|make a video|take a video|video|film|stream|hug|heel|raise|shout|smile|laugh
         |pick up|pick|fetch|bring|bring me|carry|open|close|lift|press|pour|clean|wash|cook|unlock|put|place|catch|touch
-        |hold on to|switch on|turn on|switch off|turn off|play|sing|dance|lie down|lay down|roll over|jump|bark|speak
+        |hold on to|switch on|turn on|switch off|turn off|play|sing|lie down|lay down|roll over|jump|bark|speak
         |talk|say|climb|bow|nod|shake your head|wag your tail|kneel|crouch|hop|swim|fly|whistle|point at|point to|read
         |write|drop|throw|kick|push|pull""",
     "beyond=path": """in a circle|in circles|in a square|in a triangle|in a zigzag|in a zig zag|zigzag|zig zag
@@ -702,12 +720,14 @@ TABLE["talk"] += "".join(
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,
-    PHRASES,
+    PHRASES | PLAY,
     together="both of you|all of you|you both|you two|both robots",
     order="""then|after that|after this|afterwards|afterward|next|finally|lastly|followed by|once done|when done
         |after which|later|subsequently|thereafter|at the end|in the end""",
     waits="""when|whenever|once|after|as soon as|before|until|till|while|wait for|waits for|waiting for|if|unless
         |following|as long as|by the time|whilst|as|at the same time as|in sync with|together with|in case""",
+    statements=StatementClassifier("en"),
+    looks="look|face",
     remark=REMARKS.remark,
     fragment=REMARKS.fragment,
     introduction=REMARKS.introduction,

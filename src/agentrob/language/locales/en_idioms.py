@@ -15,7 +15,9 @@ _NUMBER = (
     r"|seventy|eighty|ninety|hundred)"
 )
 #: Where a clause begins; group 1 is what stands there.
-_BEGIN = r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|hi|hello|uh|um|please)\s+)"
+_BEGIN = (
+    r"(^\s*|[,.;:!?]\s*|\b(?:and|then|so|but|ok|okay|alright|well|now|hey|hi|hello|uh|um|please|robot|doggo|buddy)\s+)"
+)
 _END = r"(?=\s*(?:$|[,.;:!?]|\b(?:and|then|please|pls|plz|thanks|thank)\b))"
 _AHEAD = "forward|forwards|backward|backwards"
 _A_TURN = r"(?:an?|another|one|the) (?:[\w-]+ ){0,4}?(?:turn|rotation|spin|about face|u turn)\b"
@@ -29,6 +31,10 @@ _TASK = (
 )
 _VIEW = "view|feed|frame|scene|capture|screenshot|camera feed|visual"
 _ANEW = r"(?:sorry|oops|whoops|my mistake|my bad|no|no wait|wait|wait no|actually|uh|er)"
+_TENS = r"(?:[1-9]0|ten|twenty|thirty|forty|fifty|sixty|seventy|eighty|ninety)"
+_WHOLE = "(?:full|whole|complete|entire)"
+_CIRCLE = "(?:circle|turn|rotation|spin|revolution|twirl|loop)"
+_CLOCKWISE = "(?:to the |to your )?(?:clockwise|anti ?clockwise|counter ?clockwise)"
 _OTHER_WAY = r"(?:the )?other (?:way|direction|side)"
 #: Hours of a clock face that a robot can turn to; twelve is ahead.
 _HOURS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven")
@@ -50,7 +56,33 @@ def _clock() -> tuple[tuple[str, str], ...]:
     return tuple(found)
 
 
+#: A length, and where one is said of the sides of a square.
+_LENGTH = (
+    rf"(?:{_NUMBER}|\d*\.\d+|\d+\.\d+|half an?|an?)(?: and a half)? ?-?"
+    r"(?:m|cm|met(?:er|re)s?|centimet(?:er|re)s?|ft|feet|foot)"
+)
+_A_SIDE = r"(?:sides?|side lengths?|edges?|edge lengths?|legs?)"
+
+
+def _routines() -> tuple[tuple[str, str], ...]:
+    """Sizes and counts of routines that stand elsewhere than behind their names: "walk a 1 m square"."""
+    walk = r"\b(?:walk|do|make|drive|trace|go|move|trot)(?: in)? "
+    return (
+        (rf"{walk}an? ({_LENGTH}) (?:by|x) \1 square\b", r"walk a square of \1"),
+        (rf"{walk}an? ({_LENGTH}) square\b", r"walk a square of \1"),
+        (rf"{walk}an? ({_LENGTH}) circle\b", r"walk a circle of \1"),
+        (rf"(\bsquare),? (?:with|of) (?:an? |each )?{_A_SIDE} (?:of |is |being )?(?={_LENGTH})", r"\1 of "),
+        (rf"(\bsquare)(?: of|,| with)? ({_LENGTH}) (?:sides|a side|per side|each side|on each side)\b", r"\1 of \2"),
+        (rf"(\bcircle),? (?:with|of) an? diameter (?:of )?(?={_LENGTH})", r"\1 of "),
+        (rf"{walk}a circle,? (?:with|of) an? radius (?:of )?(?={_LENGTH})", "walk a circle with a radius of "),
+        (rf"(\b(?:circle|square) of {_LENGTH}) across\b", r"\1"),
+        (rf"\bpatrol ({_NUMBER}) (?:laps?|rounds?|loops?)\b", r"patrol \1 times"),
+        (r"\bpatrol (?:for )?(?:a|one) (?:lap|round|loop)\b", "patrol once"),
+    )
+
+
 IDIOMS: tuple[tuple[str, str], ...] = (
+    *_routines(),
     (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?wave\b", r"wave to \1"),
     (rf"\bgive {_WHOM} an? (?:{_KINDLY} )?(?:clap|round of applause|hand)\b", r"clap for \1"),
     (rf"\b(?:give|show|send|make) {_WHOM} (?:a|your) (?:{_KINDLY} )?heart\b", r"make a heart for \1"),
@@ -124,6 +156,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         r"\1do ",
     ),
     (rf"{_BEGIN}(?:reposition|relocate) (?:yourself )?(?=[a-z\d])", r"\1move "),
+    (rf"{_BEGIN}(?:can|could|may) (?:we|i) (?:just )?have you (?=[a-z])", r"\1please "),
     (rf"{_BEGIN}oi(?= |,)", r"\1hey"),
     (rf"{_BEGIN}mind (?=[a-z]+ing\b)", r"\1would you mind "),
     (rf"{_BEGIN}(?:so )?why (?:not|don't we|don't u) (?=\w)", r"\1please "),
@@ -198,5 +231,32 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         r"\1 ",
     ),
     (rf"{_BEGIN}give (?:it|me|us) (?=(?:another )?{_NUMBER}\b[\w ]*\b(?:{_AHEAD}|back|left|right))", r"\1move "),
+    # ---------------------------------------------------------------- verbs in -ing, nouns for deeds, manners
+    (rf"{_BEGIN}(?:(?:and|then) )*making (?=an? (?:\w+ )?heart\b)", r"\1make "),
+    (rf"{_BEGIN}(?:(?:and|then) )*giv(?:e|ing)(?: me| us| everyone)? (?=(?:an?|one) (?:\w+ )?heart\b)", r"\1make "),
+    (rf"\b(?:an?|one|a single|another) (?:{_WHOLE} )?{_CIRCLE},? (?={_CLOCKWISE}\b)", "turn 360 degrees "),
+    (rf"{_BEGIN}(?:do |make |turn |give us |perform )?(?:one|a single) {_WHOLE} {_CIRCLE}\b", r"\1turn 360 degrees"),
+    (rf"{_BEGIN}(?:just )?one (?=(?:{_GESTURE})\b)", r"\1a "),
+    (rf"\b(?:just )?an? single (?=foot|met(?:er|re)|yard|inch|centimet(?:er|re)|degree|{_PICTURE}|{_GESTURE})", "one "),
+    (r"\b(?:over|round|across) (?=to (?:the|your) (?:left|right)\b)", ""),
+    (r",? (?:stepping|moving|walking|shuffling|going|side ?stepping) sideways\b", ""),
+    (r"\bsideways,? (?:to the |on the |to your )?(left|right)(?: side)?\b", r"to the \1"),
+    (r",? (?:crab|crab walk|sidestep|military|moonwalk|robot)[ -]style\b", ""),
+    (
+        rf"\b({_NUMBER} met(?:er|re)s?) (?:and )?({_TENS})(?=$|[.,;!]| (?:and|then|to|forward|back|left|right)\b)",
+        r"\1 \2 cm",
+    ),
+    (rf"\b({_AHEAD}),? go[!.]*$", r"\1"),
+    (rf"\bkeep (?:going )?(?:straight|on)(?: ahead)? for (?={_NUMBER})", "walk forward "),
+    (
+        rf"\b((?:turn|rotate|spin|pivot)\b[\w ]*?),? until you(?:'ve| have)? (?:done|turned|reached) (?={_NUMBER})",
+        r"\1 ",
+    ),
+    (
+        r"\b(?:turn|spin) (?:yourself )?(?:a)?round,? "
+        r"(?:so (?:that )?you(?:'re| are| face)?(?: facing)?|to face|and face) "
+        r"(?:the (?:other|opposite) (?:way|side|direction)|(?:back )?where you (?:came|come) from)\b",
+        "turn around",
+    ),
     (r",? (?:and )?(?:at|in) the end(?: of (?:that|it|this|the (?:turn|move|walk|rotation)))?(?=[.!]*$)", " "),
 )

@@ -10,9 +10,11 @@ from agentrob.language.locales import en
 from agentrob.language.locales.zh_characters import TWINS
 from agentrob.language.locales.zh_idioms import IDIOMS
 from agentrob.language.locales.zh_phrases import with_phrases
+from agentrob.language.messages.play_zh import PHRASES as PLAY
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
 from agentrob.language.remarks import chinese as remarks
+from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.chinese import WORDS as SCHEDULE
 from agentrob.language.talk.words_zh import FORMS
 
@@ -227,14 +229,23 @@ TABLE = {
     "move dir=right": f"右移|右挪|右行|右移动|右挪动|右行走|右行驶|右跨|右迈|右平移|右横移|{_towards('右', _SLIDES)}",
     "beyond=eyes": """照着|学我|模仿|跟我学|跟着我做|学着|躲开|让开|走开|闪开|让一让|让一下|回家|回到|跟上|离远|离开
         |到我身边来|到我这儿来|到我这里|靠过来|走过去|走过来|过去|过来|跟我来|跟着我|跟我走|进来|出去|找|找到|寻找
-        |搜索|跟随|跟着|探索|靠近|巡逻|走到|去找|找一下|过来这边|到我这里来|来我这里|来这里|去到|检查|侦察|追
+        |搜索|跟随|跟着|探索|靠近|走到|去找|找一下|过来这边|到我这里来|来我这里|来这里|去到|检查|侦察|追
         |往前走到|走回到|开到|移动到|跑到""",
     "beyond=hands": """偷拍|嗨起来|燥起来|动起来|跳起来|舞起来|唱起来|抬起来|举起来|拿起来|机械舞|抬头|低头|回头|装死
         |抬手|举手|抬腿|蹲下|开|关|开门|开一下|关一下|卧倒|笑|哭|笑一笑|眨眼|拿|拿起|捡|捡起|打开|关上|关门|搬|按
-        |倒水|带来|拿来|递给|抓住|趴下|跳舞|唱歌|跳|躺下|叫|说|打滚|唱|取|端|递|抓|抱|推|拉|扔|踢|扫|擦|洗|点头
+        |倒水|带来|拿来|递给|抓住|趴下|唱歌|跳|躺下|叫|说|打滚|唱|取|端|递|抓|抱|推|拉|扔|踢|扫|擦|洗|点头
         |点点头|点个头|鞠躬|鞠个躬|摇头|摇摇头|摇尾巴|摇摇尾巴|爬|蹲|跪|念|读|写|弹|切|煮|做饭|泡茶|关灯|开灯""",
-    "beyond=path": """来回|往返|走个来回|走来回|绕着|绕|绕圈|走圈|走一圈|走个圈|走个正方形|走正方形|走一个正方形
+    "beyond=path": """来回|往返|走个来回|走来回|绕着|绕|绕圈
         |走之字形|走个8字|斜着|斜向|斜|东|西|南|北|上楼|下楼|上楼梯|下楼梯""",
+    "op=dance": """跳舞|跳个舞|跳支舞|跳段舞|跳一个舞|跳一支舞|跳一段舞|跳一下舞|跳跳舞|来个舞|来支舞|来段舞|来一支舞
+        |来一段舞|跳个小舞|跳支小舞
+        |跳个舞蹈|跳一段舞蹈|来段舞蹈|来个舞蹈|舞一段|舞一曲|跳一曲|跳舞给我看|跳个舞给我看""",
+    "op=square": """走正方形|走个正方形|走一个正方形|走出一个正方形|走出个正方形|走方形|走个方形|走个方块
+        |走一个方形|走四方形|绕正方形走|沿正方形走""",
+    "op=circle": """走圈|走一圈|走个圈|走个圈圈|走圈圈|走圆圈|走个圆圈|走一个圆圈|走一个圈|走个圆|走一个圆|走圆形|绕圈走
+        |走个圆形|走一个圆形|走上一圈""",
+    "op=circle_radius": "走圆半径|走圈半径",
+    "op=patrol": "巡逻|巡个逻|去巡逻|巡逻一圈|巡逻一下|巡逻一趟|巡逻一遍|巡视|来回巡逻|开始巡逻|巡逻巡逻|巡一圈",
     "beyond=wait": "等待|等一会|等一会儿|休息|歇|歇会儿|停留|稍等",
     "again": """再来一次|再来一遍|再做一次|再做一遍|再一次|重复一次|重复一遍|重来一次|重来一遍|再重复一次|照刚才的
         |和刚才一样|跟刚才一样|像刚才一样|重复以上动作|重复上面的动作|做同样的事|同样的动作|重复刚才的动作|一样的
@@ -334,7 +345,7 @@ TABLE = {
     "op=get_front_image": f"""{_separable("拍|照", "照")}|{_separable("照|拍", "相")}|拍一张|拍张|拍上一张|照张相
         |拍张照|拍一张照|拍张相|照一张|来一张|拍张照片|拍一张照片|拍个照片|照张照片|拍照片|拍张图|拍一张图|拍个图
         |拍几张照片|来张照片|来一张照片|照张|拍照一张|照一张相|拍个合影|合个影|合张影|拍拍照|抓拍一张|抓拍|咔嚓一张
-        |咔嚓一下|来张图|给张照片|影相|影张相|影个相|影张|{_separable("拍|照", "相片")}|照个像|照张像|截个图
+        |咔嚓一下|来张图|给张照片|影相|影张相|影个相|影张|{_separable("拍|照", "相片")}|照个像|照张像
         |截张图|截一张图|截屏|截个屏|抓图|抓个图|抓张图|抓一张图|采图|采集图像
         |采集一张图像|采集一帧图像|采一帧图像|采一张图|抓一帧|抓一帧图像|抓一帧画面|抓一帧前视图像|抓取图像
         |抓取一帧|抓取一帧图像
@@ -608,7 +619,7 @@ _MISREAD = {
 LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=TWINS, misread=_MISREAD, extends=en.LEXICON)
 LOCALE = Locale(
     LEXICON,
-    PHRASES,
+    PHRASES | PLAY,
     script="han",
     together="你们|你们俩|你们两|你们两个|两位|二位|你俩|你们两位|各位",
     stated=remarks.STATED,
@@ -616,6 +627,8 @@ LOCALE = Locale(
         |(?<![向往朝背身])後""",
     waits="等到|等|当|當|如果|要是|一旦|直到|在|只要|的时候|的時候|那会儿|那會兒|那一刻|的瞬间",
     phrases=with_phrases,
+    statements=StatementClassifier("zh"),
+    looks="看",
     remark=remarks.REMARK,
     aside=remarks.ASIDE,
     purpose=remarks.PURPOSE,

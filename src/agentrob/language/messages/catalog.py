@@ -34,8 +34,13 @@ def can_say(key: str) -> bool:
 
 
 def join_sentences(sentences: Iterable[str], language: Language) -> str:
-    """Join sentences to one paragraph; Chinese puts no space between them."""
-    return ("" if language == "zh" else " ").join(sentences)
+    """Join sentences to one paragraph; Chinese puts no space between them, except after bold ones, which Markdown would
+    otherwise not end there."""
+    if language != "zh":
+        return " ".join(sentences)
+    parts = list(sentences)
+    spaced = [part + " " if part.endswith("**") else part for part in parts[:-1]]
+    return "".join([*spaced, *parts[-1:]])
 
 
 def quote(words: str) -> str:

@@ -6,11 +6,16 @@ from dataclasses import replace
 
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import sentence
+from agentrob.language.routines import Routine, steps_of, usual_size_m
 from agentrob.model import Capabilities, Direction, Language, Op, Primitive
 
+#: The routines that help names.
+ROUTINES = (Routine.DANCE, Routine.SQUARE, Routine.CIRCLE, Routine.PATROL)
 
-def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
-    """Return Markdown for the robot called `name` (its handle without @). Examples are code, so they command nobody."""
+
+def help_text(capabilities: Capabilities, name: str, language: Language, *, sees: bool = False) -> str:
+    """Return Markdown for the robot called `name` (its handle without @). Examples are code, so they command nobody.
+    `sees`: it has a detector for its camera's pictures."""
     limits = capabilities.limits
     lines = [
         say("help.intro", language, name=name, model=capabilities.model),
@@ -22,6 +27,13 @@ def help_text(capabilities: Capabilities, name: str, language: Language) -> str:
     ]
     if len(chain := _chain(capabilities)) > 1:
         lines += [say("help.chain", language), "", _example(name, chain, language), ""]
+    for key, sentences in (
+        ("help.play", play_examples(capabilities, language)),
+        ("help.eyes", eye_examples(capabilities, language) if sees else []),
+    ):
+        if sentences:
+            played = [say("help.example", language, name=name, sentence=words) for words in sentences]
+            lines += [say(key, language), "", *played, ""]
     if Op.MOVE in capabilities.ops:
         more = [say("help.example", language, name=name, sentence=words) for words in thread_examples(language)]
         lines += [say("help.more", language), "", *more, ""]
@@ -59,6 +71,21 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
 def thread_examples(language: Language) -> list[str]:
     """Return what can be said about an earlier walk in the thread."""
     return [say(key, language) for key in ("help.again", "help.slower", "help.back")]
+
+
+def play_examples(capabilities: Capabilities, language: Language) -> list[str]:
+    """Return the routines that fit this robot's limits, and the way home."""
+    found = [say(f"help.{r}", language) for r in ROUTINES if steps_of(r, capabilities, usual_size_m(r, capabilities))]
+    goes = {Op.MOVE, Op.TURN} <= capabilities.ops and Direction.FORWARD in capabilities.move_directions
+    return [*found, say("help.home", language)] if goes else found
+
+
+def eye_examples(capabilities: Capabilities, language: Language) -> list[str]:
+    """Return what can be asked of a robot with a detector."""
+    if Op.GET_FRONT_IMAGE not in capabilities.ops:
+        return []
+    turns = [say("help.face", language)] if Op.TURN in capabilities.ops else []
+    return [*turns, say("help.colours", language)]
 
 
 def within(step: Primitive, capabilities: Capabilities) -> Primitive:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
-from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence
+from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence, deeds_of
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.model import Direction, Op
 
@@ -107,7 +107,7 @@ class _Reader(SentenceState):
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
         if token.kind is TokenKind.OP:
-            self.sentence.denied_ops.add(Op(str(token.value).split("/")[0]))
+            self.sentence.denied_ops.add(deeds_of(token.value)[0])
         if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
             self.sentence.stays = self.denied
         elif self.denied:
@@ -165,7 +165,7 @@ class _Reader(SentenceState):
         elif kind is TokenKind.OP:
             self._another()
             draft = self._new(token, TokenKind.OP)
-            draft.op, *others = map(Op, str(token.value).split("/"))
+            draft.op, *others = deeds_of(token.value)
             draft.or_else = tuple(others)
         elif kind is TokenKind.BEYOND:
             self._beyond(token)
@@ -266,7 +266,9 @@ class _Reader(SentenceState):
             return
         if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is TokenKind.TURN:
             return  # 一百八十度转身: the angle that a verb implies, where one was said before
-        if (
+        if cur is not None and cur.lacks_size and token.kind is TokenKind.LENGTH and not cur.unknown:
+            pass  # "walk a square of 1 m"
+        elif (
             cur is None
             or cur.verb is TokenKind.OP
             or cur.unknown

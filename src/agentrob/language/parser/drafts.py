@@ -6,7 +6,16 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from agentrob.language.parser.lexicon import Token, TokenKind
+from agentrob.language.routines import Routine
 from agentrob.model import Direction, Op
+
+Deed = Op | Routine
+
+
+def deeds_of(value: object) -> tuple[Deed, ...]:
+    """Return what a token of the kind OP names, the best first."""
+    routines = frozenset(Routine)
+    return tuple(Routine(word) if word in routines else Op(word) for word in str(value).split("/"))
 
 
 @dataclass
@@ -19,8 +28,8 @@ class Draft:
     start: int
     end: int
     verb: TokenKind | None = None
-    op: Op | None = None
-    or_else: tuple[Op, ...] = ()  # alternatives for a robot that lacks this gesture
+    op: Deed | None = None
+    or_else: tuple[Deed, ...] = ()  # alternatives for a robot that lacks this gesture
     direction: Direction | None = None
     amount: Token | None = None
     speed_mps: float | None = None
@@ -70,7 +79,12 @@ class Draft:
     @property
     def takes_manner(self) -> bool:
         """Whether a speed or an amount can apply to it."""
-        return self.is_motion or self.verb is TokenKind.AGAIN
+        return self.is_motion or self.verb is TokenKind.AGAIN or isinstance(self.op, Routine)
+
+    @property
+    def lacks_size(self) -> bool:
+        """Whether it is a square, a circle or a patrol whose size may follow."""
+        return isinstance(self.op, Routine) and self.op.has_size and self.amount is None and not self.counted
 
     @property
     def vaguely_begun(self) -> bool:
@@ -131,7 +145,7 @@ class Sentence:
     report: bool = False
     condition: Token | None = None
     denial_unclear: Token | None = None  # a "not" whose reach cannot be told
-    denied_ops: set[Op] = field(default_factory=set)  # gestures and pictures that are denied
+    denied_ops: set[Deed] = field(default_factory=set)  # gestures and pictures that are denied
     denied_motions: list[Draft] = field(default_factory=list)  # walks and turns that are denied
     denial_joined: bool = False  # … because an "and" stands within it
     stays: Token | None = None  # "stay where you are": no walk at all

@@ -137,6 +137,11 @@ class _Reader:
     def asked(self, text: str) -> Understanding:
         """Return the question about what is not understood of a text."""
         steps = self._reading(text)[1]
+        if not steps.unfit and len(text) <= _LONGEST_RESTATED:
+            plain = self._reading(self.known.restated_idioms.in_plain_words(text.translate(self.known.words.twins))[0])[
+                1
+            ]
+            steps = plain if plain.unfit and plain.doubts == 1 else steps  # "walk a 9 m square"
         done = say("ask.understood", self.language, steps=outline(steps.steps, self.language)) if steps.steps else ""
         return self._question(steps.problem, steps.offers, done)
 
@@ -268,7 +273,7 @@ class _Reader:
         if is_spoken_of(plain, self.known.talk):
             return True
         return understood.intent is Intent.ASK_BACK and is_talk(
-            plain, self.known.remark, self.known.talk, self._names_deed
+            plain, self.known.talk, self.known.states, self.known.surely_states, self._names_deed
         )
 
     def _names_deed(self, words: str) -> bool:

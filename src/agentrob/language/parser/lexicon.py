@@ -22,7 +22,8 @@ class TokenKind(StrEnum):
     TURN = "turn"  # a verb of turning on the spot
     DIR = "dir"  # forward, backward, left, right
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
-    OP = "op"  # a gesture or picture: "wave"; value "shake/hello": the second if the robot lacks the first
+    #: A gesture, picture or routine: "wave"; value "shake/hello": the second if the robot lacks the first.
+    OP = "op"
     BEYOND = "beyond"  # beyond the robots' abilities: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
     AGAIN = "again"  # repeat what was done before; values: "back", the way back; "more"; "move", "turn": one
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back

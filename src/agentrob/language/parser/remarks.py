@@ -45,6 +45,15 @@ _BEFORE_BEGINNING = (
 )
 _SIDES = (TokenKind.DIR, TokenKind.BACK, TokenKind.AGREE)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
+#: Tokens that ask for nothing within a clause that is surely a statement: the grammar knows words, not what they mean.
+_TOLD = (
+    TokenKind.BEYOND,
+    TokenKind.CONDITION,
+    TokenKind.REQUEST,
+    TokenKind.WISH,
+    TokenKind.SLOW,
+    TokenKind.FASTER,
+)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
@@ -103,7 +112,9 @@ class Clause:
     @cached_property
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
-        if not _found(known.remark, said) and not self.introduces:
+        if not self.introduces and not (
+            known.has_form_of_remark(said) or (known.reads_as_statement(said) and not self.has_amount)
+        ):
             return False
         if self._weighs(known.weighty, _compiled(known.aside).sub(" ", said)):
             return False
@@ -139,11 +150,34 @@ class Clause:
         return any(kind in _SIDES for kind in kinds[1:]) or kinds in ([TokenKind.DIR], [TokenKind.BACK])
 
     @property
+    def has_amount(self) -> bool:
+        """Whether it names a distance, an angle, a duration or a number of steps."""
+        return any(token.kind in _AMOUNTS and token.kind is not TokenKind.NUMBER for token in self.tokens)
+
+    @property
     def commands(self) -> bool:
         """Whether it holds words that may command something."""
-        if any(token.kind in _MEANT and token.value != "after" for token in self.tokens):  # "after the night": a time
-            return True
-        return self._directs or self._acts
+        for at, token in enumerate(self.tokens):
+            if token.kind in _MEANT and token.value != "after" and not self._is_told(at):  # "after the night": a time
+                return True
+        return self._directs or any(
+            token.kind in _ACTIONS and not self.is_noun(token) and not self._is_told(at)
+            for at, token in enumerate(self.tokens)
+        )
+
+    def _is_told(self, at: int) -> bool:
+        """Return whether a word that may ask for something is part of what is surely told: "never seen one before"."""
+        token = self.tokens[at]
+        if token.kind is TokenKind.CONDITION and not at:
+            return False
+        return (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told
+
+    def _looks(self, token: Token) -> bool:
+        return self.words[token.start : token.end].lower() in self.known.looks.split("|")
+
+    @cached_property
+    def _surely_told(self) -> bool:
+        return self.known.surely_states(self.plain)
 
     @property
     def names_deed(self) -> bool:
@@ -256,6 +290,11 @@ def without_remarks(part: str, clauses: Clauses) -> tuple[str, list[str]]:
             blanked = blanked[:start] + " " * (introduces.end() - start) + blanked[introduces.end() :]
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
+
+
+def clauses_of(part: str, clauses: Clauses) -> list[str]:
+    """Return the words of the clauses of a post, as remarks are looked for in them."""
+    return [part[start:end] for start, end in _spans(part, clauses)]
 
 
 def _spans(part: str, clauses: Clauses) -> Iterator[tuple[int, int]]:

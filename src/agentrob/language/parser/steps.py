@@ -13,13 +13,15 @@ from itertools import pairwise
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
-from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
+from agentrob.language.messages.routine_text import routine_note, unfit
+from agentrob.language.parser.drafts import Deed, Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.parser.remarks import Clause
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
-from agentrob.model import Direction, Language, Op, Primitive
+from agentrob.language.routines import Routine, steps_of, usual_size_m
+from agentrob.model import Capabilities, Direction, Language, Op, Primitive
 
 #: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
 MAX_DISTANCE_M = 100.0
@@ -37,6 +39,7 @@ class ParsedSteps:
     picture_after: TokenKind | None = None
     hints: list[list[Primitive]] = field(default_factory=list)  # candidates for the first step that was not understood
     hinted_at: int = 0  # how many steps stand before that one
+    unfit: bool = False  # a routine is known and does not fit the robot's limits
     doubts: int = 0  # how many things were not understood
     offers: list[list[Primitive]] = field(
         default_factory=list
@@ -215,7 +218,7 @@ class _StepBuilder:
 
     def _object_to_contradictions(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> None:
         """Object to what is also denied, and to a gesture named after "again": "backflip. again! backflip!"."""
-        denied: set[Op | None] = {op for sentence in sentences for op in sentence.denied_ops}
+        denied: set[Deed | None] = {op for sentence in sentences for op in sentence.denied_ops}
         for draft in drafts:
             if draft.op in denied or (draft.bare_picture and Op.GET_FRONT_IMAGE in denied):
                 self.reading.object_to(self._say("ask.denial", self.text[draft.start : draft.end]))
@@ -355,6 +358,9 @@ class _StepBuilder:
 
     def _one(self, draft: Draft, said: str) -> None:
         reading = self.reading
+        if isinstance(draft.op, Routine):
+            self._routine(draft.op, draft, said)
+            return
         step: Primitive | None
         step, problem = (self._gesture(draft.op, draft, said), "") if draft.op else self._motion(draft, said)
         if draft.bare_picture:
@@ -371,9 +377,36 @@ class _StepBuilder:
         elif len(reading.steps) <= MAX_STEPS:
             reading.steps += [step] * draft.times
 
+    def _routine(self, routine: Routine, draft: Draft, said: str) -> None:
+        """Add the steps of a dance, a figure or a patrol, or say which sizes and counts fit this robot's limits."""
+        reading, can = self.reading, self.background.can or Capabilities("", self.ops)
+        kind = draft.amount.kind if draft.amount else None
+        size_m = draft.amount.value if draft.amount and isinstance(draft.amount.value, float) else None
+        if kind is TokenKind.ANGLE and size_m and not size_m % 360 and not draft.counted:  # 巡逻两圈
+            draft = replace(draft, times=int(size_m / 360), amount=None)
+            kind, size_m = None, None
+        if kind not in (None, TokenKind.LENGTH):  # "walk a square of 1"
+            reading.object_to(self._say("ask.unit" if kind is TokenKind.NUMBER else "ask.words", said))
+            return
+        if size_m is None:
+            size_m = usual_size_m(routine, can, max(1, draft.times))
+        speed_mps = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
+        if speed_mps is not None and not SLOW_FROM_MPS <= speed_mps <= FAST_TO_MPS:
+            reading.object_to(self._say("ask.speed", said))
+            return
+        if draft.again or draft.times < 1 or not (steps := steps_of(routine, can, size_m, draft.times)):
+            reading.unfit = True
+            reading.object_to(unfit(routine, can, self.language, quote(said), size_m, draft.times))
+            return
+        if draft.faster:
+            reading.note(say("note.own_speed", self.language))
+        reading.note(routine_note(routine, steps, draft.times, self.language, quote(said)))
+        reading.steps += [replace(s, speed_mps=speed_mps) if s.op is Op.MOVE else s for s in steps]
+
     def _gesture(self, op: Op, draft: Draft, said: str) -> Primitive:
         """Return the gesture that was requested, or what this robot does instead ("shake hands")."""
-        if op in self.ops or not (others := [other for other in draft.or_else if other in self.ops]):
+        known = [other for other in draft.or_else if isinstance(other, Op)]
+        if op in self.ops or not (others := [other for other in known if other in self.ops]):
             return Primitive(op)
         step = Primitive(others[0])
         self.reading.note(

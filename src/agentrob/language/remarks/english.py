@@ -271,7 +271,10 @@ WORDS = RemarkWords(
     },
     danger={
         "the way": """ahead|in front|right there|edge|wet|oil|oily|icy?|ice|slipp*|spil*|covered|water|fires?|smoke|gas
-           |wires?|cables?|broken|crack*|holes?|pits?|steep|glass|hot|burn*|loose|drop|drops""",
+           |wires?|cables?|broken|crack*|holes?|pits?|steep|glass|hot|burn*|loose|drop|drops|cords?|ropes?|glue*|sticky|tacky
+           |varnish*|marbles?|drawing pins?|pins somewhere|nails|puddles?|shards?|strewn|scattered|spread|stretched
+           |ankle height|paint tins?|over there|around there|(?:that|this|your) side
+           |(?<!first )(?<!second )(?<!third )(?<!ground )(?<!top )(?<!dance )(?<!shop )floor(?:boards?)?""",
         "in the way": r"""
             (?:is|are|'s|'re|sits?|sitting|stands?|standing|lies) (?:\w+ ){0,2}?on the (?:floor|ground|carpet|rug)
            |in (?:the|your) way|on the (?:way|path)|block*""",

@@ -20,7 +20,7 @@ from agentrob.language.schedule.parts import (
     Weekly,
 )
 from agentrob.model import Schedule
-from agentrob.model.run_times import first_runs, instant_of, zone_of
+from agentrob.model.schedules import first_runs, instant_of, zone_of
 
 #: A schedule ends after this many runs or days, and two of its runs are at least this far apart.
 MAX_RUNS, MAX_DAYS, MIN_EVERY_S = 30, 60, 300

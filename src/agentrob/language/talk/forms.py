@@ -12,6 +12,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 
+#: Judges a clause or a sentence.
+Judge = Callable[[str], bool]
+
 
 @dataclass(frozen=True)
 class TalkForms:
@@ -22,7 +25,7 @@ class TalkForms:
     in the writing of the post, for names in capitals. `wish` matches what asks for something in any form, and
     `order` how an order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of`
     matches clauses that speak of a deed as done, even where the grammar reads a command in them; `praised` matches
-    a whole post of praise that does. `by_remark`: a clause in the form of a remark (`Locale.remark`) is talk too.
+    a whole post of praise that does. A statement (`Locale.states`) is talk too.
     `topics` are what a line of talk may be about, by the key of its answer.
     """
 
@@ -35,7 +38,6 @@ class TalkForms:
     done: str = "(?!)"
     spoken_of: str = "(?!)"
     praised: str = "(?!)"
-    by_remark: bool = True
     topics: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -47,16 +49,17 @@ _SAID = re.compile(
 _CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
 
 
-def is_talk(text: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+def is_talk(text: str, forms: TalkForms, states: Judge, sure: Judge, commands: Judge) -> bool:
     """Return whether every clause of a text is talk.
 
-    `remark` matches statements (see `Locale.remark`); `commands` tells whether a clause holds words of a command.
+    `states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `commands`
+    whether a clause holds words of a command.
     """
     sentences = [match[0].strip() for match in _SENTENCE.finditer(text) if match[0].strip()]
-    return bool(sentences) and all(_is_talk(sentence, remark, forms, commands) for sentence in sentences)
+    return bool(sentences) and all(_is_talk(sentence, forms, states, sure, commands) for sentence in sentences)
 
 
-def order_beside(text: str, forms: TalkForms, commands: Callable[[str], bool]) -> str:
+def order_beside(text: str, forms: TalkForms, commands: Judge) -> str:
     """Return a clause of an order beside talk ("I'm tired, follow me"); empty if there is none.
 
     What belongs to a question, a report, or words to others is no order.
@@ -93,7 +96,7 @@ def topic_of(text: str, forms: TalkForms) -> str:
     return next(found, "")
 
 
-def _is_talk(sentence: str, remark: str, forms: TalkForms, commands: Callable[[str], bool]) -> bool:
+def _is_talk(sentence: str, forms: TalkForms, states: Judge, sure: Judge, commands: Judge) -> bool:
     if _compiled(forms.named).search(sentence):
         return True
     plain = _plain(sentence)
@@ -106,8 +109,7 @@ def _is_talk(sentence: str, remark: str, forms: TalkForms, commands: Callable[[s
         return False
     if _compiled(forms.sentences).search(said):
         return True
-    also = _compiled(remark if remark and forms.by_remark else "(?!)")
-    talked = all(_compiled(forms.clauses).search(c) or also.search(c) for c in clauses)
+    talked = sure(said) or all(_compiled(forms.clauses).search(clause) or states(clause) for clause in clauses)
     return talked and not any(orders) and not any(commands(clause) for clause in clauses)
 
 

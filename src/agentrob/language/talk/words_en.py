@@ -85,6 +85,7 @@ _THIRD = (
 )
 
 FORMS = TalkForms(
+    spoken_of=r"^(?:just |now )?(?:picture|imagine) (?:this|that|it)$",
     lead=_LEAD,
     clauses=(
         rf"^(?:{_SOCIAL}|{_QUESTION}|{_THIRD}|{_PAST}|{_IT} {_PAST}|{_FORUM}|i(?:'m|'ll|'d|'ve)?\b|we(?:'re|'ll"

@@ -1,7 +1,7 @@
-"""Parse a post into a goal that needs a camera: "walk to the red ball and tell me what is beside it". Pure, no model.
+"""Parse a post into a goal: "walk to the red ball and tell me what is beside it", "come home". Pure, no model.
 
-Every clause must be fully known, as a request to reach, face, find or describe something of a closed vocabulary, or as
-a step that the grammar reads. With one unknown clause or word there is no goal, and the robot asks back.
+Every clause must be fully known, as a request to reach, face, find or describe something of a closed vocabulary, to go
+home, or as a step that the grammar reads. With one unknown clause or word there is no goal, and the robot asks back.
 """
 
 from __future__ import annotations
@@ -32,6 +32,12 @@ _POLITE = re.compile(
     r"|i want you to|i would like you to|go and|come on)\s+)+|\s+(?:please|now|for me|thanks|thank you)$"
     r"|^(?:请你?|麻烦你?|帮我|现在|先|能不能|可以|你好|去(?=看|找))+|(?:吧|好吗|一下|谢谢|呗)+$"
 )
+#: What stands before a question mark, and what requests; a mere question never moves the robot.
+_ASKED = re.compile(r"([^,;.!?\n，。；！？、]*)[?？]")
+_REQUESTED = re.compile(r"\b(?:(?:could|can|would|will) you|please)\b|请|麻烦|帮我|能不能|可以|能否|能(?!看)")
+_MOVING = (Aim.APPROACH, Aim.FACE, Aim.FIND, Aim.HOME)
+_QUESTIONS = {Aim.SEE, Aim.COLOURS}
+_TELL = re.compile(r"\b(?:tell|say|report|look for)\b|告诉|说说|报告")
 _WHERE = {
     "beside": "beside", "next to": "beside", "near": "beside", "around": "around", "behind": "behind",
     "in front of": "in front of", "on": "on", "on top of": "on", "under": "under", "in": "in", "inside": "in",
@@ -48,6 +54,9 @@ _TOLD = {
         "describe": "describe the {thing}",
         "around": "look around and say what is there",
         "ahead": "say what is to be seen",
+        Aim.SEE: "look for the {thing}",
+        Aim.COLOURS: "say which colours are to be seen",
+        Aim.HOME: "go home",
         "joint": ", then ",
     },
     "zh": {
@@ -58,6 +67,9 @@ _TOLD = {
         "describe": "描述{thing}",
         "around": "环顾四周并说出有什么",
         "ahead": "说出看到了什么",
+        Aim.SEE: "看看有没有{thing}",
+        Aim.COLOURS: "说出看到了哪些颜色",
+        Aim.HOME: "回家",
         "joint": "，然后",
     },
 }
@@ -65,19 +77,26 @@ _ZH_WHERE = {"beside": "旁边", "around": "周围", "behind": "后面", "in fro
 
 
 def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
-    """Return the goal of a post's visible text if it needs a camera and every word of it is known."""
+    """Return the goal of a post's visible text if its steps are decided on the way and every word of it is known."""
     part = clean(part_for(text, addressee.names, addressee.others)).strip(" ,:：，")
     if ordering_words(text, addressee.names, addressee.others):
         return None
     if OMITTED in part or len(part) > MAX_CHARS or re.search(r"[\"“”「」]", part):
         return None
-    found: list[Subgoal] = []
-    for clause in _clauses(part):
+    clauses, found = list(_clauses(part)), list[Subgoal]()
+    if not any(pattern.fullmatch(clause) for clause in clauses for pattern, _ in _patterns()):
+        return None  # without reading the rest
+    if any(_moves(asked[1]) for asked in _ASKED.finditer(part)):
+        return None
+    for clause in clauses:
         tasks = _tasks(clause, addressee, found)
         if tasks is None or len(found) + len(tasks) > MAX_TASKS:
             return None
         found += tasks
-    return Goal(tuple(found)) if any(task.aim is not Aim.STEP for task in found) else None
+    aims = {task.aim for task in found}
+    if aims & _QUESTIONS and not (aims <= _QUESTIONS or _TELL.search(part)):
+        return None  # "see the red ball, walk 1 m": perhaps a condition
+    return Goal(tuple(found)) if aims - {Aim.STEP} else None
 
 
 def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
@@ -86,6 +105,13 @@ def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> 
     return words["joint"].join(
         next(named) if task.aim is Aim.STEP else _task_told(task, words, language) for task in goal.tasks
     )
+
+
+def _moves(asked: str) -> bool:
+    """Return whether a question would move the robot if it were a request: "come home?"."""
+    last = list(_clauses(asked))[-1:]
+    moves = any(aim in _MOVING and pattern.fullmatch(clause) for clause in last for pattern, aim in _patterns())
+    return moves and not _REQUESTED.search(asked)
 
 
 def _task_told(task: Subgoal, words: dict[str, str], language: Language) -> str:
@@ -127,6 +153,8 @@ def _task(match: re.Match[str], aim: Aim, before: Sequence[Subgoal]) -> list[Sub
     if said.get("it") or (where not in ("", "around") and not said.get("thing") and any(t.thing for t in before)):
         last = next((task for task in reversed(before) if task.thing), None)
         return None if last is None else [Subgoal(aim, last.thing, last.colour, where)]
+    if aim in (Aim.HOME, Aim.COLOURS):
+        return [Subgoal(aim)]
     if said.get("around"):
         return [Subgoal(aim, where="around")]
     if not said.get("thing"):
@@ -160,6 +188,9 @@ _PIECES = {
     "it": r"(?P<it>it|that)",
     "en_thing": r"(?:(?:the|a|an|that|this|your|my) )?(?:(?P<colour>{colour}) )?(?P<thing>{thing})",
     "zh_thing": r"(?:那个|这个|一个|那只|这只|那扇|那张|那把)?(?:(?P<colour>{colour})(?:色的?|的)?)?(?P<thing>{thing})",
+    "colours": r"(?:what|which) colou?rs",
+    "home": r"(?:your )?home",
+    "start": r"(?:where you (?:started|began)|(?:the |your )?start(?:ing (?:point|position|place))?|the beginning)",
     "zh_go": r"(?:走|去|移动|跑|开|过去)(?:到|去|向|近|往)?",
     "zh_there": r"(?:的?(?:旁边|那里|那边|附近|前面|跟前|面前|边上))?(?:去)?",
     "zh_say": r"(?:(?:告诉|说说|报告|说)(?:给)?(?:我们?)?)?(?:看看)?",
@@ -180,13 +211,30 @@ _PATTERNS = (
     (Aim.LOOK, r"<say> (?:<it>|<en>)"),
     (Aim.LOOK, r"(?:<say> |look |have a look )(?P<around>around|about|round|your surroundings|the room|the scene)"),
     (Aim.LOOK, r"(?P<around>look around)(?: you)?"),
+    (Aim.SEE, r"(?:<say> (?:if|whether) you (?:can )?|(?:do|can) you )?see <en>(?: anywhere| there| now)?"),
+    (Aim.SEE, r"(?:<say> )?where(?: is|'s) <en>(?: now)?"),
+    (Aim.SEE, r"(?:<say> )?where <en> is"),
+    (Aim.SEE, r"is there <en>(?: there| here| anywhere| in front of you| ahead(?: of you)?| in sight)?"),
+    (Aim.COLOURS, r"(?:<say> )?<colours> (?:(?:do|can) you see|you (?:can )?see|(?:are|is) there|there are)"),
+    (Aim.COLOURS, r"(?:<say> )?<colours> (?:do|can) you see (?:here|there|now|ahead|in front of you)"),
+    (Aim.HOME, r"(?:come|go|walk|move|head|get|run|trot|return)(?: on)?(?: back)?(?: to)? <home>(?: again)?"),
+    (Aim.HOME, r"(?:(?:come|go|walk|move|head|get)(?: back)? to|return to|back to) <start>"),
     (Aim.APPROACH, r"<zh_go><zh><zh_there>"),
     (Aim.APPROACH, r"(?:靠近|接近)<zh>"),
-    (Aim.FACE, r"(?:转向|面向|面对|朝向|对准|看向|转身面对)<zh>"),
+    (Aim.FACE, r"(?:转向|面向|面对|朝向|对准|看向|转身面对|转到|转过去面对)<zh>(?:的?(?:方向|那边))?"),
     (Aim.FIND, r"(?:找到|寻找|找找|找)<zh>"),
     (Aim.LOOK, r"<zh_say>(?:<zh_it>|<zh>)的?<zh_where>(?:有|是)<zh_what>"),
     (Aim.LOOK, r"<zh_say><zh_where>(?:有|是)<zh_what>"),
     (Aim.LOOK, r"<zh_say>你?(?:能)?看(?:到|见)了?<zh_what>"),
     (Aim.LOOK, r"(?:描述|说说)<zh>"),
+    (Aim.SEE, r"你?(?:有没有|能不能|能)(?:看到|看见|看得到|看得见|见到)了?<zh>(?:了)?(?:吗|么)?"),
+    (Aim.SEE, r"你?(?:看到|看见|看得到|看得见|见到)(?:了|没有|没)?<zh>(?:了)?(?:吗|没有|没|么)"),
+    (Aim.SEE, r"<zh>(?:现在)?在(?:哪里|哪儿|哪|什么地方|哪边|什么方向)(?:呢|啊|呀)?"),
+    (Aim.SEE, r"(?:这里|那里|前面|面前)?有没有<zh>(?:吗|么)?"),
+    (Aim.SEE, r"(?:这里|那里|前面|面前)?有<zh>(?:吗|么)"),
+    (Aim.COLOURS, r"<zh_say>你?(?:都)?(?:能)?(?:看到|看见)了?(?:哪些|什么|哪几种|几种)颜色"),
+    (Aim.COLOURS, r"(?:你)?(?:这里|前面|面前|眼前)?都?有(?:哪些|什么|哪几种)颜色"),
+    (Aim.HOME, r"(?:走|跑)?(?:回家|回到家|回到你(?:的)?家)(?:去|里|里去|来)?"),
+    (Aim.HOME, r"(?:走|跑)?回到?(?:你的|你)?(?:起点|原点|出发点|起始点|出发的地方|开始的地方)(?:去)?"),
     (Aim.LOOK, r"(?P<around>看看周围|看看四周|环顾四周|环顾周围|描述周围|看一看四周)"),
 )

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.model import Schedule
-from agentrob.model.run_times import first_runs, next_run, runs, zone_of
+from agentrob.model.schedules import first_runs, next_run, runs, zone_of
 
 #: Zones with changes of an hour and of half an hour, at midnight, in the south, and without changes.
 ZONES = (

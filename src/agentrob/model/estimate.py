@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
+from agentrob.model.plans import Direction, Op, Plan, Primitive
+from agentrob.model.robots import Capabilities
 
 #: Seconds per walk or turn for starting, settling, correcting and measuring at rest. The G1 sways long and
 #: corrects by whole strides (`docs/figures.md` has its times).

@@ -1,0 +1,142 @@
+"""Estimate from its words whether a clause is a statement or an order, where no list of words knows it.
+
+A linear classifier on hashed features: words, runs of words and letters, their places at the beginning and the end, and
+whether a verb stands where that of an order does; a Han character counts as a word. It only finds candidates for
+remarks and talk: what else `parser.remarks` asks of a remark (no action, no condition, nothing that may change the
+meaning or the danger) holds for them too.
+`scripts/train_statement_classifier.py` trains it on sentences that were written for this project; a file of weights
+that was changed is not loaded.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+from zlib import crc32
+
+from agentrob.errors import ConfigError
+from agentrob.language.remarks.verbs import BEFORE_VERB, VERBS
+
+WEIGHTS = Path(__file__).with_name("statement_weights.json")
+#: The checksum of `WEIGHTS`; the training script prints it.
+SHA256 = "08f5115c6967943dbbb9b7f47fe4e30f68bc4a806af6d16a00936e6e989e0887"
+#: Features are hashed to this many weights.
+SIZE = 16384
+#: Words that are read; longer clauses are judged by their beginning and their end.
+_MOST_WORDS = 24
+_WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
+_FIRST = 3
+#: Shorter clauses, in words and in Han characters, say too little to be judged.
+_LEAST, _LEAST_HAN = 3, 4
+
+
+@dataclass(frozen=True)
+class StatementClassifier:
+    """The classifier of one language, by its ISO 639-1 code; its weights are read at the first question."""
+
+    language: str
+
+    def is_statement(self, clause: str, *, sure: bool = False) -> bool:
+        """Return whether a clause reads as a statement; `sure` asks for a higher score.
+
+        Raises `ConfigError` if the weights are missing or changed.
+        """
+        words = _words(clause)
+        if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or _verb_of_order(words) >= 0:
+            return False
+        known = _weights()[self.language]
+        return score(clause, known.weights) > (known.sure if sure else known.statement)
+
+
+class Weights(NamedTuple):
+    """`SIZE` signed bytes, and the scores above which a clause reads as a statement, and surely does."""
+
+    weights: bytes
+    statement: int
+    sure: int
+
+
+def score(clause: str, weights: bytes) -> int:
+    """Return the sum of the weights of a clause's features; `weights` are `SIZE` signed bytes, and 0 for empty text."""
+    signed = memoryview(weights).cast("b")
+    return sum(signed[at] for at in buckets(clause))
+
+
+def buckets(clause: str) -> set[int]:
+    """Return the numbers of a clause's features."""
+    return {crc32(feature.encode()) % SIZE for feature in _features(clause)}
+
+
+def _words(clause: str) -> list[str]:
+    words = ["0" if word.isdigit() else word for word in _WORD.findall(clause.lower().replace("’", "'"))]
+    return words if len(words) <= _MOST_WORDS else words[: _MOST_WORDS // 2] + words[-_MOST_WORDS // 2 :]
+
+
+def _verb_of_order(words: list[str]) -> int:
+    """Return where a verb stands as in an order: first, or after "please", "could you" and the like; -1 if nowhere."""
+    first = next((at for at, word in enumerate(words) if word not in BEFORE_VERB), -1)
+    return first if first >= 0 and words[first] in VERBS else -1
+
+
+def _features(clause: str) -> Iterator[str]:
+    words = _words(clause)
+    if not words:
+        return
+    yield f"count {min(len(words), 8)}"
+    for at, word in enumerate(words):
+        yield word
+        if at < _FIRST:
+            yield f"{at} {word}"
+            yield f"{at} -{word[-2:]}"
+    for length in (1, 2, 3):
+        for at in range(len(words) - length + 1):
+            yield " ".join(words[at : at + length])
+        if len(words) >= length:
+            yield f"^ {' '.join(words[:length])}"
+            yield f"$ {' '.join(words[-length:])}"
+    yield from _verbs(words)
+    if words[0].isascii():
+        letters = f" {' '.join(words)} "
+        for length in (2, 3, 4):
+            for at in range(len(letters) - length + 1):
+                yield f"~{letters[at : at + length]}"
+
+
+def _verbs(words: list[str]) -> Iterator[str]:
+    """Yield the verbs that stand as in an order."""
+    if (first := _verb_of_order(words)) >= 0:
+        yield f"order {words[first - 1] if first else '^'}"
+        yield f"order {'later' if first else 'first'}"
+        if len(words) > first + 1:
+            yield f"order _ {words[first + 1]}"
+    for before, word in pairwise(words):
+        if word in VERBS and before in ("you", "to", "can", "please"):
+            yield f"verb after {before}"
+
+
+@cache
+def _weights() -> dict[str, Weights]:
+    return load_weights()
+
+
+def load_weights(path: Path = WEIGHTS, sha256: str = SHA256) -> dict[str, Weights]:
+    """Read the weights of each language. Raises `ConfigError` if the file is missing or changed."""
+    try:
+        content = path.read_bytes()
+    except OSError as e:
+        raise ConfigError(f"the weights of the statement classifier cannot be read: {e}; install agentrob again") from e
+    if hashlib.sha256(content).hexdigest() != sha256:
+        raise ConfigError(f"{path} does not have the expected checksum: install agentrob again")
+    found = json.loads(content)["languages"]
+    return {
+        language: Weights(base64.b64decode(one["weights"]), one["statement"], one["sure"])
+        for language, one in found.items()
+    }
