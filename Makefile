@@ -3,17 +3,19 @@
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               the tests that every change must pass
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
-#   make test-long          all slow tests at their full size: kill points, floods, live forums, peers, benchmarks
+#   make test-long          all slow tests, and all floods of generated posts, at their full size: kill points, live
+#                           forums, peers, benchmarks
 #   make check              format, lint, types, contracts, and the tests that run without a board, robot or agent
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for processes half of the time, so three workers keep two cores busy. Simulated worlds run in real time: a
-# robot's state may be at most 0.5 s old, so they get no more workers than cores.
-MANY := -n 3
-WORLDS := -n 2
+# Tests wait for processes and simulated worlds more than half of the time, so four workers keep two cores busy; worlds run
+# on at most two of them at a time (tests/file_scheduler.py).
+MANY := -n 4
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
+# Files with tests that `make test` runs at a smaller size (tests/sizes.py).
+SIZED = $(shell grep -rl --include='test_*.py' 'tests.sizes import' tests)
 SLICE ?= 1/12
 # A slice may contain no tests of one kind; pytest then exits with 5.
 OR_NONE := || [ $$? = 5 ]
@@ -31,8 +33,7 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
-	$(BIN)/pytest -q $(MANY) --dist worksteal -m "not slow and not sim" $(ARGS)
-	$(BIN)/pytest -q $(WORLDS) --dist loadfile --files-with sim -m "not slow and sim" $(ARGS)
+	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
@@ -43,6 +44,7 @@ test-long: export AGENTROB_TEST_SIZE := full
 test-long: setup-slow
 	$(BIN)/pytest -q -n 2 --dist worksteal --files-with slow -m "slow and not sim" $(ARGS)
 	$(BIN)/pytest -q --files-with slow -m "slow and sim" $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim" $(SIZED) $(ARGS)
 
 setup-slow: setup-dev
 	@scripts/system-packages render browser postgres peers

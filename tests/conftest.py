@@ -4,6 +4,7 @@ garbage collector."""
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import signal
 import sys
@@ -15,10 +16,18 @@ import pytest
 from hypothesis import settings
 
 from tests.databases import database, postgres
+from tests.file_scheduler import pytest_xdist_make_scheduler
 from tests.host_numbers import take
 from tests.slices import pytest_addoption, pytest_collection_modifyitems, pytest_ignore_collect
 
-__all__ = ["database", "postgres", "pytest_addoption", "pytest_collection_modifyitems", "pytest_ignore_collect"]
+__all__ = [
+    "database",
+    "postgres",
+    "pytest_addoption",
+    "pytest_collection_modifyitems",
+    "pytest_ignore_collect",
+    "pytest_xdist_make_scheduler",
+]
 
 #: For fake robots. Higher domains are for tests that use real DDS (see host_numbers.py).
 FAKE_DOMAINS = range(1, 150)
@@ -66,6 +75,15 @@ def no_search_of_old_heaps() -> None:
     """
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(scope="module")
+def model_libraries() -> None:
+    """Import the model libraries before the tests of a module, so that no test's time limit counts the import.
+
+    It takes 2 s of CPU, and each worker collects all modules but runs only some.
+    """
+    importlib.import_module("agentrob.minds.llm.provider")
 
 
 @pytest.fixture

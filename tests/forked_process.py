@@ -1,7 +1,8 @@
 """Our own processes, started at once: a fork server has imported what drivers, boards, agents and commands need.
 
-A child is a process of its own, with signals, sockets, locks and files as any other. It only does not import
-everything again, which takes 0.6 s of CPU for a driver and 2 to 3 s for a board, an agent or a command that asks them.
+A child is a process of its own, with signals, sockets, locks and files as any other. It only does not import and
+prepare everything again, which takes 0.6 s of CPU for a driver, 2 to 3 s for a board or a command that asks it, and 4 s
+for an agent.
 At least one test of each command starts it from nothing.
 """
 
@@ -38,6 +39,7 @@ _context.set_forkserver_preload(
         "agentrob.mcp.forum.http",
         "agentrob.mcp.forum.run",
         "agentrob.minds.rules",
+        "tests.warm",
     ]
 )
 

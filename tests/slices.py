@@ -23,13 +23,15 @@ import pytest
 ROOT = Path(__file__).parents[1]
 #: The seconds assumed for a file that `durations.toml` does not list.
 DEFAULT_S = 30.0
+#: The tables of `durations.toml`.
+SLOW, FAST = "slow", "fast"
 #: The files of the collected tests that have a marker, by marker.
 MARKED_FILES = pytest.StashKey[dict[str, set[str]]]()
 
 
-def durations() -> dict[str, float]:
-    """Return for each file the seconds that its slow tests take in one process at their CI size."""
-    return dict(tomllib.loads((Path(__file__).parent / "durations.toml").read_text(encoding="utf-8")))
+def durations(table: str = SLOW) -> dict[str, float]:
+    """Return for each file the seconds that its slow tests take in one process at their CI size, or its other tests."""
+    return dict(tomllib.loads((Path(__file__).parent / "durations.toml").read_text(encoding="utf-8"))[table])
 
 
 def has_marker(path: Path, marker: str) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.agent.agent_scene import Driver, Scene, held_by, make_scene
+from tests.tolerances import about_m
 
 DRAWS = True
 
@@ -23,7 +24,7 @@ async def test_a_command_is_done_and_reported_with_what_was_measured(scene: Scen
     assert len(reply.images) == 2
     record = json.loads((scene.folder / "agents/quadruped/records" / f"{post.id}.json").read_text())
     assert [s["op"] for s in record["steps"]] == ["move", "turn", "get_front_image"]
-    assert abs(record["steps"][0]["measured"]["distance_m"] - 1.0) < 0.05
+    assert record["steps"][0]["measured"]["distance_m"] == about_m(1.0)
 
 
 async def test_it_answers_to_other_names_that_its_owner_configured(driver: Driver, tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import re
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, 
 
 from agentrob.demo.visitor import LIMIT_S
 from agentrob.model import CommandState
+from tests.chromium import chromium_path
 from tests.demo.running import ROOT, RUNNING, RunningDemo, end_leftovers, start_demo
 
 pytestmark = [pytest.mark.sim, pytest.mark.browser]
@@ -38,11 +38,9 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningDemo]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    assert chromium, "the browser tests need Debian's package chromium (make test installs it when it may)"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=chromium,
+            executable_path=chromium_path(),
             args=["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"],
         )
         yield browser

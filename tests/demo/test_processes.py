@@ -22,6 +22,7 @@ from agentrob.demo.visitor import LIMIT_S
 from agentrob.process import host_lock
 from tests import in_process
 from tests.demo.running import AGENTROB, RUNNING, START_S, RunningDemo, end_leftovers, start_demo
+from tests.tolerances import about_deg, about_m
 
 pytestmark = pytest.mark.sim
 
@@ -110,9 +111,9 @@ def test_one_post_is_executed_and_reported_as_json(first_demo: Posted) -> None:
     assert all(s["outcome"] == "done" for s in told["steps"])
     move, turn = told["steps"][:2]
     assert move["asked"]["distance_m"] == 1.0
-    assert move["measured"]["distance_m"] == pytest.approx(1.0, abs=0.05)
+    assert move["measured"]["distance_m"] == about_m(1.0)
     assert turn["asked"]["degrees"] == 90
-    assert turn["measured"]["degrees"] == pytest.approx(90, abs=4)
+    assert turn["measured"]["degrees"] == about_deg(90)
     ways = true_motions(data, "go2")
     assert ways[0][0] == pytest.approx(1.0, abs=0.05), "by the simulator's truth, which nothing that drives may read"
     assert ways[1][1] == pytest.approx(90, abs=4)
@@ -252,8 +253,8 @@ def test_the_humanoid_walks_turns_and_waves(tmp_path: Path) -> None:
     told = post_once(tmp_path / "data", "@humanoid walk forward 1 metre, turn left, wave")
     assert told["status"] == "done"
     assert [s["op"] for s in told["steps"]] == ["move", "turn", "hello"]
-    assert told["steps"][0]["measured"]["distance_m"] == pytest.approx(1.0, abs=0.06)
-    assert told["steps"][1]["measured"]["degrees"] == pytest.approx(90, abs=4.5)
+    assert told["steps"][0]["measured"]["distance_m"] == about_m(1.0)
+    assert told["steps"][1]["measured"]["degrees"] == about_deg(90)
     did = ledger_of(tmp_path / "data", "g1")
     begun = next(e["pose"] for e in did if e["event"] == "move_begin")
     waved = next(e["pose"] for e in did if e.get("action") == "high wave")

@@ -19,7 +19,7 @@ ROWS: list[Row] = [
 ]
 #: How many rows of each set are understood since the rules were corrected by them; the first run had fewer.
 UNDERSTOOD = {
-    "en": 409, "zh": 377, "remark_en": 308, "remark_zh": 294, "talk_en": 242, "talk_zh": 218, "must_ask_en": 56,
+    "en": 409, "zh": 377, "remark_en": 308, "remark_zh": 292, "talk_en": 242, "talk_zh": 217, "must_ask_en": 56,
     "must_ask_zh": 54,
 }  # fmt: skip
 

@@ -33,7 +33,7 @@ def test_training_gives_the_shipped_weights() -> None:
     rows = script.rows()
     for language in ("en", "zh"):
         examples = [(buckets(row[1]), row[2]) for row in rows if row[0] == language]
-        assert script.trained(examples) == shipped[language].weights
+        assert script.trained(examples) == shipped[language].weights, f"run {SCRIPT.name} again"
 
 
 def test_the_file_names_what_it_was_trained_on() -> None:

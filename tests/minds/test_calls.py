@@ -10,7 +10,6 @@ import pytest
 
 from agentrob.language.visible_text import visible_text
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit includes it)
 from agentrob.minds.protocol import Addressee, Reading
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Capabilities, Intent, Op
@@ -18,6 +17,8 @@ from agentrob.wiring import app
 from tests.language.parser import generated_posts
 from tests.minds.scripted_model import ScriptedModel, running_scripted_model
 from tests.sizes import size
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 LISTENER = Addressee(("quadruped",), ("dog2",), Capabilities("go2", frozenset(Op)))
 TESTS = Path(__file__).parents[1]

@@ -13,11 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.language.registry import known
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.prompt import system_prompt
 from agentrob.minds.safety_review import Judgement, SafetyReview, apply_review, harms, refusal_of, review_command
 from agentrob.model import Capabilities, Decision, Direction, Op, Plan, Primitive, Verdict
 from tests.minds.scripted_model import ScriptedModel, running_scripted_model
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 GO2 = Capabilities("go2", frozenset(Op))
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))

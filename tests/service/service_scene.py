@@ -75,6 +75,13 @@ class Service:
         assert job is not None
         assert job.command.post_id == command["id"]
 
+    async def ready(self) -> httpx2.Response:
+        """Return the answer of `/readyz` once it is ready; on a busy machine forum or driver may answer late."""
+        async with asyncio.timeout(60):
+            while (answer := await self.http.get(f"{self.url}/readyz")).status_code == 503:
+                pass
+        return answer
+
     async def x_m(self) -> float:
         async with self.scene.driver.client() as client:
             state = await client.state()

@@ -69,7 +69,7 @@ async def test_status_readiness_camera_and_figures(service: Service) -> None:
     status = (await service.call("watcher", "GET", "")).json()
     assert (status["name"], status["model"], status["state"], status["waiting"]) == (ROBOT, "fake", "idle", 0)
     assert (await service.http.get(f"{service.url}/healthz")).json() == {"status": "ok"}
-    ready = await service.http.get(f"{service.url}/readyz")
+    ready = await service.ready()
     assert (ready.status_code, ready.json()["ready"]) == (200, True)
     picture = await service.call("watcher", "GET", "/camera.jpg")
     assert (picture.status_code, picture.content[:2]) == (200, b"\xff\xd8")

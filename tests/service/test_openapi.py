@@ -27,7 +27,7 @@ async def test_responses_to_generated_requests_match_the_document(driver: Driver
     async with make_service(driver, tmp_path, hooks_in={"forum": ("discourse", "s")}) as service:
         document = (await service.http.get(f"{service.url}/api/v1/openapi.json")).json()
         await asyncio.to_thread(send_to_all, document, service.url)
-        assert (await service.http.get(f"{service.url}/readyz")).status_code == 200
+        assert (await service.ready()).status_code == 200
 
 
 def send_to_all(document: dict[str, object], url: str) -> None:

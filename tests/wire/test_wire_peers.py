@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from tests.tolerances import about_m
 from tests.wire.wire_scene import HERE, OURS, PEER, SHIM, Network
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
@@ -125,7 +126,7 @@ def test_our_driver_drives_a_g1_served_by_unitrees_cpp_library(network: Network,
     network.start(PEER, HERE / "cpp_g1.py", SHIM, call_log, log=tmp_path / "peer.log")
     seen = drive_theirs(network, tmp_path, "g1", 0, "walk forward 50 cm, wave and take a photo")
     assert seen["status"] == "done", seen
-    assert seen["steps"][0]["measured"]["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert seen["steps"][0]["measured"]["distance_m"] == about_m(0.5)
     assert seen["steps"][-1]["picture"] > 25_000
     came = calls(call_log)
     assert {("sport", 7001), ("sport", 7105), ("arm", 7106)} <= set(came)

@@ -17,13 +17,15 @@ import pytest
 from agentrob.config.load import Config, parse, runtime_dir
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError, RobotError
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Capabilities, Op, Outcome
 from agentrob.robots.fake import FakeRobot
 from agentrob.wiring.drive import Driven, robot_command_driver
 from tests.agent.execution.visual_model import DONE, running_loop_model
 from tests.minds.scripted_model import move
 from tests.robots.driver_scene import Drivers
+from tests.tolerances import about_m
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 
 @pytest.fixture
@@ -41,7 +43,7 @@ def test_a_command_is_executed_and_each_step_reported(lab: tuple[Config, str]) -
     driven = robot_command_driver("walk forward 50 cm and take a photo", name, config=config, on_step=heard.append)
     assert driven.status == "done"
     assert [r.primitive.op for r in driven.results] == [Op.MOVE, Op.GET_FRONT_IMAGE]
-    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert driven.results[0].measured["distance_m"] == about_m(0.5)
     assert tuple(heard) == driven.results
 
 
@@ -177,7 +179,7 @@ def test_the_length_of_a_stride_comes_from_the_configuration(lab: tuple[Config, 
     config, name = lab
     driven = robot_command_driver("take two steps forward", name, config=changed(config, name, step_length_m=0.25))
     assert driven.status == "done", driven.message
-    assert driven.results[0].measured["distance_m"] == pytest.approx(0.5, abs=0.05)
+    assert driven.results[0].measured["distance_m"] == about_m(0.5)
 
 
 def test_a_robot_can_be_addressed_by_every_name_it_has_on_a_forum(lab: tuple[Config, str]) -> None:

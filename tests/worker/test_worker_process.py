@@ -1,4 +1,4 @@
-"""Real worker processes: they drain, and offer metrics."""
+"""Workers as processes of their own: they drain, and offer metrics."""
 
 from __future__ import annotations
 

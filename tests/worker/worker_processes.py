@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +16,7 @@ from tests.agent.agent_process import Poster
 from tests.agent.agent_scene import ROBOT, Driver
 from tests.agent.store.journal_store import database_of
 from tests.board.running_board import RunningBoard
+from tests.forked_process import ForkedCommand
 
 LIMIT_S = 60.0
 
@@ -33,20 +31,22 @@ class Workers:
             robots={ROBOT: driver.settings},
         )  # fmt: skip
         config.write(self.config)
-        self.env = {**os.environ, "AGENTROB_RUNTIME": str(folder), "AGENTROB_TOKEN": board.tokens[ROBOT]}
+        self._env = {"AGENTROB_RUNTIME": str(folder), "AGENTROB_TOKEN": board.tokens[ROBOT]}
         self._ledger = driver.socket.with_name("ledger.jsonl")
 
     @contextmanager
-    def running(self, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+    def running(self, *arguments: str) -> Iterator[ForkedCommand]:
         """Start one; wait until it serves the robot, or waits for it as a standby."""
-        command = [sys.executable, "-m", "agentrob", "agent", "run", *arguments, "--config", str(self.config)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=self.env) as process:
-            assert process.stdout is not None
-            try:
-                assert ROBOT in process.stdout.readline()
-                yield process
-            finally:
-                process.kill()
+        log = self.folder / "workers.log"
+        words = ("agent", "run", *arguments, "--config", str(self.config))
+        process = ForkedCommand(self.folder, *words, log=log, **self._env)
+        try:
+            assert ROBOT in process.stdout.readline(), log.read_text()[-3000:]
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+            process.close()
 
     def ledger(self) -> list[dict[str, Any]]:
         """What reached the robot, in order."""

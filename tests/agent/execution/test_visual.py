@@ -30,6 +30,7 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.screening.mandate import ROUNDING
 from tests.agent.execution.visual_scene import BALL, COMMAND, MOST, Call, LocalDriver, Script, hooks, visual_task
+from tests.tolerances import about_deg, about_m
 
 DONE: Call = ("finish", {"outcome": "done", "saw": ["a blue box"], "did": "I walked to the ball."})
 WALK: Call = ("act_move", {"direction": "forward", "distance_m": 1.0, "look": True})
@@ -74,8 +75,8 @@ async def test_it_looks_walks_and_says_what_it_saw(guard: Guard) -> None:
     assert "go to the red ball, then say what is beside the red ball" in first.text
     assert first.images
     turned, walked = tool_results(model, 2)
-    assert turned["measured"]["degrees"] == pytest.approx(20, abs=2)
-    assert walked["measured"]["distance_m"] == pytest.approx(1.0, abs=0.1)
+    assert turned["measured"]["degrees"] == about_deg(20)
+    assert walked["measured"]["distance_m"] == about_m(1.0)
     assert walked["left"]["metres"] == pytest.approx(4.0)
     assert execution.looked is not None
     assert execution.looked.end.saw == ("a blue box",)

@@ -12,7 +12,6 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from tests.agent.agent_process import Poster
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.agent.execution.visual_model import DONE, running_loop_model
@@ -21,7 +20,7 @@ from tests.board.web.browser_windows import running_chromium
 
 DRAWS = True
 
-pytestmark = [pytest.mark.browser, pytest.mark.slow]
+pytestmark = [pytest.mark.browser, pytest.mark.slow, pytest.mark.usefixtures("model_libraries")]
 SHOTS = Path(__file__).parents[3] / "var/screenshots"
 CALLS = [
     ("act_turn", {"direction": "left", "degrees": 15}),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ import pytest
 
 from agentrob.config.minds import MindConfig
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.fallback import FallbackModel
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.model import Post
@@ -28,6 +26,8 @@ from tests.agent.execution.visual_model import (
     said,
 )
 from tests.minds.model_double import model_double
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 GOAL = f"@{ROBOT} walk to the red ball and tell me what is beside it"
 LOOK = {"allowed": True}
@@ -70,7 +70,9 @@ async def test_law_18_the_report_has_what_was_measured_and_the_model_s_words_as_
     assert reply.card is not None
     assert reply.card.state == "done", reply.raw
     assert "**Finished:** go to the red ball, then say what is beside the red ball." in reply.raw
-    assert re.search(r"Measured in all: (0\.9|1\.0)\d m walked, 1\d° turned\. Pictures: 2\.", reply.raw)
+    _, turn, walk, _ = (step["measured"] for step in record(looking, post)["steps"])
+    in_all = f"{walk['distance_m']:.2f} m walked, {turn['degrees']:.0f}° turned"
+    assert f"Measured in all: {in_all}. Pictures: 2." in reply.raw
     assert "The model `clever` says that it saw `a blue box`." in reply.raw
     assert "This has not been verified." in reply.raw
     assert "3 questions" in reply.raw or "4 questions" in reply.raw
@@ -180,8 +182,9 @@ async def test_the_report_has_every_call_with_its_arguments_what_was_measured_an
         "take a photo",
         '`finish outcome=done saw=["a blue box"] did=I walked to it.`',
     ]
-    assert re.fullmatch(r"1\d\.\d°", conversation_text[1][2])
-    assert re.fullmatch(r"[01]\.\d\d m", conversation_text[4][2])
+    measured = [step["measured"] for step in record(looking, post)["steps"]]
+    assert conversation_text[1][2] == f"{measured[1]['degrees']:.1f}°"
+    assert conversation_text[4][2] == f"{measured[2]['distance_m']:.2f} m"
     assert [row[3] for row in conversation_text if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
     assert conversation_text[2][3].startswith("not done: `")
     assert conversation_text[3][3] == "words, no call"

@@ -14,7 +14,6 @@ import pytest
 
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.memory.forum import MemoryForum
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import Driver, Scene
 from tests.agent.execution.visual_model import find_red, running_loop_model
@@ -22,7 +21,7 @@ from tests.sim.served_world import ServedWorld, start_world
 
 DRAWS = True
 
-pytestmark = [pytest.mark.sim, pytest.mark.slow]
+pytestmark = [pytest.mark.sim, pytest.mark.slow, pytest.mark.usefixtures("model_libraries")]
 ROBOT = "quadruped"
 #: Half of the camera's field of view, the width of the ball, and the distance from the camera that counts as reached.
 HALF_DEG, BALL_M, NEAR_M = 37.6, 0.30, 0.9

@@ -21,13 +21,13 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, ActionResult, EventKind, Plan, Primitive, Role, StatusCard, Understanding
-from agentrob.robots.control.step_runner import TOLERANCE_DEG
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, end_agent, start_agent
 from tests.agent.agent_process import until as until_robot
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import RunningBoard, running_board
+from tests.tolerances import about_deg
 
 pytestmark = pytest.mark.usefixtures("database")
 
@@ -100,7 +100,7 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
         assert re.search(r"walk forward 2 m \| (1\.9\d|2\.0\d) m \| done", status_text), status_text
         turned = re.search(r"turn left 20° \| (\d+\.\d)° \| done", status_text)
         assert turned is not None, status_text
-        assert float(turned[1]) == pytest.approx(20, abs=TOLERANCE_DEG)
+        assert float(turned[1]) == about_deg(20)
         assert "before anything moved" not in status_text
         assert "only this reply contains the result" in status_text
         late = await alice.post(f"@{ROBOT} walk backward 2 m")

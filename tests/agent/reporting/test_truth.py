@@ -34,7 +34,6 @@ from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_sett
 TWO_STEPS = f"@{ROBOT} walk forward 1 metre, then turn left 90 degrees"
 #: The row of the first step with its measurement, whatever the other sentences say.
 WALKED = re.compile(r"walk forward 1 m \| (0\.9\d|1\.0\d) m \| done")
-TURNED = re.compile(r"turn left 90° \| (8[89]|9[01])\.\d° \| done")
 DENIALS = ("before anything moved", "nothing moved", "还没有任何动作", "没有动作")
 
 

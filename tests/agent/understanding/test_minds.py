@@ -12,13 +12,14 @@ from typing import Any
 import pytest
 
 from agentrob.board.content.markdown import render
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Intent, Plan, Post, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 from tests.minds.faulty_server import called, said
 from tests.minds.scripted_model import FINE, ScriptedModel, move, running_scripted_model
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 #: A post that the rules ask back, and a model's reading of it.
 FREE = f"@{ROBOT} be a darling and meander forward 1 m"

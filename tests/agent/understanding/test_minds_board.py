@@ -14,13 +14,14 @@ from agentrob.config.forum import ForumConfig
 from agentrob.config.load import Config
 from agentrob.config.load import parse as parse_config
 from agentrob.forums.agentrob.forum import BoardForum
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.wiring import app
 from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.board.running_board import running_board
 from tests.minds.model_double import Double, model_double
 from tests.minds.scripted_model import FINE, move
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 USAGE = {"prompt_tokens": 30, "completion_tokens": 9, "input_tokens": 30, "output_tokens": 9}
 HARM = {"decision": "refuse", "harm": "surveillance", "words": "with neighbours sunbathing"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 
 import httpx2
 import pytest
@@ -111,7 +112,11 @@ def test_law_15_a_stop_is_accepted_with_any_query(board: RunningBoard) -> None:
 
 
 def test_healthz_is_public_under_any_host_name(board: RunningBoard) -> None:
-    answer = httpx2.get(f"{board.url}/healthz", headers={"Host": "10.0.0.7:8000"})
+    end_s = time.monotonic() + LIMIT_S
+    while True:  # on a busy machine a stop may take longer than a second, and the board says so by 503
+        answer = httpx2.get(f"{board.url}/healthz", headers={"Host": "10.0.0.7:8000"})
+        if answer.status_code != 503 or time.monotonic() > end_s:
+            break
     assert (answer.status_code, answer.json()) == (200, {"status": "ok"})
 
 

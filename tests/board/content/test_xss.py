@@ -17,6 +17,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from agentrob.board.content.markdown import _CLEANER, _MARKDOWN, render
 from tests.board.web.browser_windows import CHROMIUM_ARGS
+from tests.chromium import chromium_path
 
 pytestmark = pytest.mark.browser
 
@@ -72,7 +73,7 @@ POKE = """() => {
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=CHROMIUM_ARGS)
+        chromium = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM_ARGS)
         yield chromium
         chromium.close()
 

@@ -213,6 +213,8 @@ def test_a_replay_is_kept_and_can_be_read_by_readers_of_its_post(board: RunningB
         (gzip.compress(b" " * (replays.MOST_TEXT + 1)), "bad_replay"),
         (b"x" * (replays.MOST_BYTES + 1), "replay_too_large"),
     ],
+    # The bytes hold the second in which they were compressed; as an id they would differ between the workers of a run.
+    ids=["not gzip", "a list", "empty", "cut off", "too much text", "too many bytes"],
 )
 def test_what_is_no_replay_is_refused(board: RunningBoard, sent: bytes, code: str) -> None:
     answer = board.client("quadruped").put(f"/commands/{command(board)}/replay", content=sent)

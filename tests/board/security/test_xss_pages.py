@@ -26,6 +26,7 @@ from tests.board.security import xss_forum
 from tests.board.security.xss_forum import LISTS, POSTS, fill, titles
 from tests.board.web.browser_windows import CHROMIUM_ARGS
 from tests.board.web.forum_site import Site, running_site
+from tests.chromium import chromium_path
 from tests.sizes import size
 
 pytestmark = pytest.mark.browser
@@ -50,7 +51,7 @@ class PageLoader:
 
     async def run(self) -> None:
         async with async_playwright() as playwright:
-            browser = await playwright.chromium.launch(executable_path="/usr/bin/chromium", args=CHROMIUM_ARGS)
+            browser = await playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM_ARGS)
             await asyncio.gather(*(self.window(browser) for _ in range(WINDOWS)))
             await browser.close()
 
@@ -186,7 +187,7 @@ def test_an_unsanitised_payload_on_a_page_is_detected(few: FilledForum) -> None:
 
     async def attacked() -> tuple[list[str], list[str]]:
         async with async_playwright() as playwright:
-            browser = await playwright.chromium.launch(executable_path="/usr/bin/chromium", args=CHROMIUM_ARGS)
+            browser = await playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM_ARGS)
             page, asked = await window(few.site, browser, policy=False)
             await page.goto("/latest")
             await page.evaluate(

@@ -12,6 +12,7 @@ from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from tests.board.web.forum_site import Site
+from tests.chromium import chromium_path
 
 #: No GPU, and no software rasterizer either, because that takes a tenth of a page's CPU time.
 CHROMIUM_ARGS = ["--no-sandbox", "--disable-gpu", "--disable-software-rasterizer", "--disable-background-networking"]
@@ -25,7 +26,7 @@ RUNNING = {"robot": "quadruped", "state": "running", "step": 2, "steps": 4, "doi
 @contextmanager
 def running_chromium() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=CHROMIUM_ARGS)
+        chromium = playwright.chromium.launch(executable_path=chromium_path(), args=CHROMIUM_ARGS)
         yield chromium
         chromium.close()
 

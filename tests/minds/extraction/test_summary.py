@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agentrob.minds.extraction.summary import MOST_CHARS, summarise, unfounded
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
 from tests.minds.scripted_model import ScriptedModel, running_scripted_model
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 
 @pytest.fixture

@@ -15,7 +15,6 @@ from agentrob.config.load import parse
 from agentrob.config.minds import MindConfig
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
-from agentrob.minds.llm import provider  # noqa: F401 (loaded here, so that no test's time limit counts it)
 from agentrob.minds.llm.chat import Image, UserMessage
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.protocol import Addressee
@@ -23,6 +22,8 @@ from agentrob.minds.safety_review import review_command
 from agentrob.model import Capabilities, Direction, Intent, Op, Plan, Primitive
 from tests.minds.faulty_server import called
 from tests.minds.scripted_model import ScriptedModel, move, running_scripted_model
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 GO2 = Capabilities("go2", frozenset(Op))
 LISTENER = Addressee(("robot",), (), GO2)

@@ -15,11 +15,12 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, ConfigDict, Field
 
-from agentrob.minds.llm import provider  # imported here, so that no test's time limit includes the import
 from agentrob.minds.llm.chat import Image, Tool, ToolResult, UserMessage
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from tests.minds.faulty_server import KEY, FaultyServer, anthropic_called, called, said
+
+pytestmark = pytest.mark.usefixtures("model_libraries")
 
 Make = Callable[..., ConfiguredModel]
 
@@ -346,6 +347,8 @@ async def test_law_15_the_library_is_imported_on_another_thread(
 ) -> None:
     """The import takes a second or more, and a stop that arrives meanwhile must not wait."""
     threads: list[threading.Thread] = []
+    from agentrob.minds.llm import provider
+
     made = provider.Provider.__init__
 
     def note(self: provider.Provider, *args: Any) -> None:

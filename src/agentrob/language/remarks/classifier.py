@@ -27,7 +27,7 @@ from agentrob.language.remarks.verbs import BEFORE_VERB, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "08f5115c6967943dbbb9b7f47fe4e30f68bc4a806af6d16a00936e6e989e0887"
+SHA256 = "d34706115e6a94cf140e9e32ce02c6867a764ff8105a5155f82da9d99b6bc3c6"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.

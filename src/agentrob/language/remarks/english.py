@@ -318,5 +318,5 @@ WORDS = RemarkWords(
     before_noun="""closer|better|wider|nicer|clear|clearer|full|different|quick|proper|the|a|an|my|our|his|her|their|its
        |this|that|is|are|was|were|(?:is|are|was|were|'s) (?:very|still|already)|wide|new|last|next
        |first|second|third|only|own|same|other|favou?rite
-       |your|no|any|of|for|at|on|some|good|great""",
+       |your|no|any|of|for|at|on|some|good|great|line|folk|tap|barn|square|ballroom|every|each|school|chicken""",
 )
