@@ -1,7 +1,7 @@
 // The 3D view of a room: robots whose shape and joints come from their model, moved by the poses that they report.
 import {
   AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DirectionalLight,
-  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, LineDashedMaterial, Mesh, MeshLambertMaterial,
+  Group, HemisphereLight, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Mesh, MeshLambertMaterial,
   PerspectiveCamera, PlaneGeometry, Quaternion, Scene, SphereGeometry, SRGBColorSpace, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -100,7 +100,21 @@ class Robot {
 }
 
 // ---------------------------------------------------------------- the view
-class Way {
+// A floor with a line every metre, for a robot whose room is not known in 3D. Short lines: some renderers drop those that
+// pass the camera.
+function floor(dark) {
+  const half = 6, points = [];
+  for (let n = -half; n <= half; n++) {
+    for (let m = -half; m < half; m++) {
+      points.push(new Vector3(n, m, 0.004), new Vector3(n, m + 1, 0.004), new Vector3(m, n, 0.004), new Vector3(m + 1, n, 0.004));
+    }
+  }
+  const lines = new LineBasicMaterial({ color: dark ? 0x4a5664 : 0xaeb8c2 });
+  const ground = new Mesh(new PlaneGeometry(2 * half, 2 * half), new MeshLambertMaterial({ color: dark ? 0x2a323c : 0xd5dbe1 }));
+  return [ground, new LineSegments(new BufferGeometry().setFromPoints(points), lines)];
+}
+
+class Path {
   constructor(scene, dark) {
     this.scene = scene;
     this.plan = new Line(new BufferGeometry(), new LineDashedMaterial({ color: dark ? 0xffffff : 0x303844, dashSize: 0.12, gapSize: 0.08 }));
@@ -135,7 +149,7 @@ export async function openView(stage, shapes, follow) {
   sun.position.set(2, -3, 5);
   scene.add(sun);
 
-  const robots = new Map(), ways = new Map();
+  const robots = new Map(), paths = new Map();
   let furnished = false;
   for (const [name, shape] of read) {
     if (!furnished && shape.head.room.length) {
@@ -148,10 +162,10 @@ export async function openView(stage, shapes, follow) {
     const robot = new Robot(shape);
     robot.root.visible = false;
     robots.set(name, robot);
-    ways.set(name, new Way(scene, dark));
+    paths.set(name, new Path(scene, dark));
     scene.add(robot.root);
   }
-  if (!furnished) scene.add(new GridHelper(12, 12).rotateX(Math.PI / 2));
+  if (!furnished) scene.add(...floor(dark));
 
   const camera = new PerspectiveCamera(42, 1, 0.05, 80);
   camera.up.copy(UP);
@@ -201,9 +215,9 @@ export async function openView(stage, shapes, follow) {
       robot.place(pose, body);
       redraw();
     },
-    way(name, plan, trail) {
-      const way = ways.get(name);
-      if (way) { way.set(plan, trail); redraw(); }
+    path(name, plan, trail) {
+      const path = paths.get(name);
+      if (path) { path.set(plan, trail); redraw(); }
     },
     follow(name) {
       follow = name;

@@ -208,9 +208,11 @@ async def test_the_camera_looks_only_while_somebody_watches_or_it_moves() -> Non
 
 async def test_the_robot_page_is_kept_and_a_reset_puts_the_room_back(driver: Driver, tmp_path: Path) -> None:
     async with CameraServer() as room:
-        scene = make_scene(driver, tmp_path, room_reset=room.url)
+        owners = {"allow_flip": True, "approval": {"classes": ["risky"]}}
+        scene = make_scene(driver, tmp_path, room_reset=room.url, **owners)
         async with scene.agent():
             card = await scene.until(lambda: scene.world.robots.get(ROBOT))
+            assert (card["consents"], card["approval"]) == (["flip"], ["risky"])
             assert (card["model"], card["queue"], card["simulated"], card["can_reset"]) == ("fake", 0, True, True)
             assert "move" in card["ops"]
             assert card["camera"] is False, "no camera of the room is configured"

@@ -120,6 +120,9 @@ def test_boards_robots_and_invites(shell: Shell) -> None:
     assert "3 left" in invite
     shell.board("invite", "revoke", invite.split("\t")[0])
     assert "operator" not in shell.board("invite", "list")
+    assert "/invite/" in shell.board("invite", "add", "--simulated")
+    assert "member, operator of simulated robots" in shell.board("invite", "list")
+    assert "commands simulated robots" in shell.board("account", "change", "ann", "--role", "member", "--simulated")
 
 
 def test_moderation_loses_nothing_and_is_in_the_audit_log(shell: Shell) -> None:

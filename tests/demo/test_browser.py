@@ -119,8 +119,44 @@ WATCH_CHIP = """() => {
 }"""
 
 
+def marked_at(page: Page, robot: str) -> tuple[float, float]:
+    """Where the map shows a robot, in metres of the room."""
+    told = page.locator(f'[data-robot="{robot}"] .map-mark').first.get_attribute("transform") or ""
+    x, y = told.removeprefix("translate(").split(")")[0].split()
+    return float(x), -float(y)
+
+
+def wait_until_moved(page: Page, robot: str, begun: tuple[float, float], by_m: float) -> None:
+    """Wait until the map shows a robot further away than this from where it began."""
+    page.wait_for_function(
+        """([robot, x, y, by]) => {
+          const told = document.querySelector(`[data-robot="${robot}"] .map-mark`).getAttribute("transform");
+          const [, a, b] = /translate\\(([-.\\d]+) ([-.\\d]+)\\)/.exec(told);
+          return Math.hypot(a - x, -b - y) > by;
+        }""",
+        arg=[robot, *begun, by_m],
+        timeout=MOTION_MS,
+    )
+
+
+def replay(page: Page, answer: Locator, robot: str) -> None:
+    """Open the record of an answer, go back to the beginning of its replay and play it to its end."""
+    answer.get_by_role("link", name="Record", exact=True).click()
+    page.wait_for_url(re.compile("/c/"))
+    expect(page.get_by_label("Time in the replay")).to_be_visible()
+    ended = marked_at(page, robot)
+    page.get_by_label("Time in the replay").fill("0")
+    assert math.dist(marked_at(page, robot), ended) > 0.3
+    page.get_by_label("Speed").select_option("4")
+    page.get_by_role("button", name="Play").click()
+    expect(page.locator(".live-step")).to_have_text(re.compile(r"walk forward 1 m|turn left 90°|wave"))
+    expect(page.get_by_role("button", name="Play")).to_be_visible(timeout=MOTION_MS)
+    assert math.dist(marked_at(page, robot), ended) < 0.01
+
+
 def test_a_first_visit_from_an_example_to_a_stop_and_again(page: Page, demo: RunningDemo) -> None:
-    """Click an example, watch the robot begin, stop it with one key, run the command again to its end."""
+    """Click an example, watch the robot move on the map, stop it with one key, run the command again to its end, and
+    replay it."""
     wrong = listen_for_errors(page)
     page.goto(demo.url)
     example = page.locator(".example").first
@@ -134,8 +170,14 @@ def test_a_first_visit_from_an_example_to_a_stop_and_again(page: Page, demo: Run
     page.get_by_role("button", name="Send").click()
     page.wait_for_url(re.compile("/t/"))
     expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("^Walk forward 1 m"))
+    expect(page.locator(".live-state")).to_have_text("now")
+    name = robot.removeprefix("@")
+    begun = marked_at(page, name)
     answer = page.locator("article.by-robot").first
     expect(answer.locator(".stop.moves")).to_be_visible(timeout=MOTION_MS)
+    wait_until_moved(page, name, begun, 0.1)
+    plan = page.locator(f'[data-robot="{name}"] .map-plan')
+    expect(plan).to_have_attribute("points", re.compile(r"\d"), timeout=MOTION_MS)
     page.keyboard.press("Escape")
     wait_for(answer, "stopped")
     expect(answer.locator(".body").first).to_contain_text("Stopped")
@@ -149,6 +191,7 @@ def test_a_first_visit_from_an_example_to_a_stop_and_again(page: Page, demo: Run
     wait_for(again, "done")
     expect(again.locator(".body").first).to_contain_text(re.compile(r"Done: walked [01]\.\d\d m, turned left \d+°"))
     expect(again.locator(".pictures figcaption").first).to_be_visible()
+    replay(page, again, name)
     page.goto(demo.url)
     row = page.locator(".rows .row").first
     expect(row).to_contain_text("Done: walked")
@@ -258,27 +301,12 @@ def position(truth: str) -> tuple[float, float]:
     return robot["x_m"], robot["y_m"]
 
 
-def marked_at(page: Page, robot: str) -> tuple[float, float]:
-    """Where the map shows a robot, in metres of the room."""
-    told = page.locator(f'[data-robot="{robot}"] .map-mark').first.get_attribute("transform") or ""
-    x, y = told.removeprefix("translate(").split(")")[0].split()
-    return float(x), -float(y)
-
-
 def test_the_robot_is_seen_moving_on_the_map_and_its_page_replays_it(page: Page, demo: RunningDemo) -> None:
     wrong = listen_for_errors(page)
     write_post(page, demo.url, "On the map", "@quadruped walk forward 0.6 metres and turn left 90 degrees")
     expect(page.locator(".live-state")).to_have_text("now")
     begun, post = marked_at(page, "quadruped"), page.locator("article.post").first.get_attribute("data-post")
-    page.wait_for_function(
-        """([x, y]) => {
-          const told = document.querySelector('[data-robot="quadruped"] .map-mark').getAttribute("transform");
-          const [, a, b] = /translate\\(([-.\\d]+) ([-.\\d]+)\\)/.exec(told);
-          return Math.hypot(a - x, -b - y) > 0.4;
-        }""",
-        arg=list(begun),
-        timeout=MOTION_MS,
-    )
+    wait_until_moved(page, "quadruped", begun, 0.4)
     assert page.locator('[data-robot="quadruped"] .map-plan').get_attribute("points")
     screenshot(page, "map")
     wait_for(page.locator("article.by-robot").last, "done")

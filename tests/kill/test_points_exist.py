@@ -7,12 +7,13 @@ from typing import Any
 
 import pytest
 
-from tests.kill import test_kill_approval, test_kill_points, test_kill_restore, test_kill_world
+from tests.kill import test_kill_approval, test_kill_points, test_kill_replay, test_kill_restore, test_kill_world
 
 TARGETS = {
     *(point.order["target"] for point in test_kill_points.POINTS),
     *(target for target, _ in test_kill_points.IN_A_STOP),
     *("agentrob." + point.target for point in test_kill_approval.POINTS),
+    *(point["target"] for point in test_kill_replay.POINTS.values()),
     *(order["target"] for order in test_kill_restore.ORDERS),
     *test_kill_world.TARGETS,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -32,7 +33,7 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped walk forward 2 m at 0.02 m/s", "refuse", "Too long: 60 s a command at most."),
         ("@quadruped wave 11 times", "refuse", "Too much: 10 steps a command at most."),
         ("@humanoid make a heart", "refuse", "This robot cannot do this: make a heart. It can: walk, wave."),
-        ("@humanoid wave", "needs_approval", "I would wave, after an approval."),
+        ("@humanoid wave", "needs_approval", "This would wait for an approval. Then I would wave."),
         ("@quadruped drive into the wall", "refuse", "I do not drive into people, animals or things"),
         ("@quadruped walk", "ask_back", "How far? `walk` has no distance, and I do not guess. For example:"),
         ("@quadruped stop", "stop", "I would stop."),
@@ -41,7 +42,11 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped 向前走九米", "refuse", "太远：每步最多 5 米。"),
         ("@quadruped 停", "stop", "我会停下。"),
         ("@quadruped every weekday at 9 wave", "would", "I would wave. At the times that my reply will name."),
-        ("@humanoid in 10 minutes wave", "needs_approval", "I would wave, after an approval. At the times"),
+        (
+            "@humanoid in 10 minutes wave",
+            "needs_approval",
+            "This would wait for an approval. Then I would wave. At",
+        ),
         ("@quadruped tomorrow at 9 walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
         ("@quadruped tomorrow wave", "ask_back", "I understood the day, but not the time."),
         ("@quadruped schedules", "answer", "I would answer, without moving."),
@@ -65,6 +70,25 @@ def test_a_text_is_read_in_one_line(text: str, outcome: str, line: str) -> None:
     assert "没有动" not in found.line
 
 
+def test_law_10_what_the_owner_did_not_consent_to_is_refused_while_it_is_written() -> None:
+    real = replace(DOG, flips=False)
+    (found,) = read(DraftCommand("@quadruped do a backflip", ALICE, (real,))).robots
+    assert (found.outcome, found.rule) == ("refuse", "consent.flip")
+    assert found.line.startswith("A backflip needs the consent of the robot's owner")
+    (found,) = read(DraftCommand("@quadruped do a backflip", ALICE, (DOG,))).robots
+    assert found.outcome == "would", "it consents, or that is not known"
+    simulated = replace(real, can=replace(real.can, simulated=True))
+    assert read(DraftCommand("@quadruped do a backflip", ALICE, (simulated,))).robots[0].outcome == "would"
+
+
+def test_the_scene_is_known_while_it_is_written() -> None:
+    text = "@quadruped walk forward 3 m"
+    assert read(DraftCommand(text, ALICE, (DOG,))).robots[0].outcome == "would"
+    stairs = replace(DOG, scene="There are stairs 2 m in front of the robot.")
+    (found,) = read(DraftCommand(text, ALICE, (stairs,))).robots
+    assert (found.outcome, found.rule.split(".")[0]) == ("refuse", "scene")
+
+
 def test_each_robot_reads_its_own_part() -> None:
     found = read(DraftCommand("@quadruped walk 1 m. @humanoid walk 2 m. @nobody wave.", ALICE, (DOG, SLOW)))
     assert found.mentioned == ("quadruped", "humanoid", "nobody")
@@ -83,6 +107,14 @@ def test_law_2_who_may_not_command_is_told_who_can_allow_it() -> None:
     (found,) = read(DraftCommand("@quadruped wave", member, (DOG,))).robots
     assert (found.outcome, found.rule) == ("refuse", "rights.operator")
     assert "An admin of the forum can give it." in found.line
+
+
+def test_law_2_an_account_for_simulated_robots_is_told_where_it_may_command() -> None:
+    player = Account("3", "eve", commands_simulated=True)
+    simulated = replace(DOG, can=replace(DOG.can, simulated=True))
+    assert read(DraftCommand("@quadruped wave", player, (simulated,))).robots[0].outcome == "would"
+    (found,) = read(DraftCommand("@quadruped wave", player, (DOG,))).robots
+    assert (found.outcome, found.rule) == ("refuse", "rights.simulated")
 
 
 @pytest.fixture(scope="module")

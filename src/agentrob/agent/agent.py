@@ -29,6 +29,7 @@ from agentrob.agent.media import plot
 from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
+from agentrob.agent.media.pose_files import PoseFiles
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder, look_of
 from agentrob.agent.media.room_map import RoomMap
@@ -160,8 +161,10 @@ class RobotAgent:
         pages = forum if isinstance(forum, RobotPages) else None
         live = forum if isinstance(forum, PosePages) else None
         room = RoomMap(name, settings)
-        self.geometry = Geometry(live, name, settings.map.geometry)
-        self.poses = PoseSampler(live, driver, name, room, shaped=bool(settings.map.geometry))
+        self.geometry = Geometry(live, name, settings.model, settings.map.geometry)
+        self.poses = PoseSampler(
+            live, driver, name, room, PoseFiles(self.folder / "poses"), shaped=lambda: not self.geometry.missing
+        )
         self.presence = self._make_presence(pages, room if live else None)
         self.recorder = self._make_recorder(pages)
         self.camera = self._make_camera(pages)
@@ -182,10 +185,10 @@ class RobotAgent:
     def _make_presence(self, pages: RobotPages | None, room: RoomMap | None) -> Presence | None:
         if pages is None:
             return None
-        posts, shape = lambda: self.queue.posts, lambda: self.geometry.name
         sees = self.detector.things if self.detector else ()
         return Presence(
-            pages, self.driver, self.name, self.settings, posts, self.owner, self.activity, room, shape, sees
+            pages, self.driver, self.name, self.settings, lambda: self.queue.posts, self.owner, self.activity, room,
+            self.geometry, sees,
         )  # fmt: skip
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
@@ -303,6 +306,7 @@ class RobotAgent:
         await self._resume()
         if begun > self.event_stream.now() - LOOK_BACK and await self.journal.get("looked_back") is None:
             await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
+        self._spawn(self.pipeline.final_report.publish_left_replays())
         if isinstance(self.mind, ModelMind):
             self._spawn(self._warm(self.mind))
 
@@ -559,11 +563,17 @@ class RobotAgent:
             self.camera.wake()
         elif event.robot == self.name and event.kind is EventKind.ROBOT_POSES:
             self.poses.watch()
-            self._spawn(self.geometry.publish())
+            self._spawn(self._publish_geometry())
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
             self._spawn(self._reset(event.account, event.at))
         if self._accepting:
             self.inbox.put(event, triaged)
+
+    async def _publish_geometry(self) -> None:
+        before = self.geometry.name, self.geometry.missing
+        await self.geometry.publish()
+        if self.presence and before != (self.geometry.name, self.geometry.missing):
+            self.presence.changed()
 
     # ------------------------------------------------------------------ the forum's clock
     @property
@@ -657,7 +667,8 @@ class RobotAgent:
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
         await self._compared()
-        allowed = obeyed(account, self._me) and may(account, "command").decision is Decision.ALLOW
+        granted = may(account, "command", simulated=self.settings.simulated)
+        allowed = obeyed(account, self._me) and granted.decision is Decision.ALLOW
         fresh = (self.event_stream.now() - at).total_seconds() <= self.settings.max_post_age_s
         if not self.settings.room_reset or not allowed or not fresh:
             return
@@ -693,7 +704,7 @@ class RobotAgent:
     def _queue_changed(self) -> None:
         if self.presence:
             self.presence.changed()
-        if self.camera and self.queue.moving:
-            self.camera.wake()
+        if self.camera and self.queue.moving and not self.recorder.asks_afterwards:
+            self.camera.wake()  # for the recording
         for job in self.queue:
             self.pipeline.show_place(job)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -26,8 +28,10 @@ from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum, PosePages
-from agentrob.model import CommandState, Report, StatusCard
+from agentrob.model import Command, CommandState, Report, StatusCard
 
+#: How long a report waits for its record.
+RECORD_S = 2.0
 _log = structlog.get_logger()
 
 
@@ -70,7 +74,19 @@ class FinalReport:
         with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.set_plan(command.key, report.plan)
-        close = partial(job.status.close, Shown(text(pictures), card), images, short, measured=measured)
+        public = facts if command.run is None else None  # the page of a command is that of its post
+        told = False
+
+        async def publish_record() -> None:
+            """The forum captions the pictures by the record, so it comes first; but the report does not wait long."""
+            nonlocal told
+            if not told:
+                with job.log_errors("record not published"), contextlib.suppress(TimeoutError):
+                    async with asyncio.timeout(RECORD_S):
+                        told = await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
+
+        shown = Shown(text(pictures), card)
+        close = partial(job.status.close, shown, images, short, measured=measured, before=publish_record)
         try:
             ours = await self.writes.when_allowed(close)
         except ForumError as e:  # the claim stays open, so the next start posts it
@@ -80,28 +96,42 @@ class FinalReport:
             await self.journal.finish(command.key, report.status)
         if not ours:
             return  # another agent of this account posted the end, and keeps its record and pictures
-        with job.log_errors("record not published"):
-            if command.run is None:  # the page of a command is that of its post
-                await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+        if not told:
+            with job.log_errors("record not published"):
+                await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(report)
+            await self._publish_replay(report.command)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
             if recording := await late_recording(command.key, self.recorder, self.store):
                 late = Shown(text((*pictures, recording)), card)
-                await job.status.add(late, [recording.data] if recording.attached else [])
-                if command.run is None:
-                    await publish(self.forum, command.post_id, job.status.post_id, facts, (*pictures, recording))
+                added = [recording.data] if recording.attached else []
+                # Again the captions first, so that the reader sees one change.
+                publish_pictures = partial(publish, self.forum, command.post_id, job.status.post_id, public)
+                if not job.status.limited:
+                    await publish_pictures((*pictures, recording))
+                if not await job.status.add(late, added) and told:
+                    await publish_pictures(pictures)
 
-    async def _publish_replay(self, report: Report) -> None:
+    async def publish_left_replays(self) -> None:
+        """Publish the replays of commands that an earlier process reported before it ended."""
+        for post_id in await self.poses.left():
+            claim = await self.journal.claimed(post_id)
+            if claim is None:
+                await self.poses.forget(post_id)
+            elif claim.final is not None:
+                await self._publish_replay(claim.command)
+
+    async def _publish_replay(self, command: Command) -> None:
         """Publish how the robot moved, if the forum replays commands."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
-        geometry, post_id = await self.geometry.publish(), report.command.post_id
-        replay = await self.poses.replay(report.command.key, geometry)
-        if replay and report.command.run is None:  # a post has one replay
-            await retry_until_answered(partial(self.forum.publish_replay, post_id, replay), TRIES)
+        geometry = await self.geometry.publish()
+        replay = await self.poses.replay(command.key, geometry)
+        if replay and command.run is None:  # a post has one replay
+            await retry_until_answered(partial(self.forum.publish_replay, command.post_id, replay), TRIES)
+        await self.poses.forget(command.key)
 
     async def _composed(
         self, job: QueuedCommand, report: Report
@@ -116,7 +146,8 @@ class FinalReport:
         with job.log_errors("calls of the model not listed"):
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
-            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), calls=calls)
+            once = self.forum.max_edits is not None
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
         with job.log_errors("page of the command not known"):
             page = await page_of(self.forum, command.post_id, hurry=self.ending()) if command.run is None else ""
         facts: dict[str, Any] | None = None

@@ -93,6 +93,8 @@ class Motion:
                 execution = await self._execute_plan(job, plan, hooks)
         finally:
             job.moving = False
+        with job.log_errors("poses not written"):
+            await self.poses.written()
         return self._encode_result(job, execution)
 
     async def _permitted(

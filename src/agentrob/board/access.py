@@ -184,7 +184,7 @@ async def _record_attempt(services: Services, name: str, address: str) -> None:
 
 
 async def sign_up(services: Services, name: str, password: str, address: str, invite: str = "") -> str:
-    """Create an account, a member or with the role of the invite, and a session. 403 when sign-up is off and there is
+    """Create an account, a member or with the rights of the invite, and a session. 403 when sign-up is off and there is
     no invite, 404 when the invite is void, 409 when the name is taken, 422, 429."""
     if not services.settings.sign_up and not invite:
         raise BoardError(403, "sign_up_off", "this forum does not take new accounts by itself", "ask an admin")
@@ -196,8 +196,15 @@ async def sign_up(services: Services, name: str, password: str, address: str, in
     def make(t: Transaction) -> str:
         if not invite:  # rolled back with the transaction if it fails
             attempts.record_sign_up(t.connection, address, services.settings.limits.sign_ups)
-        role = management.spend_invite(t.connection, invite) if invite else Role.MEMBER
-        made = management.add_account(t.connection, name, name, role=role, password_hash=password_hash)
+        used = management.spend_invite(t.connection, invite) if invite else None
+        made = management.add_account(
+            t.connection,
+            name,
+            name,
+            role=used.role if used else Role.MEMBER,
+            password_hash=password_hash,
+            commands_simulated=used is not None and used.commands_simulated,
+        )
         return accounts.new_session(t.connection, int(made.id))
 
     return await services.store.do(make)
@@ -212,11 +219,20 @@ async def new_password(services: Services, secret: str, password: str, address: 
 
 
 async def change_password(services: Services, account: Account, old: str, new: str, address: str) -> str:
-    """Change a password, given the old one; return a session and end all others. 401, 422, 429."""
-    await _check_password(services, account.name, old, address)
+    """Change a password, given the old one if there is one; return a session and end all others. 401, 422, 429."""
+    if has_password(services, account):
+        await _check_password(services, account.name, old, address)
+    else:
+        await _record_attempt(services, account.name, address)
     async with services.hashing:
         password_hash = await asyncio.to_thread(accounts.hash_password, new)
     return await services.store.do(lambda t: accounts.set_password(t.connection, int(account.id), password_hash))
+
+
+def has_password(services: Services, account: Account) -> bool:
+    """Whether an account can sign in by a password; one that was made for links has none at first."""
+    row = services.store.reader.first(accounts.password_of(account.name))
+    return row is not None and row.password_hash is not None
 
 
 async def enter(services: Services, secret: str) -> str:

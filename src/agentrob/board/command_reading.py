@@ -29,14 +29,19 @@ MAX_WAITING = 16
 
 @dataclass(frozen=True, slots=True)
 class ReadableRobot:
-    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first, `sees` the
-    things that it finds in its camera's pictures."""
+    """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first.
+
+    `sees`: the things that it finds in its camera's pictures. `flips`: its owner consents to flips, or that is not
+    known. `scene` describes its surroundings, if that is known.
+    """
 
     name: str
     can: Capabilities
     rights: RobotRights = RobotRights()
     history: tuple[Plan, ...] = ()
     sees: tuple[str, ...] = ()
+    flips: bool = True
+    scene: str = ""
 
 
 @dataclass(frozen=True, slots=True)

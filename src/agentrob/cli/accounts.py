@@ -36,11 +36,15 @@ def account_change(
     suspend: Annotated[
         bool | None, typer.Option("--suspend/--unsuspend", help="A suspended account can do nothing.")
     ] = None,
+    simulated: Annotated[
+        bool | None, typer.Option("--simulated/--no-simulated", help="Whether it may command simulated robots.")
+    ] = None,
     config: ConfigFile = None,
 ) -> None:
-    """Change an account's role, suspend it, or end its suspension."""
-    account = app.change_board_account(app.load(config), name, role, suspend)
-    typer.echo(f"{account.name}: {account.kind}, {account.role}{', suspended' if account.suspended else ''}")
+    """Change an account's role or right to command simulated robots, suspend it, or end its suspension."""
+    account = app.change_board_account(app.load(config), name, role, suspend, simulated)
+    more = ", commands simulated robots" if account.commands_simulated else ""
+    typer.echo(f"{account.name}: {account.kind}, {account.role}{more}{', suspended' if account.suspended else ''}")
 
 
 @cli.command("list")
@@ -141,10 +145,12 @@ def invite_add(
     role: Annotated[Role, typer.Option(help="What the new accounts may do.")] = Role.MEMBER,
     uses: Annotated[int, typer.Option(help="How many people may use it.")] = 1,
     days: Annotated[int, typer.Option(help="How many days it is valid.")] = 7,
+    simulated: Annotated[bool, typer.Option("--simulated", help="They may command simulated robots.")] = False,
     config: ConfigFile = None,
 ) -> None:
     """Print a link for people to create their own accounts."""
-    typer.echo(writable(config).base_url + administer(config, "invite", role, uses, days))
+    path = administer(config, "invite", role, uses, days, commands_simulated=simulated)
+    typer.echo(writable(config).base_url + path)
 
 
 @invite_cli.command("list")
@@ -153,7 +159,7 @@ def invite_list(config: ConfigFile = None) -> None:
     from agentrob.board.admin import management
 
     for i in read(config, management.invites):
-        typer.echo(f"{i.id}\t{i.role}\t{i.left} left\tuntil {i.expires_at:%Y-%m-%d %H:%M} UTC")
+        typer.echo(f"{i.id}\t{i.label}\t{i.left} left\tuntil {i.expires_at:%Y-%m-%d %H:%M} UTC")
 
 
 @invite_cli.command("revoke")

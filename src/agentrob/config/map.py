@@ -47,8 +47,10 @@ class MapConfig(Section):
 
     Positions are in metres in the frame of `room`: x and y as you choose them, `home_at_m` and `home_facing_deg` say
     where the robot's home is in it. Without a `room` the robot has a map of its own, around its home. Only the `things`
-    that are listed are shown. `geometry` is the URL from which the agent fetches the robot's shape for the 3D view
-    (`agentrob sim` serves it); without it there is only the map.
+    that are listed are shown; if there are any, the forum also gets the robot's `scene`, to judge by it what people
+    write before they post it. `geometry` is where the robot's shape for the 3D view comes from: `auto` (made from the
+    installed models of a Go2 or G1, extra `sim`), a URL (`agentrob sim` serves one, with its room), or `none`. Without
+    a shape there is only the map.
     """
 
     room: Annotated[str, Field(pattern=r"^([a-z0-9][a-z0-9 _-]{0,39})?$")] = ""
@@ -56,4 +58,4 @@ class MapConfig(Section):
     home_facing_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
     size_m: tuple[_Length, _Length] | None = None
     things: Annotated[tuple[MapThing, ...], Field(max_length=MOST_THINGS)] = ()
-    geometry: str = ""
+    geometry: Annotated[str, Field(pattern=r"^(auto|none|https?://\S+)$")] = "auto"

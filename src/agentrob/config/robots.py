@@ -107,11 +107,17 @@ class RecordingConfig(Section):
 
     `view` selects the animation. `room`: from `room_camera`; `robot`: from the robot's own camera; `path`: the path on
     a map; `none`: no animation. `auto` shows the room if every reader of the thread may watch that camera live anyway
-    (on a forum with robot pages), else the path; other cameras are shown only if the owner selects them. Recordings
-    stay on disk for `keep_days` and up to `keep_mb` per robot, the oldest are deleted first; 0 keeps none.
+    (on a forum with robot pages), else the path; other cameras are shown only if the owner selects them.
+
+    `camera` is the URL of a camera that keeps the past, such as a simulated room's: it is asked for the pictures of a
+    command after its motion (`?ago_s=`, the age in seconds), and `auto` and `room` show them. An animation has at most
+    `max_kb`; forums limit attachments. Recordings stay on disk for `keep_days` and up to `keep_mb` per robot, the
+    oldest are deleted first; 0 keeps none.
     """
 
     view: Literal["auto", "room", "robot", "path", "none"] = "auto"
+    camera: str = ""
+    max_kb: Annotated[int, Field(ge=100, le=8000)] = 2000
     keep_days: Annotated[float, Field(ge=0, le=3650)] = 30.0
     keep_mb: Annotated[float, Field(ge=0)] = 200.0
 

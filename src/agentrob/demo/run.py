@@ -273,7 +273,11 @@ class Demo:
 def _in_room(robot: RobotConfig, room_url: str) -> RobotConfig:
     """The settings of a robot in the world, with the addresses of the room's HTTP server."""
     shown = robot.map.model_copy(update={"geometry": f"{room_url}/geometry/{robot.model}"})
-    room = {"room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset", "map": shown}
+    recording = robot.recording.model_copy(update={"camera": f"{room_url}/film/{robot.model}.jpg"})
+    room = {
+        "room_camera": f"{room_url}/overview.jpg", "room_reset": f"{room_url}/reset", "map": shown,
+        "recording": recording,
+    }  # fmt: skip
     return robot.model_copy(update=room)
 
 

@@ -16,7 +16,10 @@ from agentrob.model import Account, EventKind, Post
 def account_info(a: Account) -> AccountInfo:
     """Cached: most posts of a page are by few accounts."""
     shown = a.display_name if a.display_name != a.name else ""
-    return AccountInfo(id=a.id, name=a.name, kind=a.kind, role=a.role, suspended=a.suspended, display_name=shown)
+    return AccountInfo(
+        id=a.id, name=a.name, kind=a.kind, role=a.role, suspended=a.suspended, display_name=shown,
+        commands_simulated=a.commands_simulated,
+    )  # fmt: skip
 
 
 def topic_info(t: Topic) -> TopicInfo:
@@ -70,7 +73,7 @@ def event_info(e: Event) -> EventInfo:
 
 # ---------------------------------------------------------------------- results to records, for the client's adapter
 def account(a: AccountInfo) -> Account:
-    return Account(a.id, a.name, a.kind, a.role, a.suspended, a.display_name or a.name)
+    return Account(a.id, a.name, a.kind, a.role, a.suspended, a.display_name or a.name, a.commands_simulated)
 
 
 def topic(t: TopicInfo) -> Topic:

@@ -25,6 +25,7 @@ class AccountInfo(_Result):
     role: Role = Role.MEMBER
     suspended: bool = False
     display_name: str = ""
+    commands_simulated: bool = False
 
 
 class BoardInfo(_Result):

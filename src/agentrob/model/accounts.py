@@ -38,6 +38,10 @@ class Role(StrEnum):
 _RANKS = {role: place for place, role in enumerate(Role)}
 
 
+def _rank(role: Role) -> int:
+    return role.rank
+
+
 class ActionClass(StrEnum):
     """The kinds of deeds that a robot's owner can grant apart: a photo, a gesture, walking and turning, a flip."""
 
@@ -49,7 +53,10 @@ class ActionClass(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """An identity as the forum vouches for it; `name` is the handle after the @, unique and lower case."""
+    """An identity as the forum vouches for it; `name` is the handle after the @, unique and lower case.
+
+    `commands_simulated`: it may command simulated robots as an operator does, whatever its role.
+    """
 
     id: str
     name: str
@@ -57,6 +64,11 @@ class Account:
     role: Role = Role.MEMBER
     suspended: bool = False
     display_name: str = ""
+    commands_simulated: bool = False
+
+    def role_towards(self, simulated: bool) -> Role:
+        """The role that counts when it commands a robot that is simulated, or is not."""
+        return max(self.role, Role.OPERATOR, key=_rank) if self.commands_simulated and simulated else self.role
 
     def speaks_for(self, robot: object) -> bool:
         """Whether this is the robot's own account: a card counts only from it, since it shows the robot's state."""

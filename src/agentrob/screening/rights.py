@@ -7,6 +7,7 @@ release. A command that needs an approval and may get one is neither allowed nor
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from typing import Literal
 
 from agentrob.language.messages.catalog import say
@@ -34,13 +35,15 @@ def may(
     owner: str = "",
     rights: RobotRights | None = None,
     classes: Collection[str] = (),
+    simulated: bool = False,
 ) -> Verdict:
     """Return whether `account` may do `action` now.
 
     `owner` is the handle of the robot's owner in its configuration, `rights` what the forum stores about the robot,
-    `classes` the action classes of a command. Everybody signed in may look and stop. Operators may command, as far as
-    `rights` allow. The robot's owner and human admins may release it, set its home, and approve. Suspended accounts may
-    do nothing, not even stop. Robot and monitoring agents may only look, whatever their role.
+    `classes` the action classes of a command, `simulated` whether the robot itself says that it is. Everybody signed in
+    may look and stop. Operators may command, as far as `rights` allow; so may, towards a simulated robot, accounts that
+    may command only these. The robot's owner and human admins may release it, set its home, and approve. Suspended
+    accounts may do nothing, not even stop. Robot and monitoring agents may only look, whatever their role.
     """
     if account.suspended:
         return _refused("rights.suspended", "refuse.suspended", language)
@@ -50,8 +53,10 @@ def may(
         return _refused("rights.robot_agent", "refuse.robot", language)
     if account.kind is AccountKind.MONITORING_AGENT:
         return _refused("rights.monitoring_agent", "refuse.monitor", language)
-    if action == "command" and (objection := _objection(account, rights or _DEFAULT, classes, language)):
-        return objection
+    if action == "command":
+        author = replace(account, role=account.role_towards(simulated))
+        if objection := _objection(author, rights or _DEFAULT, classes, language):
+            return objection
     if action == "approve" and not _approves(account, owner, rights or _DEFAULT):
         who = _who((rights or _DEFAULT).owner or owner, language)
         return _refused("rights.approver", "refuse.approver", language, who=who)
@@ -79,6 +84,8 @@ def may_approve(
 def _objection(account: Account, rights: RobotRights, classes: Collection[str], language: Language) -> Verdict | None:
     """Return why the account may not command, or which approval it needs; None if it may."""
     if account.role.rank < Role.OPERATOR.rank:
+        if account.commands_simulated:
+            return _refused("rights.simulated", "refuse.simulated", language)
         return _refused("rights.operator", "refuse.operator", language)
     if rights.closed_s is not None:
         return _refused("rights.closed", "refuse.closed", language, left=duration(rights.closed_s, language))

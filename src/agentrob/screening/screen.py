@@ -60,7 +60,8 @@ def screen(
     the forum stores about who may command this robot; a required approval is the last thing to be reported. The reason
     is a sentence in `language`.
     """
-    granted = may(author, "command", language, rights=rights, classes=classes_of(plan))
+    simulated = capabilities.simulated
+    granted = may(author, "command", language, rights=rights, classes=classes_of(plan), simulated=simulated)
     if granted.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         return granted
     for rule, reason in _objections(plan, capabilities, allow_flip, language):

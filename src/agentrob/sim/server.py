@@ -100,6 +100,7 @@ class _Process:
         from agentrob.sim.event_log import EventLog
         from agentrob.sim.realtime_loop import RealtimeLoop
         from agentrob.sim.rendering.cameras import Cameras
+        from agentrob.sim.rendering.film import Film
         from agentrob.sim.rendering.view import front_view, overview
         from agentrob.sim.services.dds import Node
         from agentrob.sim.services.unitree import RobotContext
@@ -121,6 +122,7 @@ class _Process:
         views["overview"] = overview(self.world.model)
         self.cameras = Cameras(self.world.model, views, lambda: self.world.pose)
         stack.callback(self.cameras.close)
+        self.film = Film(self.world.model, self.bodies, self.cameras)
         rng = np.random.default_rng(settings.seed)
 
         def context(domain: int) -> RobotContext:
@@ -135,7 +137,8 @@ class _Process:
 
         describe = self.world.scene.description
         overview = lambda: self.cameras.jpeg("overview")  # noqa: E731
-        room = Room(overview, describe, self.reset, self.truth, self.health, self.faults, self.geometry)
+        film = self.film.picture
+        room = Room(overview, describe, self.reset, self.truth, self.health, self.faults, self.geometry, film)
         server = RoomServer(room, self.settings.http_port)
         self.stack.callback(server.close)
         self.cameras.ready.wait(CAMERA_LIMIT_S)
@@ -159,6 +162,7 @@ class _Process:
         for services in self.served.values():
             services.before_tick()
         self.world.tick()
+        self.film.note(self.world.pose)
         for services in self.served.values():
             services.after_tick()
 
@@ -268,7 +272,7 @@ def announce(ready: Mapping[str, Any]) -> str:
     return (
         f"\n  World    {ready['world']} (pictures: {ready['camera']})\n"
         f"  Robots   {', '.join(robots)}; interface {ready['interface']}\n"
-        f"  Room     {ready['http']}/overview.jpg, /scene, /health\n"
+        f"  Room     {ready['http']}/overview.jpg, /film/ROBOT.jpg, /scene, /health\n"
         f"  End      Ctrl-C\n"
     )
 

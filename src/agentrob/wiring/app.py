@@ -177,12 +177,15 @@ def own_board_robot(config: Config, name: str, owner: str) -> None:
     local_admin.claim_robot(board_settings(config), name, owner)
 
 
-def change_board_account(config: Config, name: str, role: Role | None, suspended: bool | None) -> Account:
-    """Give an account another role, suspend it or let it in again."""
+def change_board_account(
+    config: Config, name: str, role: Role | None, suspended: bool | None, commands_simulated: bool | None
+) -> Account:
+    """Change an account's role or right to command simulated robots, suspend it or let it in again."""
     from agentrob.board.admin import local_admin
 
     settings = board_settings(config)
-    local_admin.change_account(settings, local_admin.find_account(settings, name), role=role, suspended=suspended)
+    changes: dict[str, Any] = {"role": role, "suspended": suspended, "commands_simulated": commands_simulated}
+    local_admin.change_account(settings, local_admin.find_account(settings, name), **changes)
     return local_admin.find_account(settings, name)
 
 

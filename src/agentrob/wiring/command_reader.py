@@ -1,7 +1,8 @@
 """Read commands by rules alone, in a process of its own, for the pages of the forum on which they are written.
 
-The same grammar and screen as those of a robot's agent, with what the robot's card says that it can do. A mind that is
-a language model may understand more; what only the owner's configuration knows (the scene, consents) is left out.
+The same grammar and screen as those of a robot's agent, with what the robot's card says: what it can do, what its owner
+consents to, which actions need an approval, and the scene where the owner shows it. A mind that is a language model may
+understand more, and refuse more.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.visual_loop.pursuit import goal_for, in_words, judged_plan, without_model
 from agentrob.minds.visual_loop.vocabulary import colours
-from agentrob.model import Account, Capabilities, Decision, Intent, Language, Limits, Understanding
+from agentrob.model import Account, Capabilities, Decision, Intent, Language, Limits, Op, Understanding
 from agentrob.process.answering.client import LineProcess
 from agentrob.process.answering.server import LineServer, TooSlow
 from agentrob.screening.audience import text_for_robot
@@ -80,7 +81,9 @@ def serve() -> None:
     """Read texts from standard input until it ends."""
     server = LineServer(LIMIT_S)
     prepare()
-    warm = ReadableRobot("robot", Capabilities("", frozenset()))
+    warm = ReadableRobot(
+        "robot", Capabilities("", frozenset(Op)), scene="A room with a table 2 m in front of the robot."
+    )
     read(DraftCommand("@robot walk forward 1 m, then turn left. 向前走一米", Account("0", "nobody"), (warm,)))
     while _one(server):
         pass
@@ -142,7 +145,7 @@ def _read_now(visible: str, author: Account, robot: ReadableRobot, others: tuple
         case Intent.COMMAND:
             return _judged(visible, author, robot, others, understood)
         case Intent.ASK_BACK:
-            if (harm := harm_in_words(visible, "", language)) is not None:
+            if (harm := harm_in_words(visible, robot.scene, language)) is not None:
                 return RobotReading(robot.name, harm.reason, "refuse", harm.rule)
             return RobotReading(robot.name, _question(understood), "ask_back")
         case Intent.STOP | Intent.HALT:
@@ -178,7 +181,8 @@ def _judged(
         author=author,
         capabilities=robot.can,
         language=language,
-        allow_flip=True,  # whether the owner consents is in the configuration of its agent
+        allow_flip=robot.flips,
+        scene=robot.scene,
         part=text_for_robot(visible, (robot.name,), others),
         rights=robot.rights,
     )

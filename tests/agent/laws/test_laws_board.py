@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from agentrob.board.db.writer import Transaction
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Account, ActionClass, ActionResult, Primitive, Role
+from agentrob.model import Account, ActionClass, ActionResult, Capabilities, Primitive, Role
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, RunningBoard, until
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
@@ -107,7 +108,8 @@ def pilot(board: RunningBoard) -> Iterator[Poster]:
     if "pilot" not in board.tokens:
         board.add("pilot", role=Role.OPERATOR)
     account = local_admin.find_account(board.settings, "pilot")
-    local_admin.change_account(board.settings, account, role=Role.OPERATOR, suspended=False)
+    usual = {"role": Role.OPERATOR, "suspended": False, "commands_simulated": False}
+    local_admin.change_account(board.settings, account, **usual)
     with local_admin.writing(board.settings) as connection:
         rights = dict.fromkeys(ActionClass, "operator")
         management.change_robot(connection, SHELL, ROBOT, command=rights, closed=())
@@ -132,6 +134,51 @@ async def test_law_4_on_the_board_what_changed_while_it_waited_in_line_does_not_
             assert await op.final(first) == ["done"]
             assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.status_text(topic)
     assert client.begun == ["turn"], "only the first command moved it"
+
+
+async def test_law_4_on_the_board_the_right_to_command_simulated_robots_is_asked_again_before_motion(
+    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path
+) -> None:
+    account = local_admin.find_account(board.settings, "pilot")
+
+    def grant(simulated: bool) -> None:
+        with local_admin.writing(board.settings) as connection:
+            changed = {"role": Role.MEMBER, "commands_simulated": simulated}
+            management.change_account(connection, SHELL, account.name, **changed)
+
+    grant(True)
+    client = GatedClient(driver)
+    async with serving_on(board, client, tmp_path):
+        with Poster(board, "op") as op:
+            first = await pilot.post(f"@{ROBOT} turn right 20 degrees")
+            await asyncio.wait_for(client.busy.wait(), 60)
+            topic = await pilot.post(WALK)
+            await queued(op, topic)
+            await asyncio.to_thread(grant, False)
+            client.let.set()
+            await op.final(first)
+            assert await op.final(topic) == ["refused"], await op.status_text(topic)
+    assert client.begun == ["turn"], "only the command from before moved it"
+
+
+class RealClient(GatedClient):
+    """A driver client whose robot does not say that it is simulated."""
+
+    async def capabilities(self) -> Capabilities:
+        return replace(await super().capabilities(), simulated=False)
+
+
+async def test_law_2_on_the_board_a_robot_that_is_not_simulated_refuses_an_account_for_simulated_ones(
+    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path
+) -> None:
+    account = local_admin.find_account(board.settings, "pilot")
+    local_admin.change_account(board.settings, account, role=Role.MEMBER, commands_simulated=True)
+    client = RealClient(driver)
+    async with serving_on(board, client, tmp_path):
+        topic = await pilot.post(WALK)
+        assert await pilot.final(topic) == ["refused"]
+        assert "simulated robots only" in await pilot.status_text(topic)
+    assert client.begun == []
 
 
 @pytest.mark.parametrize("what", CHANGES)

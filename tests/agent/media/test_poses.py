@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from agentrob.agent.media.pose_files import MOST, PoseFiles, PoseLines
 from agentrob.agent.media.poses import PoseSampler, has_moved
 from agentrob.agent.media.replay import MOST_BYTES, PoseLog, PoseSample, encoded
 from agentrob.agent.media.room_map import RoomMap
@@ -68,10 +69,10 @@ def drivers(tmp_path: Path) -> Iterator[Drivers]:
 
 
 @asynccontextmanager
-async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseSampler, Any]]:
+async def streaming(drivers: Drivers, pages: Pages, folder: Path) -> AsyncIterator[tuple[PoseSampler, Any]]:
     name, _ = drivers.start()
     async with drivers.client(name) as driver:
-        stream = PoseSampler(pages, driver, name, RoomMap(name, ROOM), shaped=True)
+        stream = PoseSampler(pages, driver, name, RoomMap(name, ROOM), PoseFiles(folder), shaped=lambda: True)
         running = asyncio.create_task(stream.run())
         try:
             yield stream, driver
@@ -80,9 +81,9 @@ async def streaming(drivers: Drivers, pages: Pages) -> AsyncIterator[tuple[PoseS
             await asyncio.gather(running, return_exceptions=True)
 
 
-async def test_poses_are_sent_only_while_somebody_watches(drivers: Drivers) -> None:
+async def test_poses_are_sent_only_while_somebody_watches(drivers: Drivers, tmp_path: Path) -> None:
     pages = Pages()
-    async with streaming(drivers, pages) as (stream, driver):
+    async with streaming(drivers, pages, tmp_path) as (stream, driver):
         await until(lambda: not stream._wanted.is_set())
         assert not pages.frames
         stream.watch()
@@ -95,9 +96,9 @@ async def test_poses_are_sent_only_while_somebody_watches(drivers: Drivers) -> N
         assert driver is not None
 
 
-async def test_a_slow_forum_gets_the_newest_pose_and_the_others_are_dropped(drivers: Drivers) -> None:
+async def test_a_slow_forum_gets_the_newest_pose_and_the_others_are_dropped(drivers: Drivers, tmp_path: Path) -> None:
     pages = Pages()
-    async with streaming(drivers, pages) as (stream, driver):
+    async with streaming(drivers, pages, tmp_path) as (stream, driver):
         stream.watch()
         await until(lambda: len(pages.frames) >= 1)
         pages.slow.clear()
@@ -113,9 +114,11 @@ async def test_a_slow_forum_gets_the_newest_pose_and_the_others_are_dropped(driv
         assert len(pages.frames) < sampled
 
 
-async def test_a_forum_that_fails_ends_the_sending_until_it_is_told_of_viewers_again(drivers: Drivers) -> None:
+async def test_a_forum_that_fails_ends_the_sending_until_it_is_told_of_viewers_again(
+    drivers: Drivers, tmp_path: Path
+) -> None:
     pages = Pages()
-    async with streaming(drivers, pages) as (stream, _):
+    async with streaming(drivers, pages, tmp_path) as (stream, _):
         pages.fails = True
         stream.watch()
         await until(lambda: not stream._watched)
@@ -124,9 +127,9 @@ async def test_a_forum_that_fails_ends_the_sending_until_it_is_told_of_viewers_a
         await until(lambda: len(pages.frames) >= 2)
 
 
-async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: Drivers) -> None:
+async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: Drivers, tmp_path: Path) -> None:
     pages = Pages()
-    async with streaming(drivers, pages) as (stream, driver):
+    async with streaming(drivers, pages, tmp_path) as (stream, driver):
         with stream.recording("7", [WALK]):
             await until(lambda: bool(stream._logs["7"].samples))
             async with driver.lease("me") as lease:
@@ -134,7 +137,10 @@ async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: D
                 assert (await driver.step(lease, WALK, 30)).ok
         await until(lambda: stream._running is None)
         replay = await stream.replay("7", "f" * 32)
-        assert await stream.replay("7", "") == b"", "it is handed over once"
+        assert list(tmp_path.glob("7.jsonl"))
+        await stream.forget("7")
+        assert await stream.replay("7", "") == b""
+        assert not list(tmp_path.glob("7.jsonl"))
     assert not pages.frames, "nobody watched"
     assert len(replay) < 3000
     told = json.loads(gzip.decompress(replay))
@@ -146,6 +152,57 @@ async def test_the_replay_of_a_command_holds_its_plan_steps_and_poses(drivers: D
     assert (x[-1], y[-1]) == pytest.approx((1, 2.4), abs=0.1)
     assert len(told["t"]) == len(x)
     assert told["map"]["fence"][0] == [3.0, 1.0]
+
+
+async def test_the_replay_survives_the_agent_that_took_it(drivers: Drivers, tmp_path: Path) -> None:
+    pages = Pages()
+    async with streaming(drivers, pages, tmp_path) as (stream, driver):
+        with stream.recording("7", [WALK]):
+            await until(lambda: bool(stream._logs["7"].samples))
+            async with driver.lease("me") as lease:
+                stream.begin_step(WALK)
+                assert (await driver.step(lease, WALK, 30)).ok
+        await stream.written()
+        before = json.loads(gzip.decompress(await stream.replay("7", "f" * 32)))
+    with (tmp_path / "7.jsonl").open("a") as file:
+        file.write('{"at":1,"pose":[0.1')  # the line that was being written
+    name, _ = drivers.start("second")
+    async with drivers.client(name) as driver:
+        later = PoseSampler(
+            pages, driver, "quadruped", RoomMap("quadruped", ROOM), PoseFiles(tmp_path), shaped=lambda: True
+        )
+        assert await later.left() == ["7"]
+        after = json.loads(gzip.decompress(await later.replay("7", "f" * 32)))
+    assert (after["plan"], after["steps"]) == (before["plan"], before["steps"])
+    count = len(after["t"])
+    assert count > 10
+    assert after["t"] == before["t"][:count]
+    assert [channel[:count] for channel in before["pose"]] == after["pose"]
+
+
+def test_only_so_many_files_of_poses_are_kept(tmp_path: Path) -> None:
+    files = PoseFiles(tmp_path)
+    for n in range(MOST + 20):
+        log = PoseLog()
+        log.add(PoseSample(float(n), Pose(0, 0, 0), Posture(0.0)))
+        files.append(str(n), PoseLines(log).take())
+        assert len(files.left()) <= MOST
+    assert files.read("0") is None
+    assert files.read(str(MOST + 19)) is not None
+    files.forget(str(MOST + 19))
+    assert files.read(str(MOST + 19)) is None
+
+
+async def test_a_disk_that_is_full_costs_a_replay_after_a_restart_and_nothing_else(
+    drivers: Drivers, tmp_path: Path
+) -> None:
+    folder = tmp_path / "poses"
+    folder.write_text("a file where the folder should be")
+    async with streaming(drivers, Pages(), folder) as (stream, _):
+        with stream.recording("7", [WALK]):
+            await until(lambda: len(stream._logs["7"].samples) > 2)
+        await stream.written()
+        assert await stream.replay("7", "")
 
 
 def test_a_long_replay_of_many_joints_keeps_fewer_poses() -> None:

@@ -19,8 +19,9 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from agentrob.agent.media import animation, recorder
-from agentrob.agent.media.recorder import MANY, Film, Recorder, prune
+from agentrob.agent.media import animation, film, recorder
+from agentrob.agent.media.film import MANY, Film
+from agentrob.agent.media.recorder import Recorder, prune
 from agentrob.agent.media.track import clips, lines, samples
 from agentrob.config.load import parse
 from agentrob.config.robots import RecordingConfig, RobotConfig
@@ -130,7 +131,7 @@ def test_without_a_camera_the_way_is_animated_on_a_map(walked: tuple[ActionResul
     assert len(webp) <= animation.MAX_BYTES
     with Image.open(io.BytesIO(webp)) as picture:
         assert picture.format == "WEBP"
-        assert picture.size == (480, 360)
+        assert picture.size == (640, 476)
         assert 8 <= picture.n_frames <= animation.MAX_FRAMES
         first = picture.convert("RGB")
         picture.seek(picture.n_frames - 1)
@@ -139,27 +140,27 @@ def test_without_a_camera_the_way_is_animated_on_a_map(walked: tuple[ActionResul
 
 def test_a_camera_s_pictures_are_shown_near_to_what_moves() -> None:
     """A small dot that moves through a large room is enlarged."""
-    film = [Image.open(io.BytesIO(jpeg("black", (300 + 8 * k, 150)))).convert("RGB") for k in range(6)]
-    shown = animation._near(film, (480, 270))
-    bright, plain = (sum(picture.convert("L").histogram()[128:]) for picture in (shown[0], film[0].resize((480, 270))))
+    seen = [Image.open(io.BytesIO(jpeg("black", (300 + 8 * k, 150)))).convert("RGB") for k in range(6)]
+    shown = animation._near(seen, (480, 270))
+    bright, plain = (sum(picture.convert("L").histogram()[128:]) for picture in (shown[0], seen[0].resize((480, 270))))
     assert bright > 3 * plain
-    still = animation._near([film[0], film[0]], (480, 270))
+    still = animation._near([seen[0], seen[0]], (480, 270))
     assert len(still) == 2
 
 
 def test_a_gesture_seen_by_a_camera_is_animated_without_a_way() -> None:
-    film = Film([(1000.0 + k, jpeg("blue", (100 + 20 * k, 100))) for k in range(4)])
-    scene, pictures = recorder._scene((ActionResult(WAVE, Outcome.DONE, started_s=1000, ended_s=1004),), film)
+    seen = Film([(1000.0 + k, jpeg("blue", (100 + 20 * k, 100))) for k in range(4)])
+    scene, pictures = recorder._scene((ActionResult(WAVE, Outcome.DONE, started_s=1000, ended_s=1004),), seen)
     webp = animation.draw(scene, pictures)
     assert webp is not None
     with Image.open(io.BytesIO(webp)) as picture:
-        assert picture.size == (480, 270)
+        assert picture.size == (640, 360)
 
 
 def test_noise_that_does_not_compress_still_fits(walked: tuple[ActionResult, ...]) -> None:
     noise = [Image.effect_noise((640, 360), 200).convert("RGB") for _ in range(3)]
-    film = Film([(1000.0 + 0.1 * k, _jpeg_of(noise[k % 3])) for k in range(48)])
-    scene, pictures = recorder._scene(walked, film)
+    seen = Film([(1000.0 + 0.1 * k, _jpeg_of(noise[k % 3])) for k in range(48)])
+    scene, pictures = recorder._scene(walked, seen)
     webp = animation.draw(replace(scene, seconds=10.0), pictures)
     assert webp is None or len(webp) <= animation.MAX_BYTES
 
@@ -171,16 +172,16 @@ def _jpeg_of(picture: Image.Image) -> bytes:
 
 
 def test_a_film_stays_small_and_even_however_long_a_command_takes(monkeypatch: pytest.MonkeyPatch) -> None:
-    film, now_s = Film(), 0.0
-    monkeypatch.setattr(recorder.time, "monotonic", lambda: now_s)
+    made, now_s = Film(), 0.0
+    monkeypatch.setattr(film.time, "monotonic", lambda: now_s)
     for k in range(6000):  # a minute at 100 pictures a second
         now_s = k / 100
-        film.add(b"%d" % k)
-    assert MANY / 2 <= len(film.frames) <= MANY
-    gaps = [b[0] - a[0] for a, b in zip(film.frames, film.frames[1:], strict=False)]
+        made.add(b"%d" % k)
+    assert MANY / 2 <= len(made.frames) <= MANY
+    gaps = [b[0] - a[0] for a, b in zip(made.frames, made.frames[1:], strict=False)]
     assert max(gaps) < 2.1 * min(gaps)
-    film.add(b"x" * (2**20 + 1))
-    assert all(len(picture) < 10 for _, picture in film.frames)
+    made.add(b"x" * (2**20 + 1))
+    assert all(len(picture) < 10 for _, picture in made.frames)
 
 
 async def test_a_drawing_process_that_fails_or_says_nonsense_gives_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

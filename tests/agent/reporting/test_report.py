@@ -27,12 +27,14 @@ from agentrob.model import (
     Op,
     Outcome,
     Plan,
+    Pose,
     Primitive,
     Report,
     RobotState,
     StopResult,
     Verdict,
 )
+from agentrob.robots.safety.ranges import SAMPLES, SIDES, RangeMonitor
 
 COMMAND = Command("7", "t", "h", Account("2", "alice"), "quadruped", "@quadruped …", "en", datetime.now(UTC), "abc123")
 WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0)
@@ -80,8 +82,37 @@ def test_a_chinese_report_says_everything_in_chinese() -> None:
         report("failed", command=command, results=(result, replace(DONE[1], outcome=Outcome.SKIPPED)))
     )
     assert "向前走 2 米" in reply_text
-    assert "前方有障碍物" in reply_text
+    assert "有障碍物离得太近" in reply_text
     assert not any(word in reply_text for word in ("Failed", "Step", "Something"))
+
+
+@pytest.mark.parametrize(
+    ("side", "english", "chinese"),
+    [
+        (Direction.FORWARD, "ahead", "前方 0.40 米"),
+        (Direction.LEFT, "to the left", "左方 0.40 米"),
+        (Direction.BACKWARD, "behind", "后方 0.40 米"),
+        (Direction.RIGHT, "to the right", "右方 0.40 米"),
+    ],
+)
+def test_law_18_an_obstacle_is_told_with_its_side_and_what_to_do_in_both_languages(
+    side: Direction, english: str, chinese: str
+) -> None:
+    monitor, ranges = RangeMonitor(), [9.0, 9.0, 9.0, 9.0]
+    ranges[SIDES[side]] = 0.4
+    for n in range(SAMPLES):
+        jittered = tuple(r + n * 1e-4 for r in ranges)
+        monitor.update(n * 0.1, RobotState(0.0, Pose(0.0, 0.0, 0.0), ranges_m=jittered))
+    sentence = monitor.obstacle(Primitive(Op.MOVE, side, distance_m=1.0), 0.5)
+    assert sentence is not None
+    failed = replace(DONE[0], outcome=Outcome.REFUSED, reason="obstacle", message=sentence)
+    told = words.final(report("failed", results=(failed,)))
+    assert f"Something is 0.40 m {english}; this step needs 0." in told
+    assert "Clear the way" in told
+    command = replace(COMMAND, language="zh")
+    told = words.final(report("failed", command=command, results=(failed,)))
+    assert f"{chinese}处有障碍物，这一步在那里需要 0." in told
+    assert "请清出道路" in told
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

@@ -155,3 +155,46 @@ def test_reading_a_thread_clears_its_notifications(board: RunningBoard) -> None:
     board.run(board.services.marks.write(board.services.store))  # as every few seconds
     assert fresh() == [True, False], "of the other thread it is still news"
     assert ">1<" in browser.get("/notifications/count").text
+
+
+def test_the_menu_counts_what_waits_for_the_viewers_approval(board: RunningBoard) -> None:
+    board.add("keeper", role=Role.MODERATOR)
+    keeper = board.browser("keeper")
+    assert "Approvals</span></a>" in keeper.get("/").text, "shown to who may approve, also if nothing waits"
+    assert "No command waits for your approval" in keeper.get("/approvals").text
+    _, _, first = waiting_command(board)
+    _, _, second = waiting_command(board)
+    shown = 'Approvals <span class="count">2'
+    assert shown in keeper.get("/").text
+    page = keeper.get("/approvals")
+    assert shown in page.text
+    assert [page.text.index(f'href="/p/{status}"') for status in (first, second)] == sorted(
+        page.text.index(f'href="/p/{status}"') for status in (first, second)
+    ), "the oldest first"
+    answer = submit_decision(keeper, page.text, "deny")
+    assert answer.headers["location"].startswith("/approvals?done=")
+    listed = keeper.get("/approvals?part=list").text
+    assert f'href="/p/{first}"' not in listed
+    assert f'href="/p/{second}"' in listed
+    assert keeper.get("/approvals?part=count").text.startswith('Approvals <span class="count">1')
+    for name in ("op", "member"):
+        assert ">Approvals" not in board.browser(name).get("/").text
+        assert "You may not approve commands" in board.browser(name).get("/approvals").text
+    closed = {"robot": "quadruped", "state": "expired"}
+    board.client("quadruped").patch(f"/posts/{second}", json={"body": "Too late.", "card": closed}).raise_for_status()
+    assert f'href="/p/{second}"' not in keeper.get("/approvals").text
+
+
+def test_opening_a_thread_reads_its_notifications_at_once(board: RunningBoard) -> None:
+    board.add("starter", role=Role.MODERATOR)
+    client, browser = board.client("starter"), board.browser("starter")
+    made = client.post("/topics", json={"board_id": "talk", "title": "t", "body": "words"}).json()["topic"]["id"]
+    other = client.post("/topics", json={"board_id": "talk", "title": "u", "body": "words"}).json()["topic"]["id"]
+    for topic in (made, other):
+        board.client("op").post(f"/topics/{topic}/posts", json={"body": "an answer"}).raise_for_status()
+    bell = 'Notifications <span class="count">'
+    assert f"{bell}2" in browser.get("/").text
+    assert f"{bell}1" in browser.get(f"/t/{made}").text, "already on the page that shows it"
+    assert browser.get("/notifications").text.count('class="row fresh"') == 1
+    read = {item["post"]["topic_id"]: item["read"] for item in client.get("/notifications").json()["items"]}
+    assert (read[made], read[other]) == (True, False)

@@ -76,7 +76,7 @@ def test_the_command_page_shows_the_decision_and_the_measurements(site: Site) ->
     reply = report_command(site, topic, command)
     page = site.browser("bob").get(f"/c/{command}").text
     for shown in (
-        "2.00 m",
+        "walk forward 2 m",
         "0.40 m",
         "screen.passed",
         "4f1c22aa",
@@ -222,7 +222,7 @@ def test_steps_that_never_started_and_external_recordings_are_shown(site: Site) 
     site.api("quadruped").put(f"/commands/{command}", json={"record": record}).raise_for_status()
     page = site.browser("bob").get(f"/c/{command}?part=views").text
     assert "<html" not in page
-    assert "move forward, 90.00 m" in page
+    assert "walk forward 90 m" in page
     assert "not started" in page
     assert 'href="https://bucket.example/a?b=c"' in page
     assert 'until <time datetime="2026-11-22T00:00:00.000Z"' in page
@@ -276,3 +276,26 @@ def test_the_robots_page_has_its_owner_queue_and_last_pictures(site: Site) -> No
     assert 'href="/b/robots"' in page
     fragment = site.browser("bob").get("/robots/quadruped/fragment").text
     assert f'href="/p/{waiting}"' in fragment
+
+
+@pytest.mark.parametrize(
+    ("asked", "shown"),
+    [
+        ({"op": "move", "direction": "forward", "distance_m": 1.0}, "walk forward 1 m"),
+        ({"op": "move", "direction": "left", "distance_m": 0.5, "speed_mps": 0.2}, "walk left 0.5 m at 0.2 m/s"),
+        ({"op": "turn", "direction": "left", "degrees": 90.0}, "turn left 90°"),
+        ({"op": "get_front_image"}, "take a photo"),
+        ({"op": "backflip"}, "backflip"),
+        ({"op": "move", "distance_m": 1.0}, "walk 1.00 m"),
+        ({"op": "move", "direction": "forward", "distance_m": 1e300}, "walk forward, 1"),
+        ({"op": "move", "direction": "up", "distance_m": "far"}, "walk up, far"),
+        ({"op": "fly_away", "height_m": 2}, "fly away height m 2"),
+    ],
+)
+def test_a_step_is_named_as_in_reports_and_replays(asked: dict[str, Any], shown: str) -> None:
+    post = StoredPost("1", "1", "robots", Account("1", "ann"), "", "", 1, datetime.now(UTC))
+    (step,) = command_view(post, CommandRecord("quadruped", post.created_at, None, {"plan": [asked]})).steps
+    assert step.asked.startswith(shown)
+    done = {"op": asked["op"], "asked": {k: v for k, v in asked.items() if k != "op"}}
+    (step,) = command_view(post, CommandRecord("quadruped", post.created_at, None, {"steps": [done]})).steps
+    assert step.asked.startswith(shown)

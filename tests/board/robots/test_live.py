@@ -300,3 +300,22 @@ def test_robots_of_one_room_share_a_map_and_its_things_are_drawn_once() -> None:
     assert [[name for name, _ in room.robots] for room in rooms] == [["a", "b"], ["c"]]
     assert len(rooms[0].things) == 1
     assert rooms[0].box == "-4.30 -3.30 8.60 6.60"
+
+
+def test_a_fence_that_is_partly_behind_walls_is_a_closed_line_inside_them() -> None:
+    near = live.WALL_M
+
+    def box(*corners: tuple[float, float]) -> set[tuple[float, float]]:
+        return {(round(x, 6), round(y, 6)) for x, y in live.inside(corners, (8, 6))}
+
+    inner = ((-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0))
+    assert live.inside(inner, (8, 6)) == list(inner)
+    right = 4 - near
+    assert box((1, -2), (9, -2), (9, 2), (1, 2)) == {(1, -2), (right, -2), (right, 2), (1, 2)}
+    around = {(x, y) for x in (-right, right) for y in (near - 3, 3 - near)}
+    assert box((-9, -9), (9, -9), (9, 9), (-9, 9)) == around
+    assert box((5, 5), (9, 5), (9, 9), (5, 9)) == set()
+    corner = box((2, 1), (6, 1), (6, 5), (2, 5))
+    assert corner == {(2, 1), (right, 1), (right, 3 - near), (2, 3 - near)}
+    (room,) = live.rooms([("rex", live.map_view(MAP | {"fence": [[1, -2], [9, -2], [9, 2], [1, 2]]}))])
+    assert room.robots[0][1].fence.count(",") == 4

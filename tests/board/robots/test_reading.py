@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pytest
@@ -14,6 +14,8 @@ from agentrob.wiring.command_reader import ReaderProcess
 from tests.board.running_board import RunningBoard, running_board
 from tests.board.web.forum_site import CARD
 
+NO_CARD: Mapping[str, Any] = {}
+
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
@@ -21,8 +23,13 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
         yield running
 
 
-def read(board: RunningBoard, text: str, who: str = "op", **where: str) -> dict[str, Any]:
-    card = CARD | {"limits": {"step_m": 5}, "boards": ["robots"]}  # a robot is connected while its agent sends its card
+def read(
+    board: RunningBoard, text: str, who: str = "op", *, card: Mapping[str, Any] = NO_CARD, **where: str
+) -> dict[str, Any]:
+    card = {**CARD, **card} | {
+        "limits": {"step_m": 5},
+        "boards": ["robots"],
+    }  # a robot is connected while its agent sends its card
     board.client("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
     answer = board.client(who).post("/commands/read", json={"text": text, **where})
     answer.raise_for_status()
@@ -66,6 +73,30 @@ def test_nothing_is_stored(board: RunningBoard) -> None:
 def test_law_2_the_reading_of_an_account_that_may_not_command_says_so(board: RunningBoard) -> None:
     (one,) = read(board, "@quadruped wave", "member")["robots"]
     assert (one["outcome"], one["rule"]) == ("refuse", "rights.operator")
+
+
+@pytest.mark.parametrize(
+    ("more", "outcome", "line"),
+    [
+        ({"consents": []}, "refuse", "A backflip needs the consent of the robot's owner"),
+        ({"consents": ["flip"]}, "would", "I would do a backflip."),
+        ({"consents": ["flip"], "approval": ["risky"]}, "needs_approval", "This would wait for an approval."),
+        ({"consents": "all", "approval": "risky", "map": {"scene": 7}}, "would", "I would do a backflip."),
+        ({}, "would", "I would do a backflip."),
+    ],
+)
+def test_the_card_says_what_its_owner_consents_to_and_what_needs_an_approval(
+    board: RunningBoard, more: dict[str, Any], outcome: str, line: str
+) -> None:
+    found = read(board, "@quadruped do a backflip", card={"ops": ["backflip"], "simulated": False} | more)
+    assert found["robots"][0]["outcome"] == outcome
+    assert found["line"].startswith(line)
+
+
+def test_the_scene_is_read_only_where_the_robots_boards_are_seen(board: RunningBoard) -> None:
+    shown = {"map": {"pose": [0, 0, 0], "scene": "There are stairs 2 m in front of the robot."}}
+    assert read(board, "@quadruped walk forward 3 m", card=shown)["robots"][0]["outcome"] == "refuse"
+    assert read(board, "@quadruped walk forward 3 m")["robots"][0]["outcome"] == "would"
 
 
 def test_in_a_thread_again_means_what_was_done_there(board: RunningBoard) -> None:

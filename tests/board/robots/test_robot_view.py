@@ -69,7 +69,7 @@ def test_a_robot_is_live_while_its_agent_sends_cards() -> None:
 def test_the_limits_of_a_command_are_one_line() -> None:
     view = robot_view("quadruped", CARD, None)
     assert view.limits == (("Speed", "0.5 m/s"), ("One command", "10 m, 60 s"))
-    assert view.ops == ("move", "turn", "wave", "take a photo")
+    assert view.ops == ("walk", "turn", "wave", "take a photo")
     assert ("Model", "go2") in view.facts
 
 

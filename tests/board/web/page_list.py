@@ -79,6 +79,8 @@ PAGES = (
     PageEntry("tag", "/tags/window"),
     PageEntry("topic-tags", "/t/{topic}/tags"),
     PageEntry("notifications", "/notifications"),
+    PageEntry("approvals", "/approvals", "root"),
+    PageEntry("approvals-none", "/approvals", quick=False),
     PageEntry("new-topic", "/b/robots/new?to=quadruped"),
     PageEntry("quote", "/t/{topic}?quote={said}#reply", quick=False),
     PageEntry("edit", "/p/{walk}/edit"),

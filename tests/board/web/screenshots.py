@@ -66,10 +66,12 @@ def open_and_wait(site: Site, names: Mapping[str, str], page: Page, path: str) -
     page.goto(path, wait_until="domcontentloaded")
     page.evaluate(LOADED)
     if "/robots/" in path and page.locator("[data-camera]").count():
+        page.locator(".camera").scroll_into_view_if_needed()  # it runs only while it is on the screen
         page.locator(".camera img").wait_for()
         for _ in range(2):  # a browser shows a frame of a multipart stream only when the next one arrives
             send_presence(site, names)
         page.evaluate(FRAME_SHOWN)
+        page.evaluate("scrollTo(0, 0)")
 
 
 FRAME_SHOWN = """async () => {

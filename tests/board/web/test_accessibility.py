@@ -160,6 +160,20 @@ def test_a_command_can_be_written_previewed_and_posted_by_keyboard(site: Site, w
     expect(page.locator("article .body")).to_have_text("@quadruped walk forward 1 m")
 
 
+def test_an_example_of_the_home_page_is_posted_by_keyboard(site: Site, windows: Windows) -> None:
+    site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()
+    page = windows.open("alice")
+    page.goto("/")
+    tab_to(page, "@quadruped take a photo")
+    page.keyboard.press("Enter")
+    box = page.get_by_label("Command", exact=True)
+    expect(box).to_be_focused()
+    expect(box).to_have_value("@quadruped take a photo")
+    tab_to(page, "Send")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Take a photo")
+
+
 def test_a_waiting_command_can_be_approved_by_keyboard(site: Site, windows: Windows, names: dict[str, str]) -> None:
     asks = approval_commands(site)["asks"]
     page = windows.open("root", viewport={"width": 390, "height": 844})
@@ -277,6 +291,8 @@ def test_every_control_is_reachable_by_tab_with_a_visible_focus(
         page.add_init_script("window.setInterval = () => 0")  # nothing is renewed under the marks
         for entry in (s for s in PAGES if s.who == who):
             page.goto(entry.path.format(**names), wait_until="domcontentloaded")
+            if page.locator(".replay").count():
+                page.locator(".replay .live-controls").first.wait_for()  # added once the replay is loaded
             page.evaluate(FOCUS_TOP)
             found[entry.name] = tab_order_problems(page)
     windows.console_errors = [c for c in windows.console_errors if "404" not in c]  # the page that says so

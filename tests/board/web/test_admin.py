@@ -9,7 +9,7 @@ import pytest
 
 from agentrob.board.admin import local_admin
 from agentrob.board.auth import rights
-from tests.board.web.forum_site import PASSWORD, Site, running_site
+from tests.board.web.forum_site import CARD, PASSWORD, Site, running_site
 
 SECRET = re.compile(r'<textarea id="secret"[^>]*>([^<]*)</textarea>')
 
@@ -66,6 +66,24 @@ def test_a_token_is_shown_once_and_can_be_revoked(site: Site) -> None:
     assert f'value="{token_id}"' not in root.get(page).text
 
 
+def test_an_account_that_was_made_for_a_link_sets_its_first_password_itself(site: Site) -> None:
+    site.admin_api().post("/admin/accounts", json={"name": "guest"}).raise_for_status()
+    guest = site.browser("guest")
+    assert "Set a password" in guest.get("/u/guest").text
+    assert 'name="old"' not in guest.get("/password").text
+    short = guest.send("/password", password="short")
+    assert (short.status_code, 'name="old"' in short.text) == (422, False)
+    elsewhere = site.browser("guest")
+    assert guest.send("/password", password=PASSWORD).url.path == "/"
+    assert "Change password" in guest.get("/u/guest").text
+    assert elsewhere.get("/password").url.path == "/sign-in", "other sessions have ended"
+    assert site.browser().send("/sign-in", name="guest", password=PASSWORD).url.path == "/"
+    assert 'name="old"' in guest.get("/password").text
+    assert guest.send("/password", password="another password").status_code == 401, (
+        "the old one is asked for from now on"
+    )
+
+
 def test_boards_and_invites(site: Site) -> None:
     root = site.browser("root")
     fields = {"name": "The lab", "description": "", "read_role": "operator", "post_role": "operator"}
@@ -79,6 +97,38 @@ def test_boards_and_invites(site: Site) -> None:
     assert site.browser().send(path, name="invited", password=PASSWORD).url.path == "/"
     late = site.browser()
     assert "was used up" in late.send(path, name="late", password=PASSWORD).text
+
+
+def test_an_invite_for_simulated_robots(site: Site) -> None:
+    root = site.browser("root")
+    assert 'name="commands_simulated" checked' in root.get("/admin/invites?simulated=1").text
+    assert 'name="commands_simulated">' in root.get("/admin/invites").text
+    assert 'href="/admin/invites?simulated=1"' in root.get("/").text
+    shown = root.send("/admin/invites", role="member", uses="1", days="3", commands_simulated="on")
+    assert "who may command simulated robots" in shown.text
+    assert "member, operator of simulated robots" in root.get("/admin/invites").text
+    link = SECRET.search(shown.text)
+    assert link
+    guest = site.browser()
+    home = guest.send(link[1].removeprefix(site.base), name="player", password=PASSWORD)
+    assert "Your account may command simulated robots" in home.text
+    assert "can command simulated robots" in guest.get("/u/player").text
+    account = site.api("root").get("/accounts/player").json()
+    assert (account["role"], account["commands_simulated"]) == ("member", True)
+    root.send("/admin/accounts/player/change", "/admin/accounts/player", role="member", display_name="")
+    assert site.api("root").get("/accounts/player").json()["commands_simulated"] is False
+
+
+def test_a_room_is_reset_by_an_account_for_simulated_robots_only_if_the_robot_is_simulated(site: Site) -> None:
+    admin_api, robot = site.admin_api(), site.api("quadruped")
+    made = {"name": "tester", "role": "member"}
+    admin_api.post("/admin/accounts", json=made).raise_for_status()
+    admin_api.patch("/admin/accounts/tester", json={"commands_simulated": True}).raise_for_status()
+    token = admin_api.post("/admin/accounts/tester/tokens", json={}).json()["token"]
+    for simulated, status in ((True, 200), (False, 403)):
+        robot.put("/robots/quadruped", json={"card": CARD | {"simulated": simulated}}).raise_for_status()
+        sent = site.api("root").post("/robots/quadruped/reset", headers={"Authorization": f"Bearer {token}"})
+        assert sent.status_code == status, sent.text
 
 
 def test_only_the_owner_may_change_a_robots_rights(site: Site) -> None:

@@ -43,11 +43,22 @@ def png() -> bytes:
     return file.getvalue()
 
 
-def run_command(site: Site, text: str, card: dict[str, Any], body: str = "Seen.", picture: bool = False) -> str:
+def moving() -> bytes:
+    file = io.BytesIO()
+    first, *rest = (Image.new("RGB", (640, 360), (20 + 60 * n, 90, 160)) for n in range(3))
+    first.save(file, "WEBP", save_all=True, append_images=rest, duration=50, loop=0)
+    return file.getvalue()
+
+
+def run_command(site: Site, text: str, card: dict[str, Any], body: str = "Seen.", picture: bytes = b"") -> str:
     """Post a command and the robot's claim of it; return the id of the command's post."""
     made = site.api("alice").post("/topics", json={"board_id": "robots", "title": text[11:], "body": text}).json()
     topic, post, robot = made["topic"]["id"], made["post"]["id"], site.api("quadruped")
-    images = [robot.post("/images", files={"file": ("a.png", png(), "image/png")}).json()["id"]] if picture else []
+    images = (
+        [robot.post("/images", files={"file": ("a", picture, "application/octet-stream")}).json()["id"]]
+        if picture
+        else []
+    )
     reply = {"body": body, "reply_to": post, "card": card, "images": images}
     robot.post(f"/topics/{topic}/posts", json=reply, headers={"Idempotency-Key": f"claim:{post}"}).raise_for_status()
     return str(post)
@@ -127,7 +138,7 @@ def test_the_examples_are_what_the_robots_can_do(site: Site) -> None:
 
 def test_threads_show_robot_outcome_sentence_and_picture(site: Site) -> None:
     done = "**Done:** walked 0.97 m.\n\n| Step |\n|---|\n| 1 |\n\nAssumed: x.\n\n#### Details\n\n*trace `4f1c`*"
-    run_command(site, "@quadruped walk there", {"robot": "quadruped", "state": "done"}, done, picture=True)
+    run_command(site, "@quadruped walk there", {"robot": "quadruped", "state": "done"}, done, picture=png())
     row = site.browser("alice").get("/").text.split("walk there")[1].split("</li>")[0]
     assert '<span class="row-text" dir="auto">Done: walked 0.97 m.</span>' in row
     assert '<span class="chip small is-done">done</span> @quadruped' in row
@@ -146,8 +157,9 @@ def test_threads_show_robot_outcome_sentence_and_picture(site: Site) -> None:
 def test_only_an_admin_is_offered_to_invite_somebody(site: Site) -> None:
     assert "Invite someone" in site.browser("root").get("/").text
     assert "Invite someone" not in site.browser("alice").get("/").text
-    form = site.browser("root").get("/admin/invites?role=operator").text
-    assert "<option selected>operator</option>" in form
+    form = site.browser("root").get("/admin/invites?simulated=1").text
+    assert "<option selected>member</option>" in form
+    assert 'name="commands_simulated" checked' in form
 
 
 def test_the_first_page_is_small(site: Site) -> None:
@@ -221,7 +233,7 @@ def test_law_13_escape_stops_what_moves_and_twice_all(site: Site, windows: Windo
 
 
 def test_a_picture_opens_in_place_and_escape_closes_it(site: Site, windows: Windows) -> None:
-    post = run_command(site, "@quadruped look", {"robot": "quadruped", "state": "done"}, "Done.", picture=True)
+    post = run_command(site, "@quadruped look", {"robot": "quadruped", "state": "done"}, "Done.", picture=png())
     page = windows.open("bob")
     page.goto(f"/p/{post}")
     address, before = page.url, stops(site)
@@ -235,18 +247,57 @@ def test_a_picture_opens_in_place_and_escape_closes_it(site: Site, windows: Wind
     assert stops(site) == before
 
 
-def test_pictures_of_a_report_have_captions_once_its_record_is_there(site: Site, windows: Windows) -> None:
-    post = run_command(site, "@quadruped snap", {"robot": "quadruped", "state": "done"}, "Done.", picture=True)
-    page = windows.open("bob")
+def test_a_report_comes_with_its_captions_and_its_recording_is_added_without_a_flicker(
+    site: Site, windows: Windows
+) -> None:
+    """As a robot's agent does it: its record first, then the report; later the same for the recording."""
+    post = run_command(site, "@quadruped snap", RUNNING)
+    page, robot = windows.open("bob"), site.api("quadruped")
     page.goto(f"/p/{post}")
-    assert page.locator(".pictures figcaption").count() == 0
     reply = page.locator("article.by-robot").get_attribute("data-post")
-    record = {"status": "done", "pictures": [{"kind": "path", "step": 0}]}
-    told = {"record": record, "reply_id": reply}
-    site.api("quadruped").put(f"/commands/{post}", json=told).raise_for_status()
-    page.reload()
+
+    def report(body: str, kinds: list[dict[str, Any]], picture: bytes) -> None:
+        told = {"record": {"status": "done", "pictures": kinds}, "reply_id": reply}
+        robot.put(f"/commands/{post}", json=told).raise_for_status()
+        image = robot.post("/images", files={"file": ("a", picture, "application/octet-stream")}).json()["id"]
+        edit = {"body": body, "card": RUNNING | {"state": "done"}, "images": [image]}
+        robot.patch(f"/posts/{reply}", json=edit).raise_for_status()
+
+    # Each state of the reply that the reader sees: its number of pictures and of captions.
+    page.evaluate("""() => {
+      window.states = [];
+      const count = (what) => document.querySelectorAll(`article.by-robot ${what}`).length;
+      const note = () => window.states.push([count("img[data-picture], .pictures img"), count("figcaption")].join());
+      new MutationObserver(note).observe(document.getElementById("posts"), { childList: true });
+    }""")
+    kinds: list[dict[str, Any]] = [{"kind": "path", "step": 0}]
+    report("Done.\n\n#### Details\n\nHere.", kinds, png())
     expect(page.locator(".pictures figcaption")).to_have_text("Path that was measured")
-    expect(page.locator(".plot img")).to_be_visible()
+    page.locator(".pictures img").evaluate("async image => { await image.decode(); window.seen = image; }")
+    page.locator("article.by-robot summary").click()
+    kinds.append({"kind": "recording", "step": 0})
+    report("Done.\n\nWith a recording.\n\n#### Details\n\nHere.", kinds, moving())
+    expect(page.locator(".pictures figcaption")).to_have_text(["Path that was measured", "Recording"])
+    assert page.evaluate("window.states") == ["1,1", "2,2"]
+    assert page.evaluate("window.seen.isConnected && window.seen.complete"), "the picture that was there stays"
+    expect(page.locator("article.by-robot details")).to_have_attribute("open", "")
+
+
+def test_a_recording_can_be_paused(site: Site, windows: Windows) -> None:
+    post = run_command(site, "@quadruped film", {"robot": "quadruped", "state": "done"}, "Done.", picture=moving())
+    page = windows.open("bob", reduced_motion="no-preference")
+    page.goto(f"/p/{post}")
+    shown = page.locator(".pictures img")
+    expect(shown).to_be_visible()
+    page.get_by_role("button", name="Pause").click()
+    expect(page.locator(".pictures canvas")).to_be_visible()
+    expect(shown).to_be_hidden()
+    page.get_by_role("button", name="Play").click()
+    expect(shown).to_be_visible()
+    calm = windows.open("bob")
+    calm.goto(f"/p/{post}")
+    expect(calm.get_by_role("link", name="Play the recording")).to_be_visible()
+    expect(calm.get_by_role("button", name="Pause")).to_be_hidden()
 
 
 def test_times_are_relative_with_the_exact_time_on_hover(site: Site, windows: Windows) -> None:

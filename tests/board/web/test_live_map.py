@@ -84,7 +84,7 @@ def test_the_robot_moves_on_the_map_of_an_open_topic(site: Site, windows: Window
     pose(site, 1.5, 1.0)
     wait_until_at(page, 1.5, 1.0)
     assert page.locator(".map-plan").get_attribute("points") == "0.50,-1.00 1.50,-1.00"
-    assert (page.locator(".map-way").get_attribute("points") or "").endswith("1.50,-1.00")
+    assert (page.locator(".map-path").get_attribute("points") or "").endswith("1.50,-1.00")
     expect(page.locator(".live-state")).to_contain_text("no position now")
 
 
@@ -101,9 +101,12 @@ def test_the_3d_view_is_loaded_only_when_asked_for_and_falls_back_to_the_map(sit
     page = windows.open("alice")
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
+    missing = "no 3D model of a rover is known"
+    card = CARD | {"map": MAP | {"no_geometry": missing}}
+    site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
     page.goto(f"/t/{topic}")
     page.get_by_role("button", name="3D").click()
-    expect(page.locator(".live-state")).to_contain_text("3D is not available here")
+    expect(page.locator(".live-state")).to_contain_text(f"3D is not available here: {missing}")
     expect(page.locator(".map")).to_be_visible()
     expect(page.get_by_role("button", name="3D")).to_have_count(0)
     assert not [url for url in asked if "viewer3d" in url], "without a shape three.js is not loaded either"
@@ -149,7 +152,7 @@ def test_without_scripts_the_pages_show_the_last_picture(site: Site) -> None:
         assert at in alice.get(path).text, path
     shown = alice.get(f"/c/{post}").text
     assert "translate(2.0 -0.0)" in shown
-    assert 'class="map-way" points="0.00,-0.00 0.05,-0.00' in shown
+    assert 'class="map-path" points="0.00,-0.00 0.05,-0.00' in shown
     assert shown.count('class="map-thing"') == 2
 
 

@@ -101,6 +101,12 @@ def test_the_room_shows_itself_and_its_health(served):
         picture = room.get("/overview.jpg")
         assert picture.headers["content-type"] == "image/jpeg"
         assert Image.open(io.BytesIO(picture.content)).size == (800, 450)
+        film = room.get("/film/go2.jpg?ago_s=0.5")
+        assert Image.open(io.BytesIO(film.content)).size == (640, 360)
+        for wrong in ("/film/spot.jpg", "/film/go2.jpg?ago_s=500", "/film/go2.jpg?ago_s=soon"):
+            answer = room.get(wrong)
+            assert answer.status_code == 404
+            assert "ago_s from 0 to 120 seconds" in answer.json()["error"]
         health = room.get("/health").json()
         assert health["frames_rendered"] >= 1
         assert health["real_time_factor"] > 0.5

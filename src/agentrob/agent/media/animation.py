@@ -21,18 +21,24 @@ from typing import BinaryIO
 
 from PIL import Image, ImageChops, ImageDraw, ImageFilter, ImageFont, ImageOps
 
-MAX_BYTES = 2 * 2**20
-MAX_FRAMES = 40
-#: The maximum playing time; longer commands are played faster. The last picture is shown for `LAST_S`.
-PLAY_S, LAST_S = 6.0, 2.0
-#: The animation is played this often and ends on its last picture, which shows the whole path.
-LOOPS = 3
+#: The default of `max_kb`. NodeBB takes files of 2048 kB unless its admin allows more, Discourse pictures of 4096 kB,
+#: the embedded forum 8 MB.
+MAX_BYTES = 2_000_000
+#: The most frames, and the most a second; so a gesture of 1.6 s has 32.
+MAX_FRAMES, FPS = 72, 20
+#: The maximum playing time; longer commands are played faster. The last picture is shown for `LAST_S`, then it begins
+#: again, without end.
+PLAY_S, LAST_S, FOR_EVER = 12.0, 2.0, 0
+#: If the animation is too large: lower quality, then fewer frames, then a smaller picture.
+_ATTEMPTS = ((72, 1.0, 1.0), (50, 1.0, 1.0), (40, 0.67, 1.0), (40, 0.5, 0.75), (25, 0.33, 0.5))
 #: The smallest change of a grey level that counts as motion, and the smallest crop relative to the picture's width.
 _CHANGED, _NEAREST = 24, 0.42
+#: A picture that was taken this long after a frame's time belongs to it.
+_SAME_S = 0.005
 #: The progress of a step is shown until this long after its last sample.
 _SILENT_S = 0.8
-_CPU_S, _MEMORY = 20, 2 * 2**30
-_W, _H, _STRIP = 480, 360, 90
+_CPU_S, _MEMORY = 30, 2 * 2**30
+_W, _H, _STRIP = 640, 476, 116
 _FINE = 2  # lines are drawn this many times as large and scaled down, because Pillow does not antialias them
 # The same colours as in the plot (agentrob.agent.media.plot).
 _CARD, _GRID, _TEXT = "#20262f", "#39424f", "#c9d1dc"
@@ -49,7 +55,8 @@ class Scene:
 
     `moments` are (seconds, step from 1, x, y, heading in radians counter-clockwise from forward, measured m/s, measured
     rad/s, commanded m/s, commanded rad/s). `steps` are the requested amounts with their units ("m", "°" or empty).
-    `frames` are the times of the pictures and the sizes of their JPEGs in bytes.
+    `frames` are the times of the pictures and the sizes of their JPEGs in bytes; with `follows` their camera followed
+    the robot. `most_bytes` is the largest animation.
     """
 
     seconds: float
@@ -57,6 +64,13 @@ class Scene:
     asked: list[Point] = field(default_factory=list)
     steps: list[tuple[float, str]] = field(default_factory=list)
     frames: list[tuple[float, int]] = field(default_factory=list)
+    follows: bool = False
+    most_bytes: int = MAX_BYTES
+
+
+def frames_of(seconds: float) -> int:
+    """How many frames the animation of so many seconds has."""
+    return max(8, min(MAX_FRAMES, round(FPS * seconds)))
 
 
 def write_scene(scene: Scene, pictures: Sequence[bytes]) -> bytes:
@@ -70,28 +84,38 @@ def read_scene(stream: BinaryIO) -> tuple[Scene, list[bytes]]:
 
 
 def draw(scene: Scene, pictures: Sequence[bytes]) -> bytes | None:
-    """Return the animation as a WebP, or None if it does not fit into `MAX_BYTES`."""
-    count = max(8, min(MAX_FRAMES, round(4 * scene.seconds)))
-    for quality in (70, 50, 30):
-        images = list(_images(scene, pictures, count))
-        play_ms = round(1000 * min(PLAY_S, max(1.0, scene.seconds)) / count)
-        file = io.BytesIO()
-        images[0].save(
-            file, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=1, loop=LOOPS,
-            duration=[play_ms] * (len(images) - 1) + [round(1000 * LAST_S)],
-        )  # fmt: skip
-        if len(webp := file.getvalue()) <= MAX_BYTES:
+    """Return the animation as a WebP, or None if it does not fit into `most_bytes`."""
+    drawn: dict[int, list[Image.Image]] = {}
+    for quality, share, scale in _ATTEMPTS:
+        count = max(8, round(share * frames_of(scene.seconds)))
+        if count not in drawn:
+            drawn = {count: list(_images(scene, pictures, count))}
+        images = drawn[count]
+        if scale < 1:
+            size = round(scale * images[0].width), round(scale * images[0].height)
+            images = [image.resize(size, Image.Resampling.BOX) for image in images]
+        if len(webp := _encoded(images, scene.seconds, quality)) <= scene.most_bytes:
             return webp
-        count = max(8, count * 2 // 3)
     return None
 
 
+def _encoded(images: Sequence[Image.Image], seconds: float, quality: int) -> bytes:
+    play_ms = round(1000 * min(PLAY_S, max(0.5, seconds)) / len(images))
+    file = io.BytesIO()
+    images[0].save(
+        file, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=1, loop=FOR_EVER,
+        duration=[play_ms] * (len(images) - 1) + [round(1000 * LAST_S)],
+    )  # fmt: skip
+    return file.getvalue()
+
+
 def _images(scene: Scene, pictures: Sequence[bytes], count: int) -> Iterator[Image.Image]:
-    stage, size = _Stage(scene, fast=scene.seconds > 1.2 * PLAY_S), (_W, _H - _STRIP)
-    film = _near([_decoded(jpeg, size) for jpeg in pictures], size)
+    stage, size = _Stage(scene, fast=scene.seconds > PLAY_S), (_W, _H - _STRIP)
+    decoded = [_decoded(jpeg, size) for jpeg in pictures]
+    film = [ImageOps.fit(picture, size) for picture in decoded] if scene.follows else _near(decoded, size)
     for k in range(count):
         t_s = scene.seconds * k / (count - 1)
-        at = max((i for i, (taken_s, _) in enumerate(scene.frames) if taken_s <= t_s), default=0)
+        at = max((i for i, (taken_s, _) in enumerate(scene.frames) if taken_s <= t_s + _SAME_S), default=0)
         if film and not scene.moments:  # a gesture has no path and no speed
             yield film[at]
             continue
@@ -131,7 +155,7 @@ class _Stage:
     def __init__(self, scene: Scene, fast: bool) -> None:
         self.scene = scene
         self.fast = f" ×{scene.seconds / PLAY_S:.2g}" if fast else ""
-        self.fonts = {False: _font(21), True: _font(18)}  # smaller beside a map
+        self.fonts = {False: _font(26), True: _font(23)}  # smaller beside a map
         self._grounds: dict[int, Image.Image] = {}
         self.top_mps = max([0.2, *(max(m[5], m[7]) for m in scene.moments)])
         walked = (m[5] for m in scene.moments if scene.steps[m[1] - 1][1] == "m")
@@ -142,19 +166,19 @@ class _Stage:
         """Draw the path walked until `t_s` over the requested path."""
         scene, (w, h) = self.scene, (size[0] * _FINE, size[1] * _FINE)
         at, scale = self._fit(w, h)
-        fine = w / _W * 3
+        fine = w / _W * 4
         if (ground := self._grounds.get(w)) is None:
             ground = self._grounds[w] = self._ground(at, scale, (w, h))
             _dashes(ImageDraw.Draw(ground), [at(p) for p in scene.asked], _ASKED, fine)
         image = ground.copy()
         pen = ImageDraw.Draw(image)
         past = [m for m in scene.moments if m[0] <= t_s] or scene.moments[:1]
-        way = [at((m[2], m[3])) for m in past]
-        if len(way) > 1:
-            pen.line(way, fill=_MEASURED, width=round(1.6 * fine) + 2, joint="curve")
+        walked = [at((m[2], m[3])) for m in past]
+        if len(walked) > 1:
+            pen.line(walked, fill=_MEASURED, width=round(1.6 * fine) + 2, joint="curve")
         body = max(3.2 * fine, 8)
         _dot(pen, at((scene.moments[0][2], scene.moments[0][3])), body, _START)
-        _arrow(pen, way[-1], past[-1][4], 2.3 * body, _END)
+        _arrow(pen, walked[-1], past[-1][4], 2.3 * body, _END)
         return image.reduce(_FINE)
 
     def _fit(self, w: int, h: int) -> tuple[Callable[[Point], Point], float]:
@@ -174,25 +198,25 @@ class _Stage:
             pen.line([(x0 + k * step * scale, 0), (x0 + k * step * scale, h)], fill=_GRID, width=2)
             pen.line([(0, y0 + k * step * scale), (w, y0 + k * step * scale)], fill=_GRID, width=2)
         if w >= _W * _FINE:
-            words, font = f"grid {step:g} m", _font(17 * _FINE)
-            pen.rectangle((0, h - 26 * _FINE, pen.textlength(words, font) + 20 * _FINE, h), fill=_CARD)
-            pen.text((10 * _FINE, h - 4 * _FINE), words, fill=_ASKED, font=font, anchor="ls")
+            words, font = f"grid {step:g} m", _font(20 * _FINE)
+            pen.rectangle((0, h - 30 * _FINE, pen.textlength(words, font) + 20 * _FINE, h), fill=_CARD)
+            pen.text((10 * _FINE, h - 7 * _FINE), words, fill=_ASKED, font=font, anchor="ls")
         return image
 
     def strip(self, image: Image.Image, t_s: float, with_map: bool) -> None:
         """Draw the strip below the picture: distance, speed, time, and a chart of the speeds."""
         top, left = _H - _STRIP, 10
         if with_map:
-            image.paste(self.map((118, _STRIP), t_s), (0, top))
-            left = 128
+            image.paste(self.map((152, _STRIP), t_s), (0, top))
+            left = 164
         pen, font = ImageDraw.Draw(image), self.fonts[with_map]
         done, speed = self._words(t_s)
-        pen.text((left, top + 25), done, fill=_TEXT, font=font, anchor="ls")
+        pen.text((left, top + 31), done, fill=_TEXT, font=font, anchor="ls")
         time = f"{t_s:.1f} s{self.fast}"
-        pen.text((_W - 10, top + 25), time, fill=_TEXT, font=font, anchor="rs")
+        pen.text((_W - 10, top + 31), time, fill=_TEXT, font=font, anchor="rs")
         middle = (left + pen.textlength(done, font) + _W - 10 - pen.textlength(time, font)) / 2
-        pen.text((middle, top + 25), speed, fill=_MEASURED, font=font, anchor="ms")
-        box = (left, top + 34, _W - 10, _H - 8)
+        pen.text((middle, top + 31), speed, fill=_MEASURED, font=font, anchor="ms")
+        box = (left, top + 43, _W - 10, _H - 8)
         image.paste(self._chart((box[2] - box[0], box[3] - box[1]), t_s), box[:2])
 
     def _words(self, t_s: float) -> tuple[str, str]:
@@ -208,8 +232,8 @@ class _Stage:
         begun = next(m for m in scene.moments if m[1] == now[1])
         if unit == "°":
             turned = 0.0
-            way = [m[4] for m in scene.moments if m[1] == now[1] and m[0] <= now[0]]
-            for before, after in pairwise(way):
+            headings = [m[4] for m in scene.moments if m[1] == now[1] and m[0] <= now[0]]
+            for before, after in pairwise(headings):
                 turned += math.remainder(after - before, math.tau)
             return f"{abs(math.degrees(turned)):.0f} / {amount:g}°", f"{math.degrees(abs(now[6])):.0f}°/s"
         gone = math.hypot(now[2] - begun[2], now[3] - begun[3])
@@ -254,8 +278,8 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size)
 
 
-def _dashes(pen: ImageDraw.ImageDraw, way: Sequence[Point], color: str, width: float) -> None:
-    for (x1, y1), (x2, y2) in pairwise(way):
+def _dashes(pen: ImageDraw.ImageDraw, path: Sequence[Point], color: str, width: float) -> None:
+    for (x1, y1), (x2, y2) in pairwise(path):
         length, dash = math.hypot(x2 - x1, y2 - y1), 5 * width
         for k in range(int(length / dash / 1.7) + 1):
             a, b = k * 1.7 * dash, min(length, k * 1.7 * dash + dash)

@@ -35,15 +35,22 @@ class Picture:
 
 
 async def illustrate(
-    report: Report, recorder: Recorder, store: ImageStore | None, *, hurry: bool = False, calls: bytes = b""
+    report: Report,
+    recorder: Recorder,
+    store: ImageStore | None,
+    *,
+    hurry: bool = False,
+    once: bool = False,
+    calls: bytes = b"",
 ) -> tuple[Picture, ...]:
     """Return all pictures of a report, stills first. Never raises: a picture that cannot be drawn is left out, and one
     that cannot be stored is attached.
 
-    With `hurry` (the agent is shutting down) nothing is drawn or stored. `calls` are a model's calls as JSON lines.
+    With `hurry` (the agent is shutting down) nothing is drawn or stored. `once`: the reply cannot be edited later, so
+    it waits longer for its recording. `calls` are a model's calls as JSON lines.
     """
     drawn = () if hurry else report.results
-    path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry))
+    path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry, once=once))
     pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
     pictures += [Picture("path", path)] if path else []
     pictures += [Picture("recording", recording)] if recording else []

@@ -1,7 +1,8 @@
 """Sample the robot's pose while somebody watches its map or while it carries out a command.
 
 Watchers get the newest pose only, and only while there are any: a pose that the forum is too slow for is dropped. The
-poses of a command are kept for its replay. Neither delays a motion, a stop or a reply.
+poses of a command are kept for its replay, also in a file, for a report after a restart. Neither delays a motion, a
+stop or a reply.
 """
 
 from __future__ import annotations
@@ -10,11 +11,12 @@ import asyncio
 import contextlib
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import structlog
 
+from agentrob.agent.media.pose_files import PoseFiles, PoseLines
 from agentrob.agent.media.replay import PoseLog, PoseSample, encoded
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.errors import ForumError, ForumUnoffered, RobotError
@@ -31,6 +33,8 @@ OLD_S = 1.0
 #: A pose is still sampled this long after a command, so that its replay shows the end.
 LINGER_S = 0.6
 AGAIN_S = 1.0
+#: How often new poses of a command are written to its file, and how long the end of a motion waits for that.
+WRITE_S, WRITTEN_S = 1.0, 0.5
 #: How many commands' poses wait for their reports.
 LOGS = 4
 #: Points of the measured path that a new watcher gets, and the distance between two of them.
@@ -40,12 +44,23 @@ _log = structlog.get_logger()
 
 class PoseSampler:
     """Samples one robot's poses. `pages` is the forum, None if it shows no live poses: then nothing is sampled.
-    `shaped`: whether the robot's shape is known, so that replays need its joint angles."""
+    `shaped`: whether the robot's shape may be known, so that replays need its joint angles. `files` keep the poses of
+    commands until their replays are published."""
 
     def __init__(
-        self, pages: PosePages | None, driver: DriverClient, robot: str, room: RoomMap, *, shaped: bool
+        self,
+        pages: PosePages | None,
+        driver: DriverClient,
+        robot: str,
+        room: RoomMap,
+        files: PoseFiles,
+        *,
+        shaped: Callable[[], bool],
     ) -> None:
-        self._shaped = shaped
+        self._shaped, self._files = shaped, files
+        self._unwritten: tuple[str, PoseLines] | None = None
+        self._writing: asyncio.Task[None] | None = None
+        self._written_s = -math.inf
         self._pages, self._driver, self._robot, self._room = pages, driver, robot, room
         self._watched = self._body = False
         self._running: PoseLog | None = None
@@ -70,6 +85,7 @@ class PoseSampler:
             return
         self._running, self._steps = PoseLog(), steps
         self._logs[post_id] = self._running
+        self._unwritten = post_id, PoseLines(self._running)
         while len(self._logs) > LOGS:  # of commands that never got a report
             del self._logs[next(iter(self._logs))]
         self._until_s = math.inf
@@ -84,14 +100,53 @@ class PoseSampler:
         if self._running is not None:
             self._running.steps.append((time.monotonic(), step_label(step, "en")))
 
+    async def written(self) -> None:
+        """Write the poses of the running command to its file, before its end is recorded. Waits `WRITTEN_S` at most."""
+        if self._writing is not None:
+            await asyncio.wait({self._writing}, timeout=WRITTEN_S)
+        if self._write():
+            assert self._writing is not None
+            await asyncio.wait({self._writing}, timeout=WRITTEN_S)
+
+    def _write(self) -> bool:
+        """Begin to write what is new, unless an earlier write still goes on."""
+        if self._unwritten is None or (self._writing is not None and not self._writing.done()):
+            return False
+        post_id, lines = self._unwritten
+        self._written_s = time.monotonic()
+        new = lines.take()
+        if new:
+            self._writing = asyncio.create_task(self._append(post_id, new))
+        return bool(new)
+
+    async def _append(self, post_id: str, lines: Sequence[str]) -> None:
+        try:
+            await asyncio.to_thread(self._files.append, post_id, lines)
+        except OSError as e:  # only a restart would need it
+            _log.info("poses not written", robot=self._robot, error=str(e))
+            self._unwritten = None
+
     async def replay(self, post_id: str, geometry: str) -> bytes:
-        """The gzipped replay of a command, once; nothing if no poses were known."""
-        log = self._logs.pop(post_id, None)
+        """The gzipped replay of a command; nothing if no poses were known. The same until `forget`."""
+        log = self._logs.get(post_id) or await asyncio.to_thread(self._files.read, post_id)
         if log is None:
             return b""
         room = self._room.as_data()
         head = {"robot": self._robot, "map": room, "geometry": geometry}
         return await asyncio.to_thread(encoded, log, **head)
+
+    async def left(self) -> list[str]:
+        """Commands of an earlier process whose replays were not published."""
+        return await asyncio.to_thread(self._files.left)
+
+    async def forget(self, post_id: str) -> None:
+        """Drop the poses of a command whose replay is published or is not wanted."""
+        self._logs.pop(post_id, None)
+        if self._unwritten is not None and self._unwritten[0] == post_id:
+            self._unwritten = None
+        if self._writing is not None:
+            await asyncio.wait({self._writing}, timeout=WRITTEN_S)
+        await asyncio.to_thread(self._files.forget, post_id)
 
     # ------------------------------------------------------------------ sampling and sending
     async def run(self) -> None:
@@ -107,6 +162,7 @@ class PoseSampler:
     async def _sample(self) -> None:
         while True:
             if not self._watched and time.monotonic() > self._until_s:
+                self._write()
                 self._running, self._body = None, False
                 self._wanted.clear()
                 await self._wanted.wait()
@@ -120,12 +176,12 @@ class PoseSampler:
 
     @property
     def _hz(self) -> float:
-        if self._body or (self._running is not None and self._shaped):
+        if self._body or (self._running is not None and self._shaped()):
             return HZ
         return MAP_HZ if self._watched else PLAIN_HZ
 
     async def _take(self) -> None:
-        posture = await self._driver.posture(joints=self._shaped and (self._body or self._running is not None))
+        posture = await self._driver.posture(joints=self._shaped() and (self._body or self._running is not None))
         if posture.pose is None or posture.age_s > OLD_S:
             return
         self._newest = sample = PoseSample(time.monotonic(), self._room.in_room(posture.pose), posture)
@@ -133,6 +189,8 @@ class PoseSampler:
             if not log.samples:
                 log.plan = self._room.planned(sample.pose, self._steps)
             log.add(sample)
+            if sample.at_s - self._written_s > WRITE_S:
+                self._write()
         self._fresh.set()
 
     async def _send(self, pages: PosePages) -> None:

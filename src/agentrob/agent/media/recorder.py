@@ -1,7 +1,7 @@
 """Record each command: camera pictures while it runs, then its data on disk and a short animation for the reply.
 
-A recording never delays or prevents a motion, a stop or a reply: pictures are taken in a separate task, the animation
-is drawn in a separate process with a time limit, and an error loses only the recording.
+A recording never delays or prevents a motion, a stop or a reply: pictures are taken in a separate task or after the
+motion, the animation is drawn in a separate process with a time limit, and an error loses only the recording.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import os
 import sys
 import time
 from collections.abc import Awaitable, Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import httpx2
@@ -22,6 +21,7 @@ import structlog
 
 from agentrob.agent.media import animation
 from agentrob.agent.media.camera import snapshot
+from agentrob.agent.media.film import TRIES, Film, past
 from agentrob.agent.media.plot import asked_path, seen_from
 from agentrob.agent.media.track import begins_s, lines, samples, seconds
 from agentrob.config.robots import RecordingConfig, RobotConfig
@@ -29,19 +29,16 @@ from agentrob.model import ActionResult, Op, Outcome, Report
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
-#: How long a reply waits for its animation, and how long after that the animation may still be added.
-DRAW_S, LATE_S = 1.5, 30.0
+#: How long a reply waits for its animation; where a reply cannot be edited, how long it waits then; and how long after
+#: a reply the animation may still be added.
+DRAW_S, ONCE_S, LATE_S = 1.5, 8.0, 90.0
 #: Shorter commands get no animation.
 SHORTEST_S = 1.0
-#: The initial interval between pictures. At `MANY` pictures, every second one is dropped and the interval doubles.
-FIRST_EVERY_S, MANY = 0.25, 48
 #: How many films wait for their reports: a model may still work on one report while the next command runs.
 FILMS = 4
 #: The shortest interval between pictures of the robot's own camera.
 LOOK_EVERY_S = 0.5
-#: After this many consecutive failures, a camera is not polled until the next command.
-TRIES = 4
-_MAX_FRAME, _MAX_MOMENTS = 2**20, 600
+_MAX_MOMENTS = 600
 #: The block size of file systems in bytes (the default of ext4, XFS and Btrfs).
 BLOCK = 4096
 _log = structlog.get_logger()
@@ -50,9 +47,12 @@ Look = Callable[[], Awaitable[bytes]]
 
 
 def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
-    """Return how the recorder takes pictures, or None if it takes none or `Camera` delivers them."""
+    """Return how the recorder takes pictures, or None if it takes none while the robot moves or `Camera` delivers
+    them."""
     if settings.recording.view == "robot":
         return driver.look
+    if settings.recording.camera:
+        return None
     if settings.recording.view != "room" or not settings.room_camera:
         return None
 
@@ -61,22 +61,6 @@ def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
             return await snapshot(http, settings.room_camera)
 
     return look
-
-
-@dataclass
-class Film:
-    """The pictures of one command, at even intervals however long it takes: (monotonic seconds, JPEG)."""
-
-    frames: list[tuple[float, bytes]] = field(default_factory=list)
-    every_s: float = FIRST_EVERY_S
-
-    def add(self, jpeg: bytes) -> None:
-        now_s = time.monotonic()
-        if len(jpeg) > _MAX_FRAME or (self.frames and now_s - self.frames[-1][0] < self.every_s):
-            return
-        self.frames.append((now_s, jpeg))
-        if len(self.frames) > MANY:
-            self.frames, self.every_s = self.frames[::2], self.every_s * 2
 
 
 class Recorder:
@@ -92,6 +76,11 @@ class Recorder:
         self._films: dict[str, Film] = {}
         self._running: Film | None = None
         self._drawing: dict[str, asyncio.Task[bytes | None]] = {}
+
+    @property
+    def asks_afterwards(self) -> bool:
+        """Whether the pictures come from a camera that keeps the past, so that none are taken while the robot moves."""
+        return bool(self._settings.camera) and self._settings.view in ("auto", "room")
 
     # ------------------------------------------------------------------ while it moves
     def see(self, jpeg: bytes) -> None:
@@ -126,11 +115,11 @@ class Recorder:
             await asyncio.sleep(max(0.05, LOOK_EVERY_S - (time.monotonic() - begun_s)))
 
     # ------------------------------------------------------------------ afterwards
-    async def animation(self, report: Report, *, hurry: bool = False) -> bytes | None:
-        """Write the recording to disk and return the animation as WebP, or None if it is not ready within `DRAW_S`.
+    async def animation(self, report: Report, *, hurry: bool = False, once: bool = False) -> bytes | None:
+        """Write the recording to disk and return the animation as WebP, or None if it is not ready in time.
 
-        `late` returns it afterwards. With `hurry` nothing is drawn. After a restart the pictures are lost, and the
-        animation shows a map.
+        `late` returns it afterwards, except with `once`: then this waits longer. With `hurry` nothing is drawn. After a
+        restart the pictures that were taken are lost, and the animation shows a map.
         """
         post_id = report.command.key
         film = self._films.pop(post_id, Film())
@@ -140,11 +129,11 @@ class Recorder:
             await asyncio.to_thread(self._keep, report)
             if seconds(report.results) < SHORTEST_S or hurry or self._settings.view == "none":
                 return None
-            if scene := await asyncio.to_thread(_written, report.results, film):
-                self._drawing[post_id] = asyncio.create_task(self._draw(post_id, scene))
+            self._drawing[post_id] = asyncio.create_task(self._draw(post_id, report.results, film))
         except Exception as e:
             _log.warning("recording lost", post=post_id, error=str(e) or type(e).__name__)
-        return await self._ready(post_id, DRAW_S)
+        # Pictures of the past take seconds: the report is not delayed for them where they can be added to it.
+        return await self._ready(post_id, ONCE_S if once else 0.0 if self.asks_afterwards else DRAW_S)
 
     async def late(self, post_id: str) -> bytes | None:
         """Wait for the animation that was not ready for the reply; None if there is none."""
@@ -170,12 +159,22 @@ class Recorder:
                 self._drawing.pop(post_id, None)
         return drawing.result() if drawing.done() and not drawing.cancelled() else None
 
-    async def _draw(self, post_id: str, scene: bytes) -> bytes | None:
+    async def _draw(self, post_id: str, results: Sequence[ActionResult], film: Film) -> bytes | None:
+        begin_s, length_s = begins_s(results), seconds(results)
         try:
-            if webp := await _drawn(scene):
+            if self.asks_afterwards:
+                film = await past(
+                    self._settings.camera,
+                    begin_s,
+                    begin_s + length_s,
+                    animation.frames_of(length_s),
+                    lambda: self._running is not None,
+                )
+            scene = await asyncio.to_thread(_written, results, film, round(1000 * self._settings.max_kb))
+            if scene and (webp := await _drawn(scene)):
                 await asyncio.to_thread(_write, self.file(post_id, "webp"), webp)
             return webp
-        except (OSError, ValueError) as e:
+        except Exception as e:
             _log.warning("animation lost", post=post_id, error=str(e) or type(e).__name__)
             return None
 
@@ -240,7 +239,9 @@ def _write(path: Path, data: bytes) -> None:
     part.replace(path)
 
 
-def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene, list[bytes]]:
+def _scene(
+    results: Sequence[ActionResult], film: Film, most_bytes: int = animation.MAX_BYTES
+) -> tuple[animation.Scene, list[bytes]]:
     """Return the scene for the drawing process."""
     zero_s, moments = begins_s(results), list(samples(results))
     thin = moments[:: 1 + len(moments) // _MAX_MOMENTS]
@@ -258,13 +259,15 @@ def _scene(results: Sequence[ActionResult], film: Film) -> tuple[animation.Scene
         asked=[(-p.y_m, p.x_m) for p in asked_path(results)] if moments else [],
         steps=[_asked_of(r) for r in results],
         frames=[(t_s, len(jpeg)) for t_s, jpeg in frames],
+        follows=film.follows,
+        most_bytes=most_bytes,
     )  # fmt: skip
     return scene, [jpeg for _, jpeg in frames]
 
 
-def _written(results: Sequence[ActionResult], film: Film) -> bytes:
+def _written(results: Sequence[ActionResult], film: Film, most_bytes: int) -> bytes:
     """Return the serialised scene for the drawing process, or nothing if there is nothing to show."""
-    scene, pictures = _scene(results, film)
+    scene, pictures = _scene(results, film, most_bytes)
     return animation.write_scene(scene, pictures) if pictures or len(scene.moments) > 1 else b""
 
 
@@ -288,5 +291,4 @@ async def _drawn(scene: bytes) -> bytes | None:
             with contextlib.suppress(ProcessLookupError):
                 process.kill()
             await asyncio.shield(process.wait())
-    whole = process.returncode == 0 and webp[:4] == b"RIFF" and len(webp) <= animation.MAX_BYTES
-    return webp if whole else None
+    return webp if process.returncode == 0 and webp[:4] == b"RIFF" else None

@@ -63,11 +63,13 @@ async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
 
 async def publish(
     forum: object, post_id: str, reply_id: str | None, facts: Mapping[str, Any] | None, pictures: Sequence[Picture]
-) -> None:
-    """Publish the record if the forum keeps records. Never raises a `ForumError`."""
+) -> bool:
+    """Publish the record if the forum keeps records; return whether it is there. Never raises a `ForumError`."""
     if facts is None or not isinstance(forum, CommandPages):
-        return
+        return False
     try:
         await retry_until_answered(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)
     except ForumError as e:
         _log.info("record not published", post=post_id, error=str(e))
+        return False
+    return True

@@ -12,6 +12,7 @@ from typing import Any
 import httpx2
 import structlog
 
+from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.poses import has_moved
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.reporting.activity import AgentActivity
@@ -51,7 +52,7 @@ class Presence:
         owner: OwnerActions | None = None,
         activity: AgentActivity | None = None,
         room: RoomMap | None = None,
-        geometry: Callable[[], str] = lambda: "",
+        geometry: Geometry | None = None,
         sees: Collection[str] = (),
     ) -> None:
         self._pages = pages
@@ -124,7 +125,10 @@ class Presence:
             return {}
         stands = self._stands
         pose = [round(v, 2) for v in (stands.x_m, stands.y_m, stands.yaw_rad)] if stands else None
-        return {"map": {**self._room.as_data(), "pose": pose, "geometry": self._geometry()}}
+        shape = self._geometry
+        known = {"geometry": shape.name, "no_geometry": shape.missing} if shape else {}
+        scene = {"scene": self._settings.scene} if self._settings.map.things else {}
+        return {"map": {**self._room.as_data(), **scene, "pose": pose, **known}}
 
     def _card(self, capabilities: Capabilities | None, state: RobotState | None) -> dict[str, Any]:
         battery = state.battery_percent if state else None
@@ -144,6 +148,8 @@ class Presence:
             "camera": bool(self._settings.room_camera),
             "sees": self._sees,
             "owner": self._settings.owner,
+            "consents": ["flip"] if self._settings.allow_flip else [],
+            "approval": [str(kind) for kind in self._settings.approval.classes],
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,

@@ -30,6 +30,7 @@ from agentrob.model import (
     RobotState,
     StopResult,
 )
+from agentrob.robots.safety.ranges import obstacle_in
 
 SENTENCE_CHARS = 600
 #: Estimated waiting times are rounded to this many seconds.
@@ -252,6 +253,9 @@ def _reason(result: ActionResult, language: Language) -> str:
     """Return the catalogue's sentence for the reason, if any, or the driver's English message if that says more."""
     reason = result.reason
     own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""
+    if reason == "obstacle" and (near := obstacle_in(result.message)) is not None:
+        side = say(f"direction.{near[0]}", language)
+        own = say("agent.reason.obstacle.near", language, side=side, distance=near[1], needed=near[2])
     if not own and not result.message and reason:
         own = say("agent.reason.other", language, reason=reason)
     detail = disarmed(result.message) if result.message and (language == "en" or not own) else ""

@@ -47,6 +47,10 @@ class Shown:
     card: StatusCard
 
 
+async def nothing() -> None:
+    """Do nothing."""
+
+
 class StatusPost:
     """The status post of one command. Its first post is the claim (law 6), under the key `claim:<post>`."""
 
@@ -67,6 +71,11 @@ class StatusPost:
     def post_id(self) -> str | None:
         """Return the id of the status post, once it is written."""
         return self._post_id
+
+    @property
+    def limited(self) -> bool:
+        """Return whether the forum limits edits, so that nothing is added to the report."""
+        return self._limited
 
     @property
     def posts(self) -> frozenset[str]:
@@ -150,11 +159,18 @@ class StatusPost:
             return False
 
     async def close(
-        self, final: Shown, images: Sequence[bytes] = (), short: str = "", *, measured: bool = False
+        self,
+        final: Shown,
+        images: Sequence[bytes] = (),
+        short: str = "",
+        *,
+        measured: bool = False,
+        before: Callable[[], Awaitable[None]] = nothing,
     ) -> bool:
         """Write the end once, trying until the forum answers. Return whether the end on the forum is this agent's.
 
-        An end that another agent wrote is kept, unless it was a guess and this one was `measured`.
+        An end that another agent wrote is kept, unless it was a guess and this one was `measured`. `before` is called
+        just before the status post becomes the report.
 
         Raises `ForumDenied` if neither an edit nor a reply is allowed, which may be temporary (see `until_allowed`). If
         edits are limited, the report is a separate reply, and the status post shows `short`.
@@ -166,24 +182,30 @@ class StatusPost:
             self._sending.cancel()
         if self._post_id is not None and not self._limited:
             with contextlib.suppress(ForumError):  # removed, or no longer editable
-                return await _illustrated(lambda pictures: self._post_final(final, pictures, measured), images)
+                return await _illustrated(lambda pictures: self._post_final(final, pictures, measured, before), images)
         return await self._post_final_reply(final, images, short, measured)
 
-    async def add(self, final: Shown, images: Sequence[bytes]) -> None:
-        """Edit the final post once to add a late picture, if the forum does not limit edits."""
+    async def add(self, final: Shown, images: Sequence[bytes]) -> bool:
+        """Edit the final post once to add a late picture, if the forum does not limit edits. Return whether it is
+        there."""
         if self._post_id is None or self._limited:
-            return
+            return False
         try:
             await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
         except ForumError as e:
             _log.info("what came late is not shown", post=self._command.post_id, error=str(e))
+            return False
+        return True
 
-    async def _post_final(self, final: Shown, images: Sequence[bytes], measured: bool) -> bool:
+    async def _post_final(
+        self, final: Shown, images: Sequence[bytes], measured: bool, before: Callable[[], Awaitable[None]]
+    ) -> bool:
         assert self._post_id is not None
         now = await self._forum.post(self._post_id)
         # The end may be written already (lost answer, crash); writing it again would add the pictures twice.
         if (card := now.card) is not None and is_final(card) and not (measured and _guessed(card)):
             return card.trace_id == final.card.trace_id
+        await before()
         await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
         return True
 

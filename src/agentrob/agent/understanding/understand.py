@@ -140,7 +140,8 @@ class Assessor:
         addressee = Addressee(tuple(self.names), self._others(command), capabilities, self.settings.step_length_m)
         history = () if alone else await self.journal.history(command.topic_id)
         assessment = await self._goal(command, addressee, history)
-        if assessment is None and may(command.author, "command").decision is not Decision.ALLOW:
+        allowed = may(command.author, "command", simulated=capabilities.simulated).decision is Decision.ALLOW
+        if assessment is None and not allowed:
             assessment = await by_rules(command.text, addressee, history)  # whose words move nothing cost nothing
         if assessment is None and self.over_limit(command):  # nor do those whose command is refused, whoever reads it
             assessment = await by_rules(command.text, addressee, history, RATE)

@@ -75,12 +75,15 @@ def change_account(
     *,
     role: Role | None = None,
     suspended: bool | None = None,
+    commands_simulated: bool | None = None,
     password: str | None = None,
 ) -> None:
     """Change the given fields."""
     password_hash = accounts.hash_password(password) if password is not None else None
     with writing(settings) as connection:
-        management.change_account(connection, SHELL, account.name, role=role, suspended=suspended)
+        management.change_account(
+            connection, SHELL, account.name, role=role, suspended=suspended, commands_simulated=commands_simulated
+        )
         if password_hash is not None:
             accounts.set_password(connection, int(account.id), password_hash)
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, and_, func, insert, select, update
+from sqlalchemy import Connection, Row, and_, func, insert, select, update
 
 from agentrob.board.auth import accounts, rights
 from agentrob.board.auth.lookalike import check_display_name, check_name
@@ -47,8 +47,14 @@ class Invite(NamedTuple):
 
     id: str
     role: Role
+    commands_simulated: bool
     left: int
     expires_at: datetime
+
+    @property
+    def label(self) -> str:
+        """What it makes of people, in words."""
+        return f"{self.role}, operator of simulated robots" if self.commands_simulated else str(self.role)
 
 
 # -------------------------------------------------------------------- accounts
@@ -74,6 +80,7 @@ def add_account(
     role: Role = Role.MEMBER,
     display_name: str = "",
     password_hash: str | None = None,
+    commands_simulated: bool = False,
 ) -> Account:
     """Create an account. Names that look like a robot's are refused."""
     name = accounts.checked_name(name)
@@ -81,9 +88,11 @@ def add_account(
     check_name(name, robots)
     check_display_name(accounts.checked_display_name(display_name), name, robots)
     made = accounts.create(
-        connection, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name
-    )
-    audit.note(connection, actor, "account.add", f"account:{name}", kind=str(kind), role=str(role))
+        connection, name, kind=kind, role=role, password_hash=password_hash, display_name=display_name,
+        commands_simulated=commands_simulated,
+    )  # fmt: skip
+    more = {"commands_simulated": True} if commands_simulated else {}
+    audit.note(connection, actor, "account.add", f"account:{name}", kind=str(kind), role=str(role), **more)
     return made
 
 
@@ -95,6 +104,7 @@ def change_account(
     role: Role | None = None,
     suspended: bool | None = None,
     display_name: str | None = None,
+    commands_simulated: bool | None = None,
 ) -> Account:
     """Change the given fields. The last admin keeps the role, since only the command line could restore it."""
     account = account_named(connection, name)
@@ -103,6 +113,8 @@ def change_account(
         values["role"] = str(role)
     if suspended is not None and suspended != account.suspended:
         values["suspended"] = suspended
+    if commands_simulated is not None and commands_simulated != account.commands_simulated:
+        values["commands_simulated"] = commands_simulated
     if display_name is not None and display_name != account.display_name:
         robots = [r.name for r in Reader(connection).robots()]
         values["display_name"] = accounts.checked_display_name(display_name)
@@ -185,7 +197,16 @@ def revoke_token(connection: Connection, actor: str, token_id: str) -> None:
 
 
 # -------------------------------------------------------------------- invites
-def invite(connection: Connection, actor: str, role: Role, uses: int, days: int, by: Account | None = None) -> str:
+def invite(
+    connection: Connection,
+    actor: str,
+    role: Role,
+    uses: int,
+    days: int,
+    by: Account | None = None,
+    *,
+    commands_simulated: bool = False,
+) -> str:
     """Create an invite, a link with which people create their own accounts; return its path. Never for admins."""
     if role is Role.ADMIN or not 1 <= uses <= MAX_INVITE_USES or not 1 <= days <= MAX_INVITE_DAYS:
         hint = f"any role but admin, 1 to {MAX_INVITE_USES} uses, 1 to {MAX_INVITE_DAYS} days"
@@ -193,8 +214,12 @@ def invite(connection: Connection, actor: str, role: Role, uses: int, days: int,
     secret, now = accounts.new_secret(), now_us()
     digest = accounts.hash_of(secret)
     row = {"hash": digest, "by_id": int(by.id) if by else None, "role": str(role), "left": uses}
+    row["commands_simulated"] = commands_simulated
     connection.execute(insert(db.invites).values(**row, created_us=now, expires_us=now + days * _DAY_US))
-    audit.note(connection, actor, "invite.add", f"invite:{digest[:16]}", role=str(role), uses=uses, days=days)
+    noted = {"role": str(role), "uses": uses, "days": days} | (
+        {"commands_simulated": True} if commands_simulated else {}
+    )
+    audit.note(connection, actor, "invite.add", f"invite:{digest[:16]}", **noted)
     return f"/invite/{secret}"
 
 
@@ -202,7 +227,11 @@ def invites(reader: Reader) -> Sequence[Invite]:
     """Invites that can still be used."""
     i = db.invites.c
     rows = reader.rows(select(db.invites).where(i.left > 0, i.expires_us > now_us()).order_by(i.expires_us))
-    return [Invite(r.hash[:16], Role(r.role), r.left, from_us(r.expires_us)) for r in rows]
+    return [_invite(r) for r in rows]
+
+
+def _invite(r: Row[Any]) -> Invite:
+    return Invite(r.hash[:16], Role(r.role), r.commands_simulated, r.left, from_us(r.expires_us))
 
 
 def revoke_invite(connection: Connection, actor: str, invite_id: str) -> None:
@@ -213,13 +242,13 @@ def revoke_invite(connection: Connection, actor: str, invite_id: str) -> None:
     audit.note(connection, actor, "invite.revoke", f"invite:{invite_id}")
 
 
-def spend_invite(connection: Connection, secret: str) -> Role:
-    """Use an invite once and return the role that it gives. 404 when it is unknown, used up or expired."""
+def spend_invite(connection: Connection, secret: str) -> Invite:
+    """Use an invite once and return it. 404 when it is unknown, used up or expired."""
     i, digest = db.invites.c, accounts.hash_of(secret)
     mine = and_(i.hash == digest, i.left > 0, i.expires_us > now_us())
     if connection.execute(update(db.invites).where(mine).values(left=i.left - 1)).rowcount != 1:
         raise BoardError(404, "no_such_invite", "this invite was used up or has expired", "ask for a new one")
-    return Role(connection.execute(select(i.role).where(i.hash == digest)).scalar_one())
+    return _invite(connection.execute(select(db.invites).where(i.hash == digest)).one())
 
 
 # -------------------------------------------------------------------- boards

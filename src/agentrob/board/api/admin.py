@@ -70,7 +70,7 @@ async def create_account(services: AppServices, new: AccountIn, by: Administrato
 
 @router.patch("/accounts/{name}", response_model=AccountOut)
 async def update_account(services: AppServices, name: str, new: AccountChange, by: Administrator) -> Response:
-    """Change role or display name, suspend, or end a suspension."""
+    """Change role, right to command simulated robots or display name, suspend, or end a suspension."""
     changes: dict[str, Any] = new.given()
     changed = await services.store.do(lambda t: management.change_account(t.connection, by.name, name, **changes))
     return json_response(account_out(changed))
@@ -132,7 +132,9 @@ async def list_invites(services: AppServices, by: Administrator) -> Response:
 async def create_invite(services: AppServices, new: InviteIn, by: Administrator) -> Response:
     """Create a link with which people create their own accounts."""
     path = await services.store.do(
-        lambda t: management.invite(t.connection, by.name, Role(new.role), new.uses, new.days, by)
+        lambda t: management.invite(
+            t.connection, by.name, Role(new.role), new.uses, new.days, by, commands_simulated=new.commands_simulated
+        )
     )
     return json_response(LinkOut(url=services.settings.base_url + path), 201)
 

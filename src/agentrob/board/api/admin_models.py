@@ -50,6 +50,7 @@ class AccountChange(_Change):
     role: RoleWord = Role.MEMBER
     suspended: bool = False
     display_name: Annotated[Line, Field(max_length=64)] = ""
+    commands_simulated: bool = Field(False, description="may command simulated robots, whatever its role")
 
 
 class LinkIn(_In):
@@ -85,6 +86,7 @@ class TokenOut(_Out):
 
 class InviteIn(_In):
     role: Literal["guest", "member", "operator", "moderator"] = "member"
+    commands_simulated: bool = Field(False, description="the new accounts may command simulated robots")
     uses: Annotated[int, Field(ge=1, le=management.MAX_INVITE_USES), Whole] = 1
     days: Annotated[int, Field(ge=1, le=management.MAX_INVITE_DAYS), Whole] = 7
 
@@ -92,6 +94,7 @@ class InviteIn(_In):
 class InviteOut(_Out):
     id: str
     role: Role
+    commands_simulated: bool
     left: int
     expires_at: Time
 
@@ -220,7 +223,9 @@ def token_out(t: management.Token) -> TokenOut:
 
 
 def invite_out(i: management.Invite) -> InviteOut:
-    return InviteOut(id=i.id, role=i.role, left=i.left, expires_at=time_out(i.expires_at))
+    return InviteOut(
+        id=i.id, role=i.role, commands_simulated=i.commands_simulated, left=i.left, expires_at=time_out(i.expires_at)
+    )
 
 
 def board_rights(b: records.Board) -> BoardRights:

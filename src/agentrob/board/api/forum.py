@@ -89,7 +89,8 @@ async def list_notifications(
 ) -> Response:
     """Posts that mention the caller, reply to them or are in a topic that they started, newest first."""
     models, account = serializer(services, who.account), account_of(who)
-    page = notifications.latest(services.store.reader, account, cursor, limit)
+    read = services.marks.unwritten(account)
+    page = notifications.latest(services.store.reader, account, cursor, limit, read)
     items = (
         NotificationOut(id=n.post.id, kind=n.reason, read=not n.fresh, post=models.post(n.post)) for n in page.items
     )

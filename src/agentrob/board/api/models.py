@@ -162,6 +162,7 @@ class AccountOut(_Out):
     kind: AccountKind
     role: Role
     suspended: bool
+    commands_simulated: bool
 
 
 class BoardOut(_Out):
@@ -342,8 +343,9 @@ def time_out(at: datetime) -> str:
 
 def account_out(a: Account) -> AccountOut:
     return AccountOut(
-        id=a.id, name=a.name, display_name=a.display_name, kind=a.kind, role=a.role, suspended=a.suspended
-    )
+        id=a.id, name=a.name, display_name=a.display_name, kind=a.kind, role=a.role, suspended=a.suspended,
+        commands_simulated=a.commands_simulated,
+    )  # fmt: skip
 
 
 def board_out(b: records.Board) -> BoardOut:

@@ -59,12 +59,14 @@ def create(
     role: Role = Role.MEMBER,
     password_hash: str | None = None,
     display_name: str = "",
+    commands_simulated: bool = False,
 ) -> Account:
     """Create an account; without a password it signs in by token or link only. 409 if the name is taken, 422 if not
     valid."""
     name = checked_name(name)
     row = {"name": name, "display_name": checked_display_name(display_name), "kind": str(kind), "role": str(role)}
     values = row | {"suspended": False, "password_hash": password_hash, "created_us": now_us()}
+    values["commands_simulated"] = commands_simulated
     try:
         with connection.begin_nested():
             connection.execute(insert(db.accounts).values(**values))
@@ -93,7 +95,8 @@ def checked_display_name(name: str) -> str:
 
 
 def change(connection: Connection, account: Account, **values: Any) -> None:
-    """Set columns: `role`, `suspended`, `password_hash`. A suspended account loses its sessions."""
+    """Set columns: `role`, `suspended`, `commands_simulated`, `password_hash`. A suspended account loses its
+    sessions."""
     connection.execute(update(db.accounts).where(db.accounts.c.id == int(account.id)).values(**values))
     if values.get("suspended"):
         connection.execute(delete(db.sessions).where(db.sessions.c.account_id == int(account.id)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,10 +32,10 @@ _PEOPLE = select(db.accounts.c.id).where(
 
 
 def _unread(boards: bool) -> Select[Any]:
-    """Count what `me` has not seen, on all boards or on `boards`. Built once, because every page shows the number."""
+    """Select what `me` has not seen, on all boards or on `boards`. Built once, because every page shows the number."""
     n, p, t, s = db.notices.c, db.posts.c, db.topics.c, db.notices_seen.c
     seen = select(s.post_id).where(s.account_id == bindparam("me")).scalar_subquery()
-    fresh = select(n.post_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
+    fresh = select(n.post_id, p.topic_id).where(n.account_id == bindparam("me"), n.post_id > func.coalesce(seen, 0))
     fresh = fresh.join(db.posts, and_(p.id == n.post_id, p.removed.is_(False)))
     # Posts that were read in their topic count as seen too.
     r = db.topic_reads.c
@@ -43,9 +43,10 @@ def _unread(boards: bool) -> Select[Any]:
     fresh = fresh.where(p.id > func.coalesce(r.post_id, 0))
     if boards:
         fresh = fresh.join(db.topics, t.id == p.topic_id).where(t.board_id.in_(bindparam("boards", expanding=True)))
-    return select(func.count()).select_from(fresh.limit(MOST).subquery())
+    return fresh.limit(MOST)
 
 
+_NOTHING: Mapping[int, int] = {}
 _UNREAD = {boards: _unread(boards) for boards in (False, True)}
 
 
@@ -101,19 +102,27 @@ def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: i
         t.connection.execute(insert(db.notices), rows)
 
 
-def unread(reader: Reader, account: Account) -> int:
-    """How many an account has not seen, at most `MOST`."""
+def unread(reader: Reader, account: Account, read: Mapping[int, int] = _NOTHING) -> int:
+    """How many an account has not seen, at most `MOST`. `read` are read positions by topic that are not stored yet."""
     values: dict[str, Any] = {"me": int(account.id)}
     if (seen := reader.seen()) is not None:
         values["boards"] = list(seen)
-    return int(reader.rows(_UNREAD[seen is not None], **values)[0][0])
+    rows = reader.rows(_UNREAD[seen is not None], **values)
+    return sum(row.post_id > read.get(row.topic_id, 0) for row in rows)
 
 
-def latest(reader: Reader, account: Account, cursor: str | None = None, limit: int = 30) -> Page[Notification]:
-    """An account's notifications, newest first; those of posts that are gone or not to be seen are left out."""
+def latest(
+    reader: Reader,
+    account: Account,
+    cursor: str | None = None,
+    limit: int = 30,
+    read: Mapping[int, int] = _NOTHING,
+) -> Page[Notification]:
+    """An account's notifications, newest first; those of posts that are gone or not to be seen are left out. `read` as
+    in `unread`."""
     n, r, seen = db.notices.c, db.topic_reads.c, _seen(reader, account)
-    read = func.coalesce(r.post_id, 0).label("read")
-    statement = _visible(reader, _of(account, n.post_id, n.reason, read))
+    stored = func.coalesce(r.post_id, 0).label("read")
+    statement = _visible(reader, _of(account, n.post_id, n.reason, stored))
     mine = and_(r.account_id == int(account.id), r.topic_id == db.posts.c.topic_id)
     statement = statement.outerjoin(db.topic_reads, mine).order_by(n.post_id.desc()).limit(limit + 1)
     if cursor:
@@ -121,11 +130,18 @@ def latest(reader: Reader, account: Account, cursor: str | None = None, limit: i
     rows = reader.rows(statement)
     posts = {int(p.id): p for p in reader.posts_by_id([row.post_id for row in rows[:limit]])}
     items = tuple(
-        Notification(posts[row.post_id], row.reason, row.post_id > max(seen, row.read))
+        Notification(post, row.reason, row.post_id > max(seen, row.read, read.get(int(post.topic_id), 0)))
         for row in rows[:limit]
-        if row.post_id in posts
+        if (post := posts.get(row.post_id))
     )
     return Page(items, to_cursor(rows[limit - 1].post_id) if len(rows) > limit else None)
+
+
+def asked(reader: Reader, account: Account) -> tuple[StoredPost, ...]:
+    """The status posts of commands whose approval an account was asked for, the oldest first."""
+    n = db.notices.c
+    statement = _visible(reader, _of(account, n.post_id)).where(n.reason == "approve").order_by(n.post_id)
+    return tuple(reader.posts_by_id([row.post_id for row in reader.rows(statement.limit(MOST))]))
 
 
 def mark_seen(t: Transaction, account: Account, up_to: int) -> None:

@@ -83,6 +83,11 @@ class ReadPositions:
         if int(post_id) > self._of(reader, key[0], (topic,))[topic.id]:
             self._known[key] = self._pending[key] = int(post_id)
 
+    def unwritten(self, account: Account) -> dict[int, int]:
+        """The read positions of an account that are not in the database yet, by topic."""
+        me = int(account.id)
+        return {topic: post for (who, topic), post in self._pending.items() if who == me}
+
     def news(self, reader: Reader, account: Account | None, topics: Collection[Topic]) -> dict[str, UnreadCount]:
         """The unread counts of an account, by topic; without topics that have none."""
         if account is None or not topics:

@@ -30,6 +30,7 @@ _AUTHOR = (
     db.accounts.c.role.label("a_role"),
     db.accounts.c.suspended.label("a_suspended"),
     db.accounts.c.display_name.label("a_display_name"),
+    db.accounts.c.commands_simulated.label("a_commands_simulated"),
 )
 ACCOUNT: Select[Any] = select(*_AUTHOR)
 _TAGS = select(func.aggregate_strings(db.topic_tags.c.tag, " ")).where(db.topic_tags.c.topic_id == db.topics.c.id)

@@ -18,6 +18,7 @@ def account_from(row: Row[Any]) -> Account:
         role=Role(row.a_role),
         suspended=row.a_suspended,
         display_name=row.a_display_name or row.a_name,
+        commands_simulated=row.a_commands_simulated,
     )
 
 

@@ -56,6 +56,7 @@ accounts = Table(
     Column("kind", String(20), nullable=False),
     Column("role", String(10), nullable=False),
     Column("suspended", Boolean, nullable=False, default=False),
+    Column("commands_simulated", Boolean, nullable=False, default=False, server_default=false()),
     Column("password_hash", String(200)),
     Column("created_us", BigInteger, nullable=False),
     Column(
@@ -97,13 +98,15 @@ links = Table(
     Column("used_us", BigInteger),
 )
 
-#: Links with which people create their own accounts; `role` is the role they get, `left` the remaining uses.
+#: Links with which people create their own accounts; `role` and `commands_simulated` are the rights they get, `left`
+#: the remaining uses.
 invites = Table(
     "invites",
     metadata,
     Column("hash", String(64), primary_key=True),
     _account("by_id", nullable=True),
     Column("role", String(10), nullable=False),
+    Column("commands_simulated", Boolean, nullable=False, default=False, server_default=false()),
     Column("left", Integer, nullable=False),
     Column("created_us", BigInteger, nullable=False),
     Column("expires_us", BigInteger, nullable=False),

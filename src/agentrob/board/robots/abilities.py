@@ -8,7 +8,7 @@ from itertools import islice
 from typing import Any
 
 from agentrob.language.messages.help import examples, eye_examples, play_examples
-from agentrob.language.messages.plan_text import sentence
+from agentrob.language.messages.plan_text import operation_name, sentence
 from agentrob.model import Capabilities, Direction, Limits, Op, Primitive
 
 #: What models are, in words for people who have never seen one.
@@ -22,12 +22,6 @@ ABOUT = {
 MOST_LIMIT = 1e6
 #: How many examples a page shows.
 EXAMPLES = 3
-_OPS = {
-    "get_front_image": "take a photo",
-    "hello": "wave",
-    "heart": "make a heart",
-    "shake": "shake hands",
-}
 _GESTURES = (Op.HEART, Op.CLAP, Op.STRETCH, Op.SHAKE, Op.HELLO, Op.SIT)
 _CHAIN = (Op.MOVE, Op.TURN, Op.HELLO)
 
@@ -52,7 +46,8 @@ def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
 
 
 def op_in_words(op: str) -> str:
-    return _OPS.get(op, op.replace("_", " "))[:40]
+    """An operation of a card; one that is unknown here by its own name."""
+    return operation_name(Op(op), "en") if op in frozenset(Op) else op.replace("_", " ")[:40]
 
 
 def _members(kind: type[Op] | type[Direction], told: object) -> Iterator[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import structlog
@@ -99,6 +100,7 @@ def check_resets(services: Services, robot: str, by: Account) -> str:
     """The robot's name. 403 if the account may not reset its room, 404."""
     name = known_robot(services, robot).name
     kept = rights.settings_of(services.store.reader, name)
+    by = replace(by, role=by.role_towards(services.presence.robot(name).card.get("simulated") is True))
     if by.role.rank < Role.OPERATOR.rank or not rights.reaches(by, kept.command["move"], kept.owner):
         raise BoardError(403, "not_operator", "only operators may reset the room", "ask an admin for the role operator")
     if (until := kept.closed_until(now := datetime.now(UTC))) is not None:

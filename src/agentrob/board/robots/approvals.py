@@ -12,6 +12,7 @@ from typing import Any
 from sqlalchemy import select
 
 from agentrob.board.auth import rights
+from agentrob.board.content import notifications
 from agentrob.board.content.store import Store
 from agentrob.board.db import schema as db
 from agentrob.board.db.records import StoredPost, Written
@@ -22,6 +23,7 @@ from agentrob.language.registry import language_of
 from agentrob.language.visible_text import visible_text
 from agentrob.model import Account, AccountKind, CommandState
 
+_SOMEBODY = Account("", "")
 _WORDS = {"en": ("approve", "deny"), "zh": ("批准", "拒绝")}
 
 
@@ -62,6 +64,19 @@ def in_thread(services: Services, posts: Iterable[StoredPost], viewer: Account |
         for one in waiting(services, post, [status.author], viewer)
     }
     return {post_id: one for post_id, one in found.items() if one.may}
+
+
+def asked_of(services: Services, viewer: Account) -> tuple[PendingApproval, ...]:
+    """The commands that wait for an approval of the viewer, the oldest first: those of which they were notified when
+    the robot began to wait."""
+    found = in_thread(services, notifications.asked(services.store.reader, viewer), viewer)
+    return tuple(found.values())
+
+
+def may_any(services: Services, account: Account) -> bool:
+    """Whether an account may approve commands of any robot, if others ask for them."""
+    reader = services.store.reader
+    return any(rights.approves(rights.settings_of(reader, r.name), account, _SOMEBODY) for r in reader.robots())
 
 
 def of_post(services: Services, post: StoredPost, viewer: Account | None) -> tuple[PendingApproval, ...]:

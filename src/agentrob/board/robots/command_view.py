@@ -9,11 +9,14 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Image, StoredPost, from_text
 from agentrob.board.robots.abilities import op_in_words
 from agentrob.board.robots.commands import CommandRecord, told_pictures
-from agentrob.model import AccountKind, CommandState
+from agentrob.language.messages.plan_text import step_label
+from agentrob.model import AccountKind, CommandState, Op, Primitive
 
 _UNITS = {
     "distance_m": "{:z.2f} m",
@@ -29,6 +32,9 @@ _ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
 _PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
 MOST = 60
+#: A larger amount is shown as it is.
+MOST_AMOUNT = 1e4
+_STEP = TypeAdapter(Primitive)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +168,21 @@ def _asked(step: Mapping[str, Any]) -> StepView:
 
 
 def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
-    return f"{op_in_words(_text(step.get('op'), 40))} {_amounts(amounts)}".strip()
+    """A step as reports and replays show it; one that is no step of this version by its operation and amounts."""
+    try:
+        read = _STEP.validate_python({"op": step.get("op"), **amounts})
+    except (ValidationError, TypeError):
+        read = None
+    if read is None or not _plain(read):
+        return f"{op_in_words(_text(step.get('op'), 40))} {_amounts(amounts)}".strip()
+    return step_label(read, "en")
+
+
+def _plain(step: Primitive) -> bool:
+    """Whether a step has a direction where it needs one, and amounts of a usual size."""
+    amounts = [a for a in (step.distance_m, step.degrees, step.speed_mps) if a is not None]
+    directed = step.direction is not None or step.op not in (Op.MOVE, Op.TURN)
+    return directed and all(0 < amount < MOST_AMOUNT for amount in amounts)
 
 
 def _amounts(amounts: Mapping[str, Any]) -> str:

@@ -20,6 +20,8 @@ _COLOUR = re.compile(r"#[0-9a-fA-F]{6}\Z")
 MOST_THINGS, MOST_POINTS, FAR_M = 60, 3000, 1000.0
 #: Around what is drawn, in metres.
 MARGIN_M = 0.3
+#: A fence that is behind a wall is drawn this far in front of it.
+WALL_M = 0.06
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +111,28 @@ def _room(name: str, robots: tuple[tuple[str, MapView], ...]) -> RoomView:
     left, top = min(xs) - MARGIN_M, min(ys) - MARGIN_M
     wide, high = max(xs) + MARGIN_M - left, max(ys) + MARGIN_M - top
     box = f"{left:.2f} {top:.2f} {wide:.2f} {high:.2f}"
+    if size is not None:
+        robots = tuple((robot, replace(one, fence=line(inside(one.corners, size)))) for robot, one in robots)
     return RoomView(name, box, round(wide, 2), round(high, 2), size, things, robots)
+
+
+def inside(corners: Sequence[tuple[float, float]], size: tuple[float, float]) -> list[tuple[float, float]]:
+    """The part of a fence that is inside the walls, as a polygon: where the fence is behind a wall, it runs along that
+    wall, so that it is closed. Empty if all of it is behind a wall."""
+    found = list(corners)
+    for axis, bound in ((0, size[0] / 2 - WALL_M), (1, size[1] / 2 - WALL_M)):
+        for side in (1, -1):
+            kept, found = found, []
+            for n, point in enumerate(kept):
+                before = kept[n - 1]
+                here, there = bound - side * point[axis], bound - side * before[axis]
+                if (here >= 0) != (there >= 0):
+                    part = there / (there - here)
+                    crossing = [before[k] + part * (point[k] - before[k]) for k in (0, 1)]
+                    found.append((crossing[0], crossing[1]))
+                if here >= 0:
+                    found.append(point)
+    return found
 
 
 def line(points: Iterable[Sequence[float]]) -> str:

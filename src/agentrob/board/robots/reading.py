@@ -93,13 +93,14 @@ def _readable(services: Services, robot: RobotView, board_id: str, topic_id: str
         approve=kept.approve,
         release=kept.release,
         board=str(board.command_role),
-        approval=tuple(map(str, kept.approval)),
+        approval=tuple(dict.fromkeys((*map(str, kept.approval), *robot.approval))),
         approve_own=kept.approve_own,
         closed_s=(closed - now).total_seconds() if closed else None,
     )
     account = reader.account(robot.name)
     history = commands.done_plans(reader, topic_id, account) if topic_id and account else ()
-    return ReadableRobot(robot.name, robot.can, allowed, history, robot.sees)
+    flips = robot.flips is not False
+    return ReadableRobot(robot.name, robot.can, allowed, history, robot.sees, flips, robot.scene)
 
 
 def _nobody(services: Services, board_id: str) -> str:

@@ -16,7 +16,7 @@ from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
-from agentrob.model import Account, AccountKind, Capabilities
+from agentrob.model import Account, AccountKind, ActionClass, Capabilities
 
 _KNOWN = {
     "model",
@@ -34,6 +34,8 @@ _KNOWN = {
     "queue",
     "line",
     "owner",
+    "consents",
+    "approval",
     "homed",
     "lock",
     "told",
@@ -50,6 +52,8 @@ _KNOWN = {
 _MOVING = frozenset({"walking", "gesture"})
 #: How long the result of an owner's button is shown.
 TOLD_FOR = timedelta(minutes=5)
+#: The maximum length of a scene.
+SCENE_CHARS = 2000
 _LIMITS = {
     "speed_mps": ("Speed", "m/s"),
     "turn_dps": ("Turning", "°/s"),
@@ -90,6 +94,9 @@ class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
     `camera`: there may be live pictures, unless its card says that there are none.
 
+    `flips` is whether its owner consents to flips, None while that is not known; `approval` are the classes of action
+    that need an approval by its owner's configuration; `scene` describes its surroundings, where its owner shows them.
+
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
     words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
     not known; `told` is what came of the last release or home. `can` is what it can do, None while that is not known;
@@ -117,6 +124,9 @@ class RobotView:
     can: Capabilities | None = None
     sees: tuple[str, ...] = ()
     map: MapView | None = None
+    flips: bool | None = None
+    approval: tuple[str, ...] = ()
+    scene: str = ""
 
     @property
     def moves(self) -> bool:
@@ -152,7 +162,21 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         can=capabilities_of(card),
         sees=_sees(card.get("sees")),
         map=live.map_view(card.get("map")),
+        flips="flip" in consents if isinstance(consents := card.get("consents"), (list, tuple)) else None,
+        approval=_classes(card.get("approval")),
+        scene=_scene(card.get("map")),
     )
+
+
+def _classes(classes: object) -> tuple[str, ...]:
+    """The classes of action in a list of a card."""
+    told = classes[:20] if isinstance(classes, (list, tuple)) else ()
+    return tuple(kind for kind in ActionClass if kind in told)
+
+
+def _scene(room: object) -> str:
+    scene = room.get("scene") if isinstance(room, Mapping) else ""
+    return scene[:SCENE_CHARS] if isinstance(scene, str) else ""
 
 
 def _lock(lock: object) -> LockView | None:
@@ -198,7 +222,7 @@ def owners(services: Services, posts: Iterable[StoredPost]) -> dict[str, str]:
 def _look(services: Services, account: Account) -> RobotView:
     now = services.presence.robot(account.name)
     view = robot_view(account.name, now.card, now.seen_at)
-    return view if live.shows(now.card, visibility.readable_boards()) else replace(view, map=None)
+    return view if live.shows(now.card, visibility.readable_boards()) else replace(view, map=None, scene="")
 
 
 def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:

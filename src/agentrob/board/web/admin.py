@@ -40,6 +40,7 @@ class AccountForm(PageForm):
     role: Line = ""
     display_name: Line = ""
     suspended: Checkbox = False
+    commands_simulated: Checkbox = False
     label: Line = ""
     write: Checkbox = False
     admin: Checkbox = False
@@ -99,6 +100,7 @@ class InviteForm(PageForm):
 
     revoke: Line = ""
     role: Line = ""
+    commands_simulated: Checkbox = False
     uses: Line = ""
     days: Line = ""
 
@@ -171,6 +173,7 @@ async def _change_account(
         case "change":
             role = forms.one_of(Role, form.role)
             changes: dict[str, Any] = {"role": role, "display_name": form.display_name, "suspended": form.suspended}
+            changes["commands_simulated"] = form.commands_simulated
             await do(lambda t: management.change_account(t.connection, by.name, name, **changes))
         case "enter" | "password":
             path = await do(lambda t: management.link(t.connection, by.name, name, action))
@@ -296,10 +299,10 @@ def _robot(
 
 # -------------------------------------------------------------------- invites and the log
 @router.get("/admin/invites")
-async def invites(request: Request, viewer: ReadingViewer, role: str = "member") -> Response:
-    """`role` is the one that the form begins with."""
+async def invites(request: Request, viewer: ReadingViewer, simulated: bool = False) -> Response:
+    """`simulated`: the form begins with an invite to command simulated robots."""
     forms.admin_of(viewer)
-    return _invites(request, viewer, role=role)
+    return _invites(request, viewer, InviteForm(commands_simulated=simulated))
 
 
 @router.post("/admin/invites")
@@ -312,14 +315,18 @@ async def invite(
             await do(lambda t: management.revoke_invite(t.connection, by.name, form.revoke))
             return redirect("/admin/invites")
         role, uses, days = forms.one_of(Role, form.role), forms.number(form.uses), forms.number(form.days)
-        path = await do(lambda t: management.invite(t.connection, by.name, role, uses, days, by))
+        simulated = form.commands_simulated
+        path = await do(
+            lambda t: management.invite(t.connection, by.name, role, uses, days, by, commands_simulated=simulated)
+        )
     except BoardError as e:
-        return _invites(request, viewer, e)
-    return forms.secret_page(request, viewer, "/admin/invites", f"An invite for {uses}, as {role}", path)
+        return _invites(request, viewer, form, e)
+    what = f"An invite for {uses}, as {role}{', who may command simulated robots' if simulated else ''}"
+    return forms.secret_page(request, viewer, "/admin/invites", what, path)
 
 
-def _invites(request: Request, viewer: Viewer, error: BoardError | None = None, role: str = "member") -> Response:
-    data = {"invites": management.invites(get_services(request).store.reader), "role": role}
+def _invites(request: Request, viewer: Viewer, draft: InviteForm, error: BoardError | None = None) -> Response:
+    data = {"invites": management.invites(get_services(request).store.reader), "draft": draft}
     return forms.admin_page(request, viewer, "admin_invites.html", "invites", data, error)
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Form, Request
 from starlette.responses import HTMLResponse, Response
 
+from agentrob.board import access
 from agentrob.board.access import AnyViewer, ReadingViewer
 from agentrob.board.robots import approvals, commands, live, replays
 from agentrob.board.robots import view as robot_view
@@ -48,6 +49,16 @@ def _replays(services: Services, post_id: str, robots: Sequence[str]) -> dict[st
     found = {robot: replays.replay_of(services.store.reader, post_id, robot) for robot in robots}
     maps = [(robot, replays.final_map(replay)) for robot, replay in found.items() if replay is not None]
     return {robot: live.rooms([(robot, one)])[0] for robot, one in maps if one is not None}
+
+
+@router.get("/approvals")
+async def asked(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
+    """The commands that wait for the viewer's approval. `part` is `list`, or `count` for the menu."""
+    account = access.account_of(viewer)
+    template = {"list": "approvals_list.html", "count": "approvals_count.html"}.get(part, "approvals.html")
+    data: dict[str, Any] = {"waiting": approvals.asked_of(services, account), "key": forms.nonce()}
+    data["approver"] = approvals.may_any(services, account)
+    return render_page(request, viewer, template, data, here="approvals")
 
 
 class DecisionForm(KeyedForm):

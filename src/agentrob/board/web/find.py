@@ -79,7 +79,7 @@ async def notifications_page(
     request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None
 ) -> Response:
     account = access.account_of(viewer)
-    page = notifications.latest(services.store.reader, account, after)
+    page = notifications.latest(services.store.reader, account, after, read=services.marks.unwritten(account))
     found = [(services.store.reader.topic(n.post.topic_id), n) for n in page.items]
     data: dict[str, Any] = {
         "found": found,

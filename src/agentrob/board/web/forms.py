@@ -44,8 +44,8 @@ E = TypeVar("E", bound=StrEnum)
 Text = Annotated[str, AfterValidator(lambda text: text.replace("\r\n", "\n"))]
 #: Without white space around it.
 Line = Annotated[str, AfterValidator(str.strip)]
-#: Browsers do not send a box that is not checked.
-Checkbox = Annotated[bool, BeforeValidator(lambda _: True)]
+#: Browsers do not send a box that is not checked, and any value for one that is.
+Checkbox = Annotated[bool, BeforeValidator(lambda sent: sent is not False)]
 
 #: The names at the beginning of a command.
 _CALLING = re.compile(r"\A(?:[@＠][\w-]+[\s,;:，：、]*(?:(?:and\b|&|和|与)\s*)?)+")

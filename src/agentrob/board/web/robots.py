@@ -175,7 +175,7 @@ async def person(request: Request, services: AppServices, viewer: ReadingViewer,
         return redirect(f"/robots/{found.name}")
     mine = viewer.account is not None and viewer.account.id == found.id
     latest = _latest(store, found)
-    data = {"account": found, "mine": mine, "latest": latest}
+    data = {"account": found, "mine": mine, "latest": latest, "has_password": access.has_password(services, found)}
     return render_page(request, viewer, "account.html", data, here="me" if mine else "")
 
 

@@ -137,18 +137,19 @@ async def reset_password(
 
 
 @router.get("/password")
-async def change_password_form(request: Request, viewer: ReadingViewer) -> Response:
-    access.account_of(viewer)
-    return _page(request, viewer, "password.html", {"action": "/password", "old": True}, here="me")
+async def change_password_form(request: Request, services: AppServices, viewer: ReadingViewer) -> Response:
+    old = access.has_password(services, access.account_of(viewer))
+    return _page(request, viewer, "password.html", {"action": "/password", "old": old}, here="me")
 
 
 @router.post("/password")
 async def change_password(request: Request, services: AppServices, viewer: AnyViewer, form: SentPassword) -> Response:
     by = form.sender(viewer)
+    old = access.has_password(services, by)
     try:
         session = await access.change_password(services, by, form.old, form.password, forms.address(request))
     except BoardError as e:
-        return _page(request, viewer, "password.html", {"action": "/password", "old": True}, e, here="me")
+        return _page(request, viewer, "password.html", {"action": "/password", "old": old}, e, here="me")
     return _signed_in(services, session)
 
 

@@ -25,13 +25,12 @@ from agentrob.board import access
 from agentrob.board.access import Viewer
 from agentrob.board.content import notifications
 from agentrob.board.content.excerpts import excerpt, report_parts
-from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import from_text
-from agentrob.board.robots import live
+from agentrob.board.robots import approvals, live
 from agentrob.board.robots.front import best_picture
 from agentrob.board.robots.live import RoomView
 from agentrob.board.robots.view import RobotView
-from agentrob.board.services import get_services
+from agentrob.board.services import Services, get_services
 from agentrob.errors import BoardError, HttpError
 from agentrob.model import AccountKind, CommandState, Role, StatusCard
 from agentrob.model.lifecycle import ACTIVE_STATES, CARD_STATES
@@ -160,7 +159,8 @@ def render_page(
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
     frame["reads"] = services.reading is not None  # commands while they are written
-    frame["unread"] = _unread(services.store.reader, viewer)
+    frame["unread"] = _unread(services, viewer)
+    frame["asked"] = _asked(services, viewer)
     html = _TEMPLATES.get_template(template).render(
         {"viewer": viewer, "here": here, "title": settings.title, "problem": "", "feed": ""} | frame | dict(data)
     )
@@ -170,12 +170,27 @@ def render_page(
     return response
 
 
-def _unread(reader: Reader, viewer: Viewer) -> int:
+def _unread(services: Services, viewer: Viewer) -> int:
     """The number of unread notifications, counted once between two commits."""
-    account = viewer.account
+    account, reader = viewer.account, services.store.reader
     if account is None or account.suspended:
         return 0
-    return reader.kept(("unread", account.id, reader.seen()), lambda: notifications.unread(reader, account))
+    read = services.marks.unwritten(account)
+    key = ("unread", account.id, reader.seen(), tuple(read.items()))
+    return reader.kept(key, lambda: notifications.unread(reader, account, read))
+
+
+def _asked(services: Services, viewer: Viewer) -> int | None:
+    """The number of commands that wait for the viewer's approval, counted once between two commits; None for a viewer
+    who may approve nothing."""
+    account, reader = viewer.account, services.store.reader
+    if account is None or account.suspended:
+        return None
+
+    def count() -> int | None:
+        return len(approvals.asked_of(services, account)) if approvals.may_any(services, account) else None
+
+    return reader.kept(("asked", account.id, reader.seen()), count)
 
 
 def render_feed(data: Mapping[str, Any]) -> str:

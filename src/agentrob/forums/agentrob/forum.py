@@ -349,7 +349,8 @@ def _account(a: _JSON) -> Account:
     """Parse an account. An unknown kind or role becomes the one with the fewest rights."""
     kind = AccountKind(a["kind"]) if a["kind"] in frozenset(AccountKind) else AccountKind.MONITORING_AGENT
     role = Role(a["role"]) if a["role"] in frozenset(Role) else Role.GUEST
-    return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), a.get("display_name") or "")
+    shown, simulated = a.get("display_name") or "", a.get("commands_simulated") is True
+    return Account(str(a["id"]), a["name"], kind, role, bool(a.get("suspended")), shown, simulated)
 
 
 def _rights(r: _JSON) -> RobotRights:

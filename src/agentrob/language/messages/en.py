@@ -64,7 +64,7 @@ PHRASES = {
     "read.limit.command_time": "Too long: {limit} s a command at most.",
     "read.limit.command_steps": "Too much: {limit} steps a command at most.",
     "read.limit.speed": "Too fast: {limit} m/s at most.",
-    "read.approval": "I would {steps}, after an approval.",
+    "read.approval": "This would wait for an approval. Then I would {steps}.",
     "read.stop": "I would stop.",
     "read.answer": "I would answer, without moving.",
     "read.no_command": "I read no command in this.",
@@ -162,18 +162,22 @@ PHRASES = {
     "talk.cancel": "Cancelled: {count} of your commands that had not begun.",
     "talk.cancel_nothing": "There is nothing of yours waiting to be cancelled. To stop me, say `stop`.",
     # ---------------------------------------------------------------- rights
-    "refuse.suspended": "This account is suspended: it can neither command nor stop a robot.",
+    "refuse.suspended": "This account is suspended: it can neither command nor stop a robot. An admin can lift that.",
     "refuse.robot": "Robots do not take commands from robots.",
     "refuse.monitor": "Monitoring accounts may watch, but not command or stop a robot.",
     "refuse.operator": (
         "Commanding a robot needs the operator role; this account may look and stop. An admin of the forum can give it."
+    ),
+    "refuse.simulated": (
+        "This account may command simulated robots only, and I am not simulated. An admin of the forum can let it "
+        "command others."
     ),
     "refuse.owner": "Only the robot's owner and admins may release it and set its home.",
     "refuse.approver": "This account may not approve what others ask of this robot. {who} can change that.",
     "refuse.closed": "This robot is in maintenance for another {left}: it does nothing, but it can be stopped.",
     "refuse.board": "This account may not command robots on this board. An admin of the forum can change that.",
     "refuse.class": "This account may not make this robot do this: {kind}. {who} can allow it.",
-    "refuse.approve_own": "Nobody may approve their own command.",
+    "refuse.approve_own": "Nobody may approve their own command; somebody else who may approve has to.",
     "refuse.approval": "This needs an approval, and nobody may give one: {kind}. {who} can change that.",
     "refuse.who.named": "Its owner (`{owner}`) or an admin",
     "refuse.who.any": "Its owner or an admin",
@@ -195,7 +199,7 @@ PHRASES = {
     "refuse.command_time": "This would take about {asked} s, beyond the limit of {limit} s a command.",
     "refuse.command_steps": "{asked} steps are beyond the limit of {limit} steps a command.",
     "refuse.speed": "{asked} m/s is beyond the limit of {limit} m/s.",
-    "refuse.flip": "A backflip needs the consent of the robot's owner.",
+    "refuse.flip": "A backflip needs the consent of the robot's owner (`allow_flip` in its configuration).",
     "refuse.malformed": "This is not a step I can take: {steps}.",
     "refuse.empty": "There is nothing to do in this command.",
     # ---------------------------------------------------------------- harm
@@ -368,6 +372,7 @@ PHRASES = {
     "agent.unknown.odometry_jump": "unknown: odometry jumped",
     # -------------------------------- why a step ended
     "agent.reason.obstacle": "Something was in the way.",
+    "agent.reason.obstacle.near": "Something is {distance} m away ({side}); this step needs {needed} m there.",
     "agent.reason.fence": "It would have left the allowed area.",
     "agent.reason.deadline": "It took too long.",
     "agent.reason.stale_state": "The robot's state was too old to trust.",

@@ -31,9 +31,14 @@ def outline(steps: Sequence[Primitive], language: Language) -> str:
 @lru_cache(maxsize=64)
 def operation_names(ops: frozenset[Op], language: Language) -> str:
     """Return the names of what a robot with these operations can do: "walk, turn, wave"."""
-    verbs = [say(f"verb.{op}", language) for op in (Op.MOVE, Op.TURN) if op in ops]
-    others = [step_sentence(Primitive(op), language) for op in Op if op in ops and op not in (Op.MOVE, Op.TURN)]
-    return say("list.joint", language).join([*verbs, *others])
+    first = (Op.MOVE, Op.TURN)
+    named = [op for op in (*first, *(op for op in Op if op not in first)) if op in ops]
+    return say("list.joint", language).join(operation_name(op, language) for op in named)
+
+
+def operation_name(op: Op, language: Language) -> str:
+    """Return an operation as a verb without amounts: "walk", "take a photo"."""
+    return say(f"verb.{op}", language) if op in (Op.MOVE, Op.TURN) else step_sentence(Primitive(op), language)
 
 
 def step_sentence(step: Primitive, language: Language) -> str:

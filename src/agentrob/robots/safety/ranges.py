@@ -7,6 +7,7 @@ verified; here they are taken as from the middle, which keeps the greater distan
 from __future__ import annotations
 
 import math
+import re
 
 from agentrob.model import Direction, Op, Primitive, RobotState
 from agentrob.robots.protocol import BODY_RADIUS_M
@@ -28,6 +29,14 @@ STOPPING_S = 0.35
 
 SIDES = {Direction.FORWARD: 0, Direction.LEFT: 1, Direction.BACKWARD: 2, Direction.RIGHT: 3}
 NAMES = ("ahead", "to the left", "behind", "to the right")
+_OBSTACLE = "Something is {distance} m {side}; this step needs {needed} m there."
+_AMOUNT = r"(\d+\.\d+)"
+_OBSTACLE_READ = re.compile(
+    re.escape(_OBSTACLE)
+    .replace(r"\{distance\}", _AMOUNT)
+    .replace(r"\{needed\}", _AMOUNT)
+    .replace(r"\{side\}", f"({'|'.join(NAMES)})")
+)
 
 
 def needed_m(side: int, speed_mps: float) -> float:
@@ -77,8 +86,17 @@ class RangeMonitor:
         known = self.known()
         for side, limit_m in clearances(primitive, speed_mps):
             if (distance_m := known[side]) is not None and distance_m < limit_m:
-                return f"Something is {distance_m:.2f} m {NAMES[side]}; this step needs {limit_m:.2f} m there."
+                return _OBSTACLE.format(distance=f"{distance_m:.2f}", side=NAMES[side], needed=f"{limit_m:.2f}")
         return None
+
+
+def obstacle_in(sentence: str) -> tuple[Direction, str, str] | None:
+    """Read a sentence of `RangeMonitor.obstacle`, to say it in another language: the side, how far the obstacle is, and
+    how far it must be, in metres. None for another sentence."""
+    if (found := _OBSTACLE_READ.fullmatch(sentence)) is None:
+        return None
+    side = next(direction for direction, place in SIDES.items() if NAMES[place] == found[2])
+    return side, found[1], found[3]
 
 
 def clearances(primitive: Primitive, speed_mps: float) -> tuple[tuple[int, float], ...]:

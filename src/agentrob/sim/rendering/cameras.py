@@ -10,7 +10,9 @@ import os
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -24,9 +26,11 @@ from agentrob.sim.world import room
 from agentrob.sim.world.legged import Array
 
 Deliver = Callable[[bytes | None], None]
+Shot = tuple[View, Array, Deliver]
 
 SEVERAL_S = 0.5  # if other views were drawn within this time, several cameras are in use
 SMOOTH_SAMPLES = 4
+SLOW_S = 0.2  # if a shot took longer than this, the machine is busy, and the next one is not smoothed
 FRESH_S = 0.07  # a younger picture is reused; ten requests a second with some jitter all get new ones
 JPEG_QUALITY = 88
 NICE = 5  # physics and drivers, which share the cores, are served first; at 10 a picture on a busy machine took seconds
@@ -120,6 +124,19 @@ def _lower_priority() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + NICE)
 
 
+def _awaited(request: Callable[[Deliver], None], timeout_s: float) -> bytes | None:
+    """Request a picture and wait for it."""
+    there = threading.Event()
+    got: list[bytes | None] = []
+
+    def deliver(jpeg: bytes | None) -> None:
+        got.append(jpeg)
+        there.set()
+
+    request(deliver)
+    return got[0] if there.wait(timeout_s) else None
+
+
 class Cameras:
     """Renders on request. `pose` returns a copy of the world's pose and is thread-safe.
 
@@ -130,6 +147,8 @@ class Cameras:
     def __init__(self, model: Any, views: Mapping[str, View], pose: Callable[[], Array]) -> None:
         self._model, self._views, self._pose = model, views, pose
         self._waiting: dict[str, list[Deliver]] = {}
+        self._shots: deque[Shot] = deque()
+        self._shot_s = 0.0
         self._newest: dict[str, tuple[float, bytes]] = {}
         self._wake = threading.Condition()
         self._closing = False
@@ -152,15 +171,17 @@ class Cameras:
 
     def jpeg(self, view: str, timeout_s: float = 3.0) -> bytes | None:
         """As `request`, but wait for the picture."""
-        there = threading.Event()
-        got: list[bytes | None] = []
+        return _awaited(partial(self.request, view), timeout_s)
 
-        def deliver(jpeg: bytes | None) -> None:
-            got.append(jpeg)
-            there.set()
+    def shoot(self, view: View, pose: Array, timeout_s: float) -> bytes | None:
+        """A picture of a given pose of the world. The views that are shown live are rendered first."""
 
-        self.request(view, deliver)
-        return got[0] if there.wait(timeout_s) else None
+        def request(deliver: Deliver) -> None:
+            with self._wake:
+                self._shots.append((view, pose, deliver))
+                self._wake.notify()
+
+        return _awaited(request, timeout_s)
 
     def close(self) -> None:
         with self._wake:
@@ -175,34 +196,56 @@ class Cameras:
         self.backend = renderer.name
         self.ready.set()
         while (work := self._next()) is not None:
-            view, delivers = work
-            jpeg = self._fresh(view, renderer)
-            for deliver in delivers:
-                deliver(jpeg)
+            work(renderer)
         renderer.close()
 
-    def _next(self) -> tuple[str, list[Deliver]] | None:
+    def _next(self) -> Callable[[Renderer], None] | None:
+        """What to render next: a live view, else a shot; None at the end."""
         with self._wake:
-            while not self._waiting and not self._closing:
+            while not (self._waiting or self._shots or self._closing):
                 self._wake.wait()
             if self._closing:
                 return None
+            if not self._waiting:
+                return partial(self._shot, *self._shots.popleft())
             view = next(iter(self._waiting))
-            return view, self._waiting.pop(view)
+            return partial(self._live, view, self._waiting.pop(view))
 
-    def _fresh(self, view: str, renderer: Renderer) -> bytes | None:
+    def _shot(self, view: View, pose: Array, deliver: Deliver, renderer: Renderer) -> None:
+        renderer.smooth = not self._in_use(but="") and self._shot_s < SLOW_S
+        begun_s = time.monotonic()
+        deliver(self._rendered(view, pose, renderer))
+        self._shot_s = time.monotonic() - begun_s
+
+    def _live(self, name: str, delivers: list[Deliver], renderer: Renderer) -> None:
+        jpeg = self._fresh(name, renderer)
+        for deliver in delivers:
+            deliver(jpeg)
+
+    def _fresh(self, name: str, renderer: Renderer) -> bytes | None:
         now = time.monotonic()
-        if view in self._newest and now - self._newest[view][0] < FRESH_S:
-            return self._newest[view][1]
-        renderer.smooth = not any(now - at < SEVERAL_S for name, (at, _) in self._newest.items() if name != view)
+        if name in self._newest and now - self._newest[name][0] < FRESH_S:
+            return self._newest[name][1]
+        renderer.smooth = not self._in_use(but=name)
+        jpeg = self._rendered(self._views[name], self._pose(), renderer)
+        if jpeg is not None:
+            self._newest[name] = (now, jpeg)
+        return jpeg
+
+    def _in_use(self, but: str) -> bool:
+        """Whether another live view was rendered just now."""
+        now = time.monotonic()
+        return any(now - at < SEVERAL_S for name, (at, _) in self._newest.items() if name != but)
+
+    def _rendered(self, view: View, pose: Array, renderer: Renderer) -> bytes | None:
+        begun_s = time.monotonic()
         try:
-            picture = renderer.draw(self._views[view], self._pose())
+            picture = renderer.draw(view, pose)
             buffer = io.BytesIO()
             Image.fromarray(picture).save(buffer, "JPEG", quality=JPEG_QUALITY)
         except Exception as e:  # the world must go on without pictures
             self.last_error = f"{type(e).__name__}: {e}"
             return None
-        self._newest[view] = (now, buffer.getvalue())
         self.drawn += 1
-        self.seconds += time.monotonic() - now
+        self.seconds += time.monotonic() - begun_s
         return buffer.getvalue()

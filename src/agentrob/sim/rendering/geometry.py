@@ -22,8 +22,8 @@ from agentrob.sim.world.world import ROBOT_GROUP
 VERSION = 1
 
 
-def geometry(model: Any, robot: Legged, scene: Scene) -> bytes:
-    """The gzipped geometry of one robot of a compiled `MjModel`, and of the room around it."""
+def geometry(model: Any, robot: Legged, scene: Scene | None = None) -> bytes:
+    """The gzipped geometry of one robot of a compiled `MjModel`, and of the room around it if there is a scene."""
     bodies = [b for b in range(model.nbody) if model.body_rootid[b] == robot.body]
     place = {body: index for index, body in enumerate(bodies)}
     meshes = _Meshes(model)
@@ -31,8 +31,12 @@ def geometry(model: Any, robot: Legged, scene: Scene) -> bytes:
         "version": VERSION,
         "bodies": [_body(model, body, place, robot) for body in bodies],
         "geoms": [_geom(model, g, place, meshes) for g in range(model.ngeom) if _drawn(model, g, place, ROBOT_GROUP)],
-        "room": [_geom(model, g, {0: 0}, meshes) for g in range(model.ngeom) if _drawn(model, g, {0: 0}, ROOM_GROUP)],
-        "floor": list(rgba(scene.room.floor_colour)[:3]),
+        "room": [
+            _geom(model, g, {0: 0}, meshes)
+            for g in range(model.ngeom)
+            if scene is not None and _drawn(model, g, {0: 0}, ROOM_GROUP)
+        ],
+        "floor": [] if scene is None else list(rgba(scene.room.floor_colour)[:3]),
         "meshes": meshes.heads,
     }
     text = json.dumps(head, separators=(",", ":")).encode()

@@ -62,6 +62,8 @@ class RayRenderer:
 
     def _carrier(self, view: View) -> int:
         """The body that carries the camera, or -1. It is not drawn, since the camera is inside its shapes."""
+        if view.camera.type == mujoco.mjtCamera.mjCAMERA_FREE.value:
+            return -1
         body = int(self._model.cam_bodyid[view.camera.fixedcamid])
         return body if body > 0 else -1
 
@@ -73,14 +75,27 @@ class RayRenderer:
 
     def _rays(self, view: View) -> tuple[Array, Array]:
         """Origin (3,) and unit directions (n, 3) in the world."""
-        model, camera = self._model, view.camera.fixedcamid
+        origin, axes, fovy_deg = self._placed(view.camera)
         width, height = view.width // SHRINK, view.height // SHRINK
-        focal = 0.5 * height / math.tan(math.radians(float(model.cam_fovy[camera])) / 2)
+        focal = 0.5 * height / math.tan(math.radians(fovy_deg) / 2)
         x, y = np.meshgrid(np.arange(width) - width / 2 + 0.5, height / 2 - 0.5 - np.arange(height))
         rays = np.stack([x / focal, y / focal, -np.ones_like(x)], axis=-1).reshape(-1, 3)
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        axes = self._data.cam_xmat[camera].reshape(3, 3)
-        return self._data.cam_xpos[camera].copy(), rays @ axes.T
+        return origin, rays @ axes.T
+
+    def _placed(self, camera: Any) -> tuple[Array, Array, float]:
+        """Where a camera is (3,), its axes (3, 3: to the right, up, back), and its vertical field of view."""
+        if camera.type != mujoco.mjtCamera.mjCAMERA_FREE.value:
+            number = camera.fixedcamid
+            axes = self._data.cam_xmat[number].reshape(3, 3)
+            return self._data.cam_xpos[number].copy(), axes, float(self._model.cam_fovy[number])
+        azimuth, elevation = math.radians(camera.azimuth), math.radians(camera.elevation)
+        ahead = np.array(
+            [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)]
+        )
+        right = np.array([math.sin(azimuth), -math.cos(azimuth), 0.0])
+        axes = np.stack([right, np.cross(right, ahead), -ahead], axis=1)
+        return camera.lookat - camera.distance * ahead, axes, float(self._model.vis.global_.fovy)
 
     def _colour(self, view: View, hit: Any, distance: Array, normal: Array) -> Picture:
         model = self._model

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -13,12 +14,16 @@ from agentrob.sim.world import room
 from agentrob.sim.world.legged import Array
 from agentrob.sim.world.world import ROBOT_GROUP
 
+#: The camera that follows a robot: its picture, how far away it is (metres, and heights of the body), how far it looks
+#: down.
+FOLLOW_PX, FOLLOW_M, FOLLOW_HEIGHTS, FOLLOW_DEG = (640, 360), 1.5, 1.7, -24.0
+
 Picture = NDArray[np.uint8]  # (height, width, 3)
 
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """One camera: size of its picture, the geom groups it sees, and its pose in MuJoCo's terms."""
+    """One camera: size of its picture, the geom groups it sees, and its pose in MuJoCo's terms, fixed or free."""
 
     width: int
     height: int
@@ -40,6 +45,19 @@ def overview(model: Any) -> View:
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     camera.fixedcamid = model.camera("overview").id
     return View(800, 450, (room.ROOM_GROUP, ROBOT_GROUP), camera)
+
+
+def follow_view(model: Any, height_m: float, at_m: Array) -> View:
+    """A robot that stands at `at_m` (x, y), from the direction of the room's camera, which no near wall hides."""
+    overview = model.camera("overview").id
+    ahead = -np.asarray(model.cam_mat0[overview]).reshape(3, 3)[:, 2]
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    camera.lookat[:] = (*at_m, height_m)
+    camera.distance = FOLLOW_M + FOLLOW_HEIGHTS * height_m
+    camera.azimuth = math.degrees(math.atan2(ahead[1], ahead[0]))
+    camera.elevation = FOLLOW_DEG
+    return View(*FOLLOW_PX, (room.ROOM_GROUP, ROBOT_GROUP), camera)
 
 
 class Renderer(Protocol):

@@ -1,4 +1,4 @@
-"""The room's HTTP server on loopback: overview camera, scene, geometry, reset, faults, ground truth for tests, health.
+"""The room's HTTP server on loopback: overview camera, film, scene, geometry, reset, faults, ground truth, health.
 
 It represents the room, not a robot: programs that drive a robot must not read `/truth`.
 """
@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 from agentrob.errors import SimError
 
@@ -29,6 +29,7 @@ class Room:
     health: Callable[[], Mapping[str, Any]]
     faults: Callable[[Any], bool]  # raises SimError for what cannot be
     geometry: Callable[[str], bytes | None] = lambda robot: None  # gzipped; None for a robot that is not here
+    film: Callable[[str, float], bytes | None] = lambda robot, ago_s: None  # the robot's JPEG of so many seconds ago
 
 
 class RoomServer:
@@ -78,10 +79,13 @@ class _Handler(BaseHTTPRequestHandler):
                 self._send(200, "application/gzip", shape)
             else:
                 self._json(404, {"error": "no such robot in this world"})
+        elif path.startswith("/film/"):
+            self._film(path.removeprefix("/film/").removesuffix(".jpg"))
         elif path == "/health":
             self._json(200, self.room.health())
         else:
-            valid = "GET /overview.jpg, /scene, /geometry/ROBOT, /truth, /health; POST /reset, /faults"
+            seen = "/overview.jpg, /film/ROBOT.jpg?ago_s=SECONDS, /scene, /geometry/ROBOT, /truth, /health"
+            valid = f"GET {seen}; POST /reset, /faults"
             self._json(404, {"error": f"valid here: {valid}"})
 
     def do_POST(self) -> None:
@@ -98,6 +102,18 @@ class _Handler(BaseHTTPRequestHandler):
                 self._json(422, {"error": str(e)})
         else:
             self._json(404, {"error": "valid here: POST /reset, /faults"})
+
+    def _film(self, robot: str) -> None:
+        asked = parse_qs(urlsplit(self.path).query).get("ago_s", ["0"])[-1]
+        try:
+            jpeg = self.room.film(robot, float(asked))
+        except ValueError:
+            jpeg = None
+        if jpeg:
+            self._send(200, "image/jpeg", jpeg)
+        else:
+            wanted = "a robot of this world, and ago_s from 0 to 120 seconds"
+            self._json(404, {"error": f"no picture of {robot!r} from {asked!r} seconds ago; valid: {wanted}"})
 
     def _done(self, what: str, done: bool) -> None:
         if done:

@@ -52,7 +52,7 @@ setInterval(() => { if (!document.hidden) localTimes(document); }, 20000);
 
 // Make elements that scroll sideways reachable by keyboard.
 function reachable(root) {
-  for (const one of root.querySelectorAll(".body table, pre")) {
+  for (const one of root.querySelectorAll(".body table, pre, .wide-table:not([role])")) {
     if (one.scrollWidth > one.clientWidth) one.tabIndex = 0;
     else one.removeAttribute("tabindex");
   }
@@ -121,15 +121,29 @@ function inPlace(change) {
   }
 }
 
+// An edit keeps pictures that are loaded, which would flicker if they were drawn anew, and what the reader unfolded.
+function keepSeen(old, fresh) {
+  const loaded = new Map([...old.querySelectorAll("img")].map((image) => [image.getAttribute("src"), image]));
+  for (const image of fresh.querySelectorAll("img")) {
+    const same = loaded.get(image.getAttribute("src"));
+    if (!same) continue;
+    loaded.delete(image.getAttribute("src"));
+    same.alt = image.alt;
+    same.hidden = false;
+    image.replaceWith(same);
+  }
+  if (old.querySelector("details[open]")) for (const fold of fresh.querySelectorAll("details")) fold.open = true;
+}
+
 function place(fresh) {
   const old = document.getElementById(fresh.id);
-  const captioned = old && "uncaptioned" in old.dataset && !("uncaptioned" in fresh.dataset);
-  if (old && Number(old.dataset.version) >= Number(fresh.dataset.version) && !fresh.classList.contains("removed") && !captioned) return;
+  if (old && Number(old.dataset.version) >= Number(fresh.dataset.version) && !fresh.classList.contains("removed")) return;
   if (!old && !("last" in main.dataset)) { offer("New posts", `/p/${fresh.dataset.post}`); return; }
   localTimes(fresh);
   inPlace((seen) => {
     if (old) {
       const focused = old.contains(document.activeElement) ? document.activeElement : null;
+      keepSeen(old, fresh);
       old.replaceWith(fresh);
       if (focused) (fresh.querySelector(focused.matches(".stop") ? ".stop" : "a") || main).focus({ preventScroll: true });
       return seen === old ? fresh : seen;
@@ -170,7 +184,6 @@ function offer(text, href) {
   say(text);
 }
 
-const asked = new Set(); // post ids whose captions were waited for
 const pending = new Map(); // post id -> whether to fetch once more, so that many edits need few requests
 
 async function refresh(id) {
@@ -180,8 +193,6 @@ async function refresh(id) {
     const seen = "last" in main.dataset && !document.hidden ? "?seen=1" : "";
     const fresh = (await piece(`/p/${id}/fragment${seen}`))?.querySelector("article.post");
     if (fresh) place(document.adoptNode(fresh));
-    // The robot's agent sends its record, which names the pictures, a moment after the report.
-    if (fresh && "uncaptioned" in fresh.dataset && !asked.has(id)) { asked.add(id); setTimeout(refresh, 1500, id); }
   } catch { setTimeout(refresh, 2000, id); } // the event is not sent again
   for (const [address, renew] of parts) if (address.startsWith("/robots?")) renew();
   const again = pending.get(id);
@@ -261,6 +272,22 @@ document.addEventListener("click", (event) => {
   shownPicture.classList.toggle("plot", Boolean(link.closest(".plot")));
   shownPicture.querySelector("p").textContent = link.closest("figure")?.querySelector("figcaption")?.textContent || "";
   shownPicture.showModal();
+});
+
+// A recording plays again and again; paused, its first picture is shown.
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("[data-pause]");
+  if (!button) return;
+  const image = button.closest("figure").querySelector("img");
+  const still = button.closest("figure").querySelector("canvas");
+  if (still) still.remove();
+  else {
+    const canvas = make("canvas", { width: image.naturalWidth, height: image.naturalHeight }, { role: "img", "aria-label": image.alt });
+    canvas.getContext("2d").drawImage(image, 0, 0);
+    image.after(canvas);
+  }
+  image.hidden = !still;
+  button.textContent = still ? "Pause" : "Play";
 });
 
 // ---------------------------------------------------------------- the state of robots, updated while visible

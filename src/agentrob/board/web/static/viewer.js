@@ -4,6 +4,7 @@
 const SMOOTH_MS = 220; // a pose comes five times a second; the robot moves smoothly from one to the next
 const MOST_TRAIL = 600;
 const OLD_MS = 2500;
+const SHAPE_TRIES = 15; // a second apart
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 const made = (tag, properties = {}, ...children) => {
@@ -21,7 +22,7 @@ class MapView {
     this.robots = new Map();
     for (const group of section.querySelectorAll("[data-robot]")) {
       this.robots.set(group.dataset.robot, {
-        mark: group.querySelector(".map-mark"), plan: group.querySelector(".map-plan"), way: group.querySelector(".map-way"),
+        mark: group.querySelector(".map-mark"), plan: group.querySelector(".map-plan"), path: group.querySelector(".map-path"),
       });
     }
   }
@@ -34,11 +35,11 @@ class MapView {
     robot.mark.classList.remove("unknown");
   }
 
-  way(name, plan, trail) {
+  path(name, plan, trail) {
     const robot = this.robots.get(name);
     if (!robot) return;
     if (plan) robot.plan.setAttribute("points", line(plan));
-    robot.way.setAttribute("points", line(trail));
+    robot.path.setAttribute("points", line(trail));
   }
 }
 
@@ -75,10 +76,10 @@ class View {
     if (this.three) this.three.place(name, pose, body);
   }
 
-  way(name, plan, trail) {
+  path(name, plan, trail) {
     if (plan) this.plans.set(name, plan);
-    this.map.way(name, plan, trail);
-    if (this.three) this.three.way(name, this.plans.get(name) || [], trail);
+    this.map.path(name, plan, trail);
+    if (this.three) this.three.path(name, this.plans.get(name) || [], trail);
   }
 
   // The camera of the 3D view follows the robot of the page, else the one that moved last.
@@ -89,15 +90,20 @@ class View {
     }
   }
 
-  // Where each robot's shape is; the replay knows its own.
+  // Where each robot's shape is; the replay knows its own. An agent makes its robot's shape when it is first wanted.
   async shapes() {
-    const found = new Map();
-    for (const name of this.names) {
-      const answer = await fetch(`/api/v1/robots/${encodeURIComponent(name)}/map`);
-      const told = answer.ok ? await answer.json() : {};
-      if (told.geometry) found.set(name, `/api/v1/geometry/${told.geometry}`);
+    for (let tries = SHAPE_TRIES; ; tries--) {
+      const found = new Map(), missing = [];
+      for (const name of this.names) {
+        const answer = await fetch(`/api/v1/robots/${encodeURIComponent(name)}/map`);
+        const told = answer.ok ? await answer.json() : {};
+        if (told.geometry) found.set(name, `/api/v1/geometry/${told.geometry}`);
+        else missing.push((told.map && told.map.no_geometry) || "");
+      }
+      if (found.size) return found;
+      if (missing.every(Boolean) || !tries) throw new Error(missing.find(Boolean) || "the robot's agent sends no shape");
+      await new Promise((done) => setTimeout(done, 1000));
     }
-    return found;
   }
 
   async toggle() {
@@ -110,12 +116,11 @@ class View {
       this.say("Loading the 3D view…");
       try {
         const shapes = await this.shapes();
-        if (!shapes.size) throw new Error("no shape of a robot is known");
         const { openView } = await import(this.section.dataset.three);
         this.three = await openView(this.stage, shapes, this.section.dataset.follow || this.followed || this.names[0]);
         this.svg.style.display = "none";
         for (const [name, [pose, body]] of this.poses) this.three.place(name, pose, body);
-        for (const [name, plan] of this.plans) this.three.way(name, plan, []);
+        for (const [name, plan] of this.plans) this.three.path(name, plan, []);
       } catch (error) {
         this.button.remove();
         this.fault = `3D is not available here: ${error.message}`;
@@ -155,7 +160,7 @@ function live(section) {
     if (told.plan) {
       const robot = robots.get(told.robot) || {};
       robots.set(told.robot, { ...robot, trail: told.trail });
-      view.way(told.robot, told.plan, told.trail);
+      view.path(told.robot, told.plan, told.trail);
     }
     if (!told.pose) return;
     section.classList.add("is-live");
@@ -166,7 +171,7 @@ function live(section) {
     if (last && Math.hypot(told.pose[0] - last[0], told.pose[1] - last[1]) > 0.03) {
       trail.push(told.pose.slice(0, 2));
       if (trail.length > MOST_TRAIL) trail.shift();
-      view.way(told.robot, null, trail);
+      view.path(told.robot, null, trail);
       view.moved(told.robot);
     }
     robots.set(told.robot, {
@@ -224,8 +229,11 @@ async function replay(section) {
   const poseAt = (n) => pose.map((channel) => channel[n] / 1000);
   const bodyAt = (n) => (body.length ? body.map((channel) => channel[n] / 1000) : undefined);
   const end = times[times.length - 1];
-  const way = times.map((_, n) => poseAt(n).slice(0, 2));
-  view.shapes = async () => new Map(data.geometry ? [[name, `/api/v1/geometry/${data.geometry}`]] : []);
+  const path = times.map((_, n) => poseAt(n).slice(0, 2));
+  view.shapes = async () => {
+    if (!data.geometry) throw new Error("the robot's shape was not known");
+    return new Map([[name, `/api/v1/geometry/${data.geometry}`]]);
+  };
   view.plans.set(name, data.plan);
 
   let at = end, playing = false, speed = 1, before = 0;
@@ -245,7 +253,7 @@ async function replay(section) {
     const next = Math.min(n + 1, times.length - 1);
     const part = next > n ? Math.min(1, (at - times[n]) / (times[next] - times[n])) : 0;
     const [now, then] = [bodyAt(n), bodyAt(next)];
-    view.way(name, null, way.slice(0, n + 1));
+    view.path(name, null, path.slice(0, n + 1));
     view.place(name, between(poseAt(n), poseAt(next), part), now && now.map((value, k) => value + (then[k] - value) * part));
     slider.value = at;
     clock.textContent = `${(at / 1000).toFixed(1)} / ${(end / 1000).toFixed(1)} s`;
