@@ -19,6 +19,8 @@ The steps:
     ## KEY shows STATE                      wait for this state of the command; its post contains the list below
     ## ROBOT answers KEY: STATE             the final reply; it contains each line of the list below, except lines
                                             with "without: …", which it must not contain
+    ## KEY is due                           the time of the schedule's next run comes
+    ## ROBOT runs KEY: STATE                the final reply of that run; its lines as above
     ## ROBOT replies to KEY                 a reply that is not a command's status, for example to a stop
     ## ROBOT replied to KEY N times
     ## ROBOT says nothing to KEY
@@ -34,6 +36,7 @@ import math
 import os
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -47,7 +50,7 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import AccountKind, Capabilities, Post, Role
 from agentrob.robots.control.step_runner import TOLERANCE_M, TOLERANCE_SHARE
 from agentrob.robots.driver.client import DriverClient
-from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings
 
 FOLDER = Path(__file__).parent
 STORIES = sorted(FOLDER.glob("*.md"))
@@ -115,6 +118,7 @@ class StoryRun:
     agent: RobotAgent
     posts: dict[str, Post] = field(default_factory=dict)
     start: tuple[float, float] = (0.0, 0.0)
+    runs: Counter[str] = field(default_factory=Counter)
 
     async def posts_(self, name: str, key: str, minutes: str | None, text: str) -> None:
         self.scene.world.clock_offset_s = -60.0 * float(minutes or 0)
@@ -167,6 +171,26 @@ class StoryRun:
         assert reply.card.state == state, reply.raw
         _contains(reply, text)
         await self._settled(key)
+
+    async def due(self, key: str, _: str) -> None:
+        kept = await self.agent.journal.schedule(self.posts[key].id)
+        assert kept is not None
+        at = kept.next_at
+        assert at is not None
+        self.runs[key] += 1
+        await replace(self.agent.schedules, now=lambda: at).step()
+
+    async def ran(self, _: str, key: str, state: str, text: str) -> None:
+        post, number = self.posts[key], self.runs[key]
+        reply = (await self.scene.until(lambda: len(found := self._finals(post)) > number and found))[number]
+        assert reply.card is not None
+        assert reply.card.state == state, reply.raw
+        _contains(reply, text)
+        await self._settled(key)
+
+    def _finals(self, post: Post) -> list[Post]:
+        found = [reply for reply in self.scene.replies(post) if reply.card is not None and reply.card.state in FINAL]
+        return sorted(found, key=lambda reply: int(reply.id))
 
     async def _settled(self, key: str) -> None:
         """Wait for the journal: the reply comes a moment before its row, and "again" reads the row."""
@@ -222,6 +246,8 @@ def _contains(reply: Post, text: str) -> None:
 _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
     (r"(\w+) posts (\w+)(?:, (\d+) minutes ago)?", StoryRun.posts_),
     (rf"({ROBOT}) replies to (\w+)", StoryRun.robot_replies),
+    (r"(\w+) is due", StoryRun.due),
+    (rf"({ROBOT}) runs (\w+): (\w+)", StoryRun.ran),
     (r"(\w+) replies to (\w+): (\w+)", StoryRun.replies),
     (r"(\w+) edits (\w+)", StoryRun.edits),
     (r"(\w+) presses stop", StoryRun.presses),

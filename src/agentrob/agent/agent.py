@@ -37,6 +37,7 @@ from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
+from agentrob.agent.queue.schedules import Schedules, lost_right
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.activity import AgentActivity, process_name
 from agentrob.agent.reporting.presence import Presence, reset_room
@@ -138,7 +139,8 @@ class RobotAgent:
         self.inbox = Inbox(
             name, lambda: self.journal, self.queue,
             lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
-            self._settle, self._enqueue, self._decline, self._approve,
+            self._settle, self._enqueue, self._decline, self._approve, self._cancel,
+            lambda post: self.schedules.amended(post),  # noqa: PLW0108 (made later, too)
         )  # fmt: skip
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
         self.stops = StopReplies(
@@ -168,6 +170,7 @@ class RobotAgent:
         self.camera = self._make_camera(pages)
         self._journal: Journal | None = None
         self._pipeline: Pipeline | None = None
+        self._schedules: Schedules | None = None
         self._me: Account | None = None
         self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -218,7 +221,7 @@ class RobotAgent:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
                 works = (
                     self._listen(), self.inbox.take_all(), self.known_robots.list_later(), pruning,
-                    self._watch_journal(), *self._display_tasks(),
+                    self._watch_journal(), self.schedules.run(), *self._display_tasks(),
                 )  # fmt: skip
                 tasks = [group.create_task(work) for work in works]
                 self.ready.set()
@@ -238,6 +241,7 @@ class RobotAgent:
             self.ready.set()
             try:
                 await self.inbox.take_waiting()
+                await self.schedules.step()
                 # What waits for an approval, or until we may write again, waits on next time.
                 while busy := self._tasks - self.queue.asking() - self.pipeline.writes.tasks:
                     await asyncio.wait(busy, timeout=0.2)
@@ -296,6 +300,8 @@ class RobotAgent:
         self._begun = begun, elapsed_s()
         await self.stop_handler.remember(self.journal, begun)
         self.event_stream.cursor = await self.journal.get("cursor") or newest
+        self._schedules = self._make_schedules()
+        await self.schedules.load()
         self._pipeline = self._make_pipeline()
         await self._resume()
         if begun > self.event_stream.now() - LOOK_BACK and await self.journal.get("looked_back") is None:
@@ -325,14 +331,14 @@ class RobotAgent:
             if await self._recover_cursor():
                 await self._catch_up()
         for claim in await self.journal.open_claims():
-            begun = await self.journal.moved(claim.command.post_id)
+            begun = await self.journal.moved(claim.command.key)
             job = QueuedCommand(claim.command, known=True, begun=begun, admitted=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
             limits = self._watermark_at, self.stop_handler.stopped_at, self.settings.max_post_age_s
             why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.event_stream.now(), *limits)
             if not begun and why:
                 job.end(why)
-                await self.journal.end([claim.command.post_id], why)
+                await self.journal.end([claim.command.key], why)
             self._enqueue(job)
         self._claimed_topics = frozenset()
         self.inbox.clear_left_open()
@@ -400,6 +406,18 @@ class RobotAgent:
             raise JournalError("the agent has not been started")
         return self._pipeline
 
+    @property
+    def schedules(self) -> Schedules:
+        if self._schedules is None:
+            raise JournalError("the agent has not been started")
+        return self._schedules
+
+    def _make_schedules(self) -> Schedules:
+        return Schedules(
+            self.settings, self.forum, self.journal, self.queue, self.event_stream.now, self.stop_handler.why_not,
+            self._enqueue, self._spawn,
+        )  # fmt: skip
+
     def _make_pipeline(self) -> Pipeline:
         names = self._addressing().names
         approvals = Approvals(
@@ -434,11 +452,13 @@ class RobotAgent:
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
             self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
-            self._clock_set,
+            self._clock_set, self.schedules,
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:
         self.activity.ended(report)
+        if report.command.run is not None and lost_right(report.verdict):
+            self._spawn(self.schedules.lose_right(report.command.post_id))
         self._on_end(report)
 
     def _stopped(self, result: StopResult | None) -> None:
@@ -611,10 +631,11 @@ class RobotAgent:
         assert self._me is not None
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
         topics = self.queue.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
+        scheduled = self._schedules.topics if self._schedules is not None else frozenset()
         return Addressing(
             self._me, names, self.settings.boards, self._watermark_at, self.event_stream.now(),
-            self.settings.max_post_age_s, topics, {*self.queue.posts, *self.inbox.coming, *self.inbox.left_open},
-            self.known_robots.names,
+            self.settings.max_post_age_s, topics, scheduled,
+            {*self.queue.posts, *self.inbox.coming, *self.inbox.left_open}, self.known_robots.names,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, triaged: TriagedPost) -> None:
@@ -623,6 +644,8 @@ class RobotAgent:
             self.stop_handler.handle(
                 event, author, triaged.language, halt=triaged.route is Route.HALT, taken=triaged.taken_as_stop
             )
+            if self._schedules is not None:
+                self._schedules.changed()
 
     def stop(self, by: str, posted_at: datetime | None = None) -> tuple[int, asyncio.Task[StopResult | None]]:
         """Stop without the forum, for an account that may. Returns how many commands it ended, and the stopping
@@ -654,7 +677,7 @@ class RobotAgent:
             for job in ended:
                 job.stopped_by = account.name
             await self.stops.stop(account.name, at)
-            await self.journal.end([job.command.post_id for job in ended], EndReason.STOP)
+            await self.journal.end([job.command.key for job in ended], EndReason.STOP)
             if (moving := self.queue.moving) is not None and moving.task is not None:
                 await asyncio.wait({moving.task}, timeout=DRIVER_WAIT_S)
         try:
@@ -667,6 +690,11 @@ class RobotAgent:
 
     async def _approve(self, post: Post, triaged: TriagedPost) -> None:
         await self.pipeline.approvals.record_decision(post, triaged)
+
+    async def _cancel(self, post: Post) -> None:
+        """Cancel the schedules of a thread, for an account that may stop the robot."""
+        if may(post.author, "stop").decision is Decision.ALLOW:
+            await self.schedules.cancel(post.topic_id)
 
     def _enqueue(self, job: QueuedCommand) -> None:
         self.stops.new_command()

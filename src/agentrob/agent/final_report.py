@@ -28,7 +28,7 @@ from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum, PosePages
-from agentrob.model import CommandState, Report, StatusCard
+from agentrob.model import Command, CommandState, Report, StatusCard
 
 #: How long a report waits for its record.
 RECORD_S = 2.0
@@ -59,7 +59,7 @@ class FinalReport:
         try:
             await self._post(job, report)
         finally:
-            self.recorder.forget(job.command.post_id)
+            self.recorder.forget(job.command.key)
 
     async def _post(self, job: QueuedCommand, report: Report) -> None:
         command, text, pictures, facts = job.command, *await self._composed(job, report)
@@ -73,7 +73,8 @@ class FinalReport:
         # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
         with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
-                await self.journal.set_plan(command.post_id, report.plan)
+                await self.journal.set_plan(command.key, report.plan)
+        public = facts if command.run is None else None  # the page of a command is that of its post
         told = False
 
         async def publish_record() -> None:
@@ -82,7 +83,7 @@ class FinalReport:
             if not told:
                 with job.log_errors("record not published"), contextlib.suppress(TimeoutError):
                     async with asyncio.timeout(RECORD_S):
-                        told = await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+                        told = await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
 
         shown = Shown(text(pictures), card)
         close = partial(job.status.close, shown, images, short, measured=measured, before=publish_record)
@@ -92,22 +93,22 @@ class FinalReport:
             _log.error("final reply not posted", post=command.post_id, error=str(e))
             return
         with job.log_errors("claim not closed in the journal"):
-            await self.journal.finish(command.post_id, report.status)
+            await self.journal.finish(command.key, report.status)
         if not ours:
             return  # another agent of this account posted the end, and keeps its record and pictures
         if not told:
             with job.log_errors("record not published"):
-                await publish(self.forum, command.post_id, job.status.post_id, facts, pictures)
+                await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(report.command.post_id)
+            await self._publish_replay(report.command)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
-            if recording := await late_recording(command.post_id, self.recorder, self.store):
+            if recording := await late_recording(command.key, self.recorder, self.store):
                 late = Shown(text((*pictures, recording)), card)
                 added = [recording.data] if recording.attached else []
                 # Again the captions first, so that the reader sees one change.
-                publish_pictures = partial(publish, self.forum, command.post_id, job.status.post_id, facts)
+                publish_pictures = partial(publish, self.forum, command.post_id, job.status.post_id, public)
                 if not job.status.limited:
                     await publish_pictures((*pictures, recording))
                 if not await job.status.add(late, added) and told:
@@ -120,17 +121,17 @@ class FinalReport:
             if claim is None:
                 await self.poses.forget(post_id)
             elif claim.final is not None:
-                await self._publish_replay(post_id)
+                await self._publish_replay(claim.command)
 
-    async def _publish_replay(self, post_id: str) -> None:
+    async def _publish_replay(self, command: Command) -> None:
         """Publish how the robot moved, if the forum replays commands."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
         geometry = await self.geometry.publish()
-        replay = await self.poses.replay(post_id, geometry)
-        if replay:
-            await retry_until_answered(partial(self.forum.publish_replay, post_id, replay), TRIES)
-        await self.poses.forget(post_id)
+        replay = await self.poses.replay(command.key, geometry)
+        if replay and command.run is None:  # a post has one replay
+            await retry_until_answered(partial(self.forum.publish_replay, command.post_id, replay), TRIES)
+        await self.poses.forget(command.key)
 
     async def _composed(
         self, job: QueuedCommand, report: Report
@@ -148,10 +149,10 @@ class FinalReport:
             once = self.forum.max_edits is not None
             pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
         with job.log_errors("page of the command not known"):
-            page = await page_of(self.forum, command.post_id, hurry=self.ending())
+            page = await page_of(self.forum, command.post_id, hurry=self.ending()) if command.run is None else ""
         facts: dict[str, Any] | None = None
         with job.log_errors("record not written"):
-            kept, said = self.recorder.stored_path(command.post_id), summary and summary.as_data()
+            kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
             facts = self.records.write(report, job.assessment, **more)

@@ -88,8 +88,8 @@ class Motion:
             on_run=partial(setattr, job, "run"),
         )
         try:
-            post_id = job.command.post_id
-            with self.event_stream, self.recorder.filming(post_id), self.poses.recording(post_id, plan.steps):
+            key = job.command.key
+            with self.event_stream, self.recorder.filming(key), self.poses.recording(key, plan.steps):
                 execution = await self._execute_plan(job, plan, hooks)
         finally:
             job.moving = False
@@ -121,7 +121,7 @@ class Motion:
         results = tuple(replace(r, image=None) for r in execution.results)
         pictures = ("",) * len(results)
         with job.log_errors("pictures not stored"):
-            results, pictures = self.records.keep_pictures(job.command.post_id, execution.results)
+            results, pictures = self.records.keep_pictures(job.command.key, execution.results)
         return EXECUTION.dump_json(replace(execution, results=results, pictures=pictures)).decode()
 
     async def _execute_plan(self, job: QueuedCommand, plan: Plan, hooks: ExecutionHooks) -> Execution:

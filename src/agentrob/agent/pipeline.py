@@ -21,9 +21,10 @@ from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.motion import EXECUTION, Motion
 from agentrob.agent.queue.approvals import Approvals
-from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
+from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
+from agentrob.agent.queue.schedules import MOST, Schedules
 from agentrob.agent.reporting import report as reply_text
-from agentrob.agent.reporting import visual_text
+from agentrob.agent.reporting import schedule_text, visual_text
 from agentrob.agent.reporting.status_post import (
     DeniedWrites,
     Shown,
@@ -35,6 +36,7 @@ from agentrob.agent.reporting.status_post import (
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.stop.replies import StopReplies
 from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.rows import ScheduledCommand
 from agentrob.agent.understanding.extract import Assessment
 from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
@@ -59,6 +61,7 @@ from agentrob.model import (
     StatusCard,
     Verdict,
 )
+from agentrob.model.schedules import first_runs
 from agentrob.robots.driver.client import DriverClient
 
 #: How long the status post waits for the mind: a program's post that asks for nothing gets no status post.
@@ -91,6 +94,7 @@ class Pipeline:
     final_report: FinalReport
     owner: OwnerActions
     clock_set: Callable[[], timedelta | None]
+    schedules: Schedules
 
     @property
     def terms(self) -> CommandTerms:
@@ -128,7 +132,7 @@ class Pipeline:
         execution = job.run.execution() if job.run is not None else None
         if execution is None and job.begun:  # before this process, which knows of it only what is in the journal
             with job.log_errors("what was measured is not read"):
-                text = await self.journal.motion_result(job.command.post_id)
+                text = await self.journal.motion_result(job.command.key)
                 execution = EXECUTION.validate_json(text) if text is not None else None
         if execution is None:
             return self._report(
@@ -155,25 +159,26 @@ class Pipeline:
 
     async def _claimed(self, job: QueuedCommand, thinking: asyncio.Future[Assessment]) -> Report | None:
         """The final report of a post that is read while it is claimed."""
-        post_id = job.command.post_id
+        key = job.command.key
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         # A person who speaks to a robot always gets an answer; programs would answer each other without end.
         person = job.command.author.kind is AccountKind.HUMAN
-        silent = not job.known and not (person and addresses(job.command.text, self.assessor.names))
+        told = job.known or job.command.run is not None  # a run that was announced is never silently dropped
+        silent = not told and not (person and addresses(job.command.text, self.assessor.names))
         if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
-            await self.journal.finish(post_id, CommandState.NOTHING)
+            await self.journal.finish(key, CommandState.NOTHING)
             return None
         ours, has_ended = await self._claim(job)
         if has_ended:
-            await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
+            await self.journal.finish(key, CommandState.HANDLED_ELSEWHERE)
             return None
         if not ours:  # another agent's, or of a journal that is lost: whoever holds it reports the end, if anybody does
             thinking.cancel()
-            await self.journal.cancel(post_id)
+            await self.journal.cancel(key)
             self.queue.leave(job)
             claimed = await retry_until_answered(partial(self.forum.post, job.status.post_id))
             if not await left_open(self.forum, claimed, self.moves):
-                await self.journal.finish(post_id, CommandState.HANDLED_ELSEWHERE)
+                await self.journal.finish(key, CommandState.HANDLED_ELSEWHERE)
                 return None
             return self._report(
                 job, CommandState.INTERRUPTED, message=say("agent.interrupted.claim", job.command.language)
@@ -181,6 +186,8 @@ class Pipeline:
         assessment: Assessment = await thinking
         if assessment.understanding.cancels:
             job.cancelled_earlier = await self._cancel_earlier(job)
+        if assessment.schedule is not None:
+            return await self._schedule(job, assessment)
         if job.ended is None and assessment.understanding.intent is Intent.COMMAND:
             return await self._execute_command(job, assessment)
         return await self._answer(job, assessment)
@@ -196,25 +203,25 @@ class Pipeline:
         if not written.created:
             state = now.card.state if now.card else ""
             if is_final(now.card):  # what our journal knows of it may be more than whoever posted that knew
-                ended = await self.journal.moved(command.post_id, ended=True)
+                ended = await self.journal.moved(command.key, ended=True)
                 if not ended:
                     return False, True
             elif command.trace_id not in (now.raw, now.card.trace_id if now.card else ""):
                 return False, False
-            elif state == CommandState.RUNNING and not await self.journal.moved(command.post_id):
+            elif state == CommandState.RUNNING and not await self.journal.moved(command.key):
                 return False, False  # a journal that knows of no motion may be an old copy: the forum knows more
             job.status.adopt(now)
-        await self.journal.set_status_post(command.post_id, now.id)
+        await self.journal.set_status_post(command.key, now.id)
         return True, False
 
     async def _denied(self, job: QueuedCommand, seconds: float) -> None:
         """The forum denies us the claim: let others pass meanwhile. A command that has become too old only waits for
         its reply."""
         await self.queue.let_others_pass(job, seconds)
-        if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self.settings.queue_expiry_s:
+        if job.can_end and job.waited_s + time.monotonic() - job.accepted_s > self._expiry_s(job):
             job.end(EndReason.EXPIRED)
             self.queue.leave(job)
-            await self.journal.end([job.command.post_id], EndReason.EXPIRED)
+            await self.journal.end([job.command.key], EndReason.EXPIRED)
 
     async def moves(self, trace_id: str) -> bool:
         """Whether the driver now carries out the command of this trace id, from whichever agent."""
@@ -226,7 +233,7 @@ class Pipeline:
         """The report of a post that moves nothing."""
         language, understood = job.command.language, assessment.understanding
         if job.ended is not None:
-            await self.journal.cancel(job.command.post_id)
+            await self.journal.cancel(job.command.key)
             return await self._ended(job, understood.plan)
         match understood.intent:
             case Intent.HELP:
@@ -235,6 +242,9 @@ class Pipeline:
                 return self._report(job, CommandState.ANSWERED, message=text)
             case Intent.STATUS:
                 return self._report(job, CommandState.ANSWERED, message=await self._state_text(language))
+            case Intent.SCHEDULES:
+                text = schedule_text.listed(await self.journal.schedules(), language)
+                return self._report(job, CommandState.ANSWERED, message=text)
             case Intent.CANCEL:
                 key = "talk.cancel" if job.cancelled_earlier else "talk.cancel_nothing"
                 return self._report(job, CommandState.ANSWERED, message=say(key, language, count=job.cancelled_earlier))
@@ -255,14 +265,14 @@ class Pipeline:
                 for other in ended:
                     other.stopped_by = job.command.author.name
                 stop = await self.stops.stop(job.command.author.name, job.command.posted_at)
-                await self.journal.end([other.command.post_id for other in ended], EndReason.STOP)
+                await self.journal.end([other.command.key for other in ended], EndReason.STOP)
                 return self._report(job, CommandState.STOPPED, stop=stop)
         return self._report(job, CommandState.ANSWERED, message=say("agent.nothing", language))
 
     async def _cancel_earlier(self, job: QueuedCommand) -> int:
         """End the earlier commands of its author that do not move; return how many."""
         before = self.queue.end_waiting(job, EndReason.TAKEN_BACK)
-        await self.journal.end([other.command.post_id for other in before], EndReason.TAKEN_BACK)
+        await self.journal.end([other.command.key for other in before], EndReason.TAKEN_BACK)
         return len(before)
 
     async def _state_text(self, language: Language) -> str:
@@ -276,10 +286,12 @@ class Pipeline:
     async def _ended(self, job: QueuedCommand, plan: Plan, execution: Execution | None = None) -> Report:
         """The report of a command that was ended from outside, before its motion or during it."""
         why, language = job.ended or EndReason.BEFORE, job.command.language
+        if why is EndReason.MISSED and job.command.run is not None:
+            late_s = min(self.settings.max_post_age_s, LATE_S)
+            message = schedule_text.missed(job.command.run, late_s, language)
+            return self._report(job, CommandState.EXPIRED, message=message)
         if why.state_before_motion is CommandState.EXPIRED and execution is None:
-            wait = duration(
-                self.approvals.wait_s if why is EndReason.LAPSED else self.settings.queue_expiry_s, language
-            )
+            wait = duration(self.approvals.wait_of(job) if why is EndReason.LAPSED else self._expiry_s(job), language)
             limits = {"seconds": self.settings.max_post_age_s, "wait": wait}
             by = self.clock_set()
             sentences = [
@@ -297,27 +309,65 @@ class Pipeline:
         message = job.stopped_by if status is CommandState.STOPPED else self._reason_text(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
+    async def _schedule(self, job: QueuedCommand, assessment: Assessment) -> Report:
+        """Keep a command for later times; nothing moves now. A restart finds the schedule that was kept."""
+        command, plan, verdict = job.command, assessment.understanding.plan, assessment.verdict
+        assert assessment.schedule is not None
+        kept = await self.journal.schedule(command.post_id)
+        if kept is None:
+            if job.ended is None and (refused := self._refusal(job, assessment)) is not None:
+                return refused
+            if job.ended is None and (waiting := await self._wait_for_rate_limit(job)) is not None:
+                return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
+            mine = [k for k in await self.journal.schedules() if k.asked.command.author.id == command.author.id]
+            if sum(other.ended is None for other in mine) >= MOST:
+                reason = say("schedule.full", command.language, count=MOST)
+                full = Verdict(Decision.REFUSE, "schedule.full", reason)
+                return self._report(job, CommandState.REFUSED, plan, verdict=full)
+            if job.ended is not None:
+                await self.journal.cancel(command.key)
+                return await self._ended(job, plan)
+            understood = reply_text.planned(plan, command.language, job.goal_text)
+            asked = ScheduledCommand(command, assessment.schedule, assessment.untimed, understood)
+            kept = await self.journal.add_schedule(asked, first_runs(assessment.schedule, 1)[0])
+            self.schedules.changed()
+        asks = verdict is not None and verdict.decision is Decision.NEEDS_APPROVAL
+        text = schedule_text.scheduled(kept, command.language, needs_approval=asks)
+        return self._report(job, CommandState.ANSWERED, message=text)
+
+    def _refusal(self, job: QueuedCommand, assessment: Assessment) -> Report | None:
+        """The report of a command that the screen refuses or asks about; None if it may run, perhaps with an
+        approval."""
+        plan, verdict = assessment.understanding.plan, assessment.verdict
+        assert verdict is not None
+        if verdict.decision in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
+            return None
+        asks = verdict.decision is Decision.ASK_BACK
+        status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
+        return self._report(job, status, plan, verdict=verdict, message=verdict.reason if asks else "")
+
+    def _expiry_s(self, job: QueuedCommand) -> float:
+        """How long after its post, or after the time of its run, a command may begin."""
+        return self.settings.queue_expiry_s if job.command.run is None else min(self.settings.queue_expiry_s, LATE_S)
+
     async def _execute_command(self, job: QueuedCommand, assessment: Assessment) -> Report:
         """Carry out a command: check the verdict, wait for approval and for its turn, then move."""
         plan, verdict, command = assessment.understanding.plan, assessment.verdict, job.command
         assert verdict is not None
-        if verdict.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
-            asks = verdict.decision is Decision.ASK_BACK
-            status = CommandState.ASKS_BACK if asks else CommandState.REFUSED
-            message = verdict.reason if asks else ""
-            return self._report(job, status, plan, verdict=verdict, message=message)
+        if (refused := self._refusal(job, assessment)) is not None:
+            return refused
         if not job.begun and (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
             await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
         self.show_place(job)
-        if not await self.queue.turn(job, self.settings.queue_expiry_s):
-            await self.journal.cancel(command.post_id)
+        if not await self.queue.turn(job, self._expiry_s(job)):
+            await self.journal.cancel(command.key)
             return await self._ended(job, plan)
         recorded = True
         try:
             text = await self.journal.move(
-                command.post_id, partial(self.motion.run, job, plan, self.terms, partial(self._show_step, job, plan))
+                command.key, partial(self.motion.run, job, plan, self.terms, partial(self._show_step, job, plan))
             )
         except Exception:
             if job.run is None:

@@ -26,11 +26,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 from urllib.parse import urlsplit
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from agentrob.config.map import MapConfig
 from agentrob.config.section import Section, WithMetrics
 from agentrob.model import ActionClass
+from agentrob.model.schedules import zone_of
 from agentrob.process.listen import is_loopback, parse_listen
 
 
@@ -162,6 +163,7 @@ class RobotConfig(WithMetrics):
     `agentrob[semantic]`) a small offline classifier judges the words of each command that the rules allow and may make
     the robot ask back; if it cannot be loaded or does not answer, the rules decide alone.
     `summary` lets the model describe in words what was done, from the measured figures.
+    `time_zone` (an IANA name such as `Europe/Berlin`) is the zone of the times in posts: "every day at 9".
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     `map` describes the room for the live map.
 
@@ -192,6 +194,7 @@ class RobotConfig(WithMetrics):
     allow_unknown_ranges: bool = False
     least_battery_percent: Annotated[float, Field(ge=0, le=100)] = 15.0
     allow_flip: bool = False
+    time_zone: str = "UTC"
     room_camera: str = ""
     room_reset: str = ""
     driver_listen: str = ""
@@ -216,6 +219,12 @@ class RobotConfig(WithMetrics):
         if self.screen == "required" and self.mind == "rules":
             raise ValueError('screen = "required" needs a mind that is a model; otherwise nothing would ever move')
         return self
+
+    @field_validator("time_zone")
+    @classmethod
+    def _known_zone(cls, name: str) -> str:
+        zone_of(name)
+        return name
 
     @model_validator(mode="after")
     def _protects_its_driver(self) -> Self:

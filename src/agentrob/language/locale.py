@@ -12,6 +12,7 @@ from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
 from agentrob.language.remarks.classifier import StatementClassifier
+from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
 
 
@@ -47,7 +48,8 @@ class Locale:
     for a robot where one is called: "Rover, sit".
 
     `statements` estimates whether a clause in words that no pattern knows is a statement or an order.
-    `talk` is how posts are recognised that are only talk, and what they are about.
+    `talk` is how posts are recognised that are only talk, and what they are about. `schedule` is how the language says
+    when something is to be done.
     """
 
     words: Lexicon
@@ -79,6 +81,7 @@ class Locale:
     put_first: str = "(?!)"
     statements: StatementClassifier | None = None
     talk: TalkForms = TalkForms()
+    schedule: ScheduleWords = ScheduleWords()
     in_order: OrderWords | None = None
     idioms: Sequence[tuple[str, str]] = ()
     called: str = ""

@@ -15,6 +15,7 @@ from agentrob.model.plans import Direction, Op, Plan, Primitive
 from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
 from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, Posture, RobotState
+from agentrob.model.schedules import Schedule, ScheduledRun, ScheduleEnd
 
 __all__ = [
     "EMERGENCY_STOP",
@@ -48,6 +49,9 @@ __all__ = [
     "RobotRights",
     "RobotState",
     "Role",
+    "Schedule",
+    "ScheduleEnd",
+    "ScheduledRun",
     "StatusCard",
     "StopResult",
     "Understanding",

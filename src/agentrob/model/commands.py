@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from agentrob.model.accounts import Account
 from agentrob.model.plans import Plan
+from agentrob.model.schedules import ScheduledRun
 
 #: The code (ISO 639-1) of a language that `agentrob.language` knows: en, zh, and what a user adds.
 Language = str
@@ -23,6 +24,7 @@ class Intent(StrEnum):
     STATUS = "status"
     CANCEL = "cancel"
     QUESTION = "question"
+    SCHEDULES = "schedules"  # it asks for the list of schedules
     ASK_BACK = "ask_back"
     NOTHING = "nothing"
 
@@ -45,7 +47,10 @@ class Understanding:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A post that wants something of a robot: bound to its text and its author (law 4). `text` is the visible text."""
+    """A post that wants something of a robot: bound to its text and its author (law 4). `text` is the visible text.
+
+    `run`: it is one run of a schedule. `posted_at` is then the time of the run, and `text` has no time in it.
+    """
 
     post_id: str
     topic_id: str
@@ -56,3 +61,14 @@ class Command:
     language: Language
     posted_at: datetime
     trace_id: str
+    run: ScheduledRun | None = None
+
+    @property
+    def key(self) -> str:
+        """What it is claimed and carried out under, once: its post, and of a scheduled run also its time."""
+        return self.post_id if self.run is None else f"{self.post_id}@{self.run.at:%Y%m%dT%H%M%SZ}"
+
+    @property
+    def written_at(self) -> datetime:
+        """When its post was written: a later stop ends it (law 14)."""
+        return self.posted_at if self.run is None else self.run.posted_at

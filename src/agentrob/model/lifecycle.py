@@ -103,6 +103,8 @@ class EndReason(StrEnum):
     RELEASE = "release"  # posted before its robot was released
     CLOCK = "clock"  # the forum's clock was set: it may have been posted before a stop
     REPLACED = "replaced"  # the forum was replaced by another
+    MISSED = "missed"  # a run of a schedule that could not begin in time
+    OVERLAP = "overlap"  # a run of a schedule, before the one before it had ended
     BEFORE = "before"  # cancelled before it began; the reason is not known
 
     @property
@@ -120,6 +122,7 @@ _BEFORE_MOTION = {
     EndReason.STALE: _S.EXPIRED,
     EndReason.EXPIRED: _S.EXPIRED,
     EndReason.LAPSED: _S.EXPIRED,
+    EndReason.MISSED: _S.EXPIRED,
     EndReason.DENIED: _S.REFUSED,
 }
 _IN_MOTION = {EndReason.STOP: _S.STOPPED, EndReason.SHUTDOWN: _S.INTERRUPTED}

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 
 from pydantic import TypeAdapter
 
 from agentrob.board.command_reading import DraftCommand, DraftReading, ReadableRobot, RobotReading
+from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.registry import language_of
+from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.protocol import Addressee
@@ -32,6 +35,8 @@ from agentrob.screening.screen import harm_in_words, prepare, screen
 LIMIT_S = 0.5
 _START = "from agentrob.wiring.command_reader import serve; serve()"
 _DRAFT, _READING = TypeAdapter(DraftCommand), TypeAdapter(DraftReading)
+#: The zone of a robot is in the configuration of its agent: a time that is still to come in one of these may be.
+_ZONES = ("UTC", "Etc/GMT+12", "Etc/GMT-14")
 #: The field of `Limits` that each rule of the screen is about.
 _LIMIT_OF = {
     "limit.step_distance": "step_m",
@@ -106,6 +111,30 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     others = tuple(name for name in names if name != robot.name)
     if stop_intent(visible) is not None:
         return RobotReading(robot.name, say("read.stop", language_of(visible)), "stop")
+    part = part_for(visible, (robot.name,), others)
+    timed = _timed(part)
+    if timed is not None and timed.schedule is not None and visible.count(part) == 1:
+        untimed = _read_now(visible.replace(part, timed.rest), author, replace(robot, history=()), others)
+        if untimed.outcome in ("would", "needs_approval"):
+            line = say("read.later", language_of(part), line=untimed.line)
+            return replace(untimed, line=line)
+        if untimed.outcome in ("refuse", "ask_back"):
+            return untimed
+    if lists_schedules(part):
+        return RobotReading(robot.name, say("read.answer", language_of(part)), "answer")
+    found = _read_now(visible, author, robot, others)
+    if timed is not None and found.outcome == "ask_back" and not found.rule:
+        return replace(found, line=timed.question or found.line)
+    return found
+
+
+def _timed(part: str) -> TimedText | None:
+    read = [timed_text(part, datetime.now(UTC), tz) for tz in _ZONES]
+    return next((timed for timed in read if timed is not None and timed.schedule is not None), read[0])
+
+
+def _read_now(visible: str, author: Account, robot: ReadableRobot, others: tuple[str, ...]) -> RobotReading:
+    """How a robot reads a command that is carried out at once."""
     understood = asyncio.run(
         RulesMind().understand(visible, Addressee((robot.name,), others, robot.can), robot.history)
     )

@@ -28,7 +28,8 @@ class Inbox:
 
     `stopped` returns why a post of a given time may not move: the newest stop is later. `settled` returns the triaged
     post again once the forum's clock is known. `enqueue` starts a command. `decline` reports that a command could not
-    be recorded. `approve` handles a post that approves or denies a command.
+    be recorded. `approve` handles a post that approves or denies a command, `cancel` one that cancels the schedules of
+    its thread, `amended` the schedule of a post that was edited or removed.
     """
 
     def __init__(
@@ -41,6 +42,8 @@ class Inbox:
         enqueue: Callable[[QueuedCommand], None],
         decline: Callable[[Command], None],
         approve: Callable[[Post, TriagedPost], Awaitable[None]],
+        cancel: Callable[[Post], Awaitable[None]],
+        amended: Callable[[Post], Awaitable[None]],
     ) -> None:
         #: Posts of commands that have been received and are not queued yet.
         self.coming: dict[str, Post] = {}
@@ -55,6 +58,8 @@ class Inbox:
         self._enqueue = enqueue
         self._decline = decline
         self._approve = approve
+        self._cancel = cancel
+        self._amended = amended
         self._waiting: asyncio.Queue[tuple[Event, TriagedPost]] = asyncio.Queue()
 
     @property
@@ -138,7 +143,10 @@ class Inbox:
             return
         if event.kind is not EventKind.POST_CREATED:
             await self._amend(post)
+            await self._amended(post)
             return
+        if triaged.route is Route.CANCEL:
+            await self._cancel(post)
         if triaged.route in (Route.APPROVE, Route.DENY, *_TO_TAKE):
             triaged = await self._settled(post, triaged)
         if triaged.route in (Route.APPROVE, Route.DENY):
@@ -167,16 +175,15 @@ class Inbox:
 
     async def _amend(self, post: Post) -> None:
         """End the command of a post that was edited or removed."""
-        if (job := self._queue.find(post.id)) is None:
-            return
-        if post.removed:
-            why = EndReason.REMOVED
-        elif not job.moving and post.content_hash != job.command.content_hash:
-            why = EndReason.EDITED
-        else:
-            return
-        job.end(why)
-        await self._journal().end([post.id], why)
+        for job in [job for job in self._queue if job.command.post_id == post.id]:
+            if post.removed:
+                why = EndReason.REMOVED
+            elif not job.moving and post.content_hash != job.command.content_hash:
+                why = EndReason.EDITED
+            else:
+                continue
+            job.end(why)
+            await self._journal().end([job.command.key], why)
 
     def _command(self, post: Post, triaged: TriagedPost) -> Command:
         return Command(

@@ -43,7 +43,7 @@ async def gap_after(forum: Forum, journal: Journal) -> tuple[datetime, datetime]
     heard_at, newest = await journal.get_time("cursor_at"), await journal.newest_claim()
     if heard_at is None or newest is None:
         return None
-    claimed = await retry_until_answered(partial(forum.find, f"claim:{newest.command.post_id}"))
+    claimed = await retry_until_answered(partial(forum.find, f"claim:{newest.command.key}"))
     trace_id = newest.command.trace_id
     if claimed is None or trace_id not in (claimed.raw, claimed.card.trace_id if claimed.card else ""):
         return None

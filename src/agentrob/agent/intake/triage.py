@@ -11,6 +11,7 @@ from agentrob.language import registry
 from agentrob.language.approval import ApprovalIntent, approval_in
 from agentrob.language.parser.grammar import asks_for_picture_at_rest
 from agentrob.language.rendered_text import text_in
+from agentrob.language.schedule.reading import cancels_schedule
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
 from agentrob.language.visible_text import mentions, without_mentions
@@ -30,6 +31,7 @@ class Route(StrEnum):
     READ = "read"
     APPROVE = "approve"
     DENY = "deny"
+    CANCEL = "cancel"  # the schedules of its thread
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +39,9 @@ class Addressing:
     """Who is addressed, and the state of things when a post arrives.
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
-    `running_topics` are threads in which a command of this robot runs or waits, `commands` the posts of these commands,
-    and `robots` the accounts that are known to be robots. `watermark_at` is when its agent first started, `now_at` the
-    forum's clock.
+    `running_topics` are threads in which a command of this robot runs or waits, `schedule_topics` those in which it has
+    a schedule, `commands` the posts of the commands that run or wait, and `robots` the accounts that are known to be
+    robots. `watermark_at` is when its agent first started, `now_at` the forum's clock.
     """
 
     me: Account
@@ -49,6 +51,7 @@ class Addressing:
     now_at: datetime
     max_age_s: float
     running_topics: Collection[str] = ()
+    schedule_topics: Collection[str] = ()
     commands: Collection[str] = ()
     robots: Collection[str] = ()
 
@@ -85,7 +88,11 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
     # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
     robots = tuple(name for name in others if name in addressing.robots)
-    here = mine or (not robots and post.topic_id in addressing.running_topics)
+    scheduled = post.topic_id in addressing.schedule_topics
+    here = mine or (not robots and (scheduled or post.topic_id in addressing.running_topics))
+    # Where nothing moves or waits, "cancel" in the thread of a schedule ends that schedule; elsewhere it is a stop.
+    if here and scheduled and not edited and not addressing.running_topics and cancels_schedule(text):
+        return TriagedPost(Route.CANCEL, text, others)
     at_rest = called and not addressing.running_topics  # then "don't move, just take a photo" takes the photo
     if here and (stop := stop_intent(text)) and not (at_rest and asks_for_picture_at_rest(without_mentions(text))):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others)

@@ -56,11 +56,11 @@ async def illustrate(
     pictures += [Picture("recording", recording)] if recording else []
     if store is None or hurry or not pictures:
         return tuple(pictures)
-    if data := await asyncio.to_thread(recorder.data, report.command.post_id):
+    if data := await asyncio.to_thread(recorder.data, report.command.key):
         pictures.append(Picture("data", data))
     if calls:
         pictures.append(Picture("calls", calls))
-    name = safe_name(report.command.post_id)
+    name = safe_name(report.command.key)
     kept = await asyncio.gather(*(_upload(store, f"{name}-{p.kind}{p.step or ''}", p) for p in pictures))
     return tuple(p for p in kept if not (p.kind in ("data", "calls") and p.attached))
 

@@ -121,7 +121,7 @@ class Recorder:
         `late` returns it afterwards, except with `once`: then this waits longer. With `hurry` nothing is drawn. After a
         restart the pictures that were taken are lost, and the animation shows a map.
         """
-        post_id = report.command.post_id
+        post_id = report.command.key
         film = self._films.pop(post_id, Film())
         if not any(r.primitive.moves and r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED) for r in report.results):
             return None
@@ -192,7 +192,7 @@ class Recorder:
         }
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         text = "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines(report.results, **head))
-        _write(self.file(command.post_id), text.encode())
+        _write(self.file(command.key), text.encode())
         prune(self._folder, self._settings.keep_days, self._settings.keep_mb)
 
     def stored_path(self, post_id: str) -> str:

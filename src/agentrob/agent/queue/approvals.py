@@ -19,7 +19,7 @@ import structlog
 
 from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights_on
 from agentrob.agent.intake.triage import Route, TriagedPost
-from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
+from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.status_post import SOON_S, Shown, retry_until_answered, retry_while_denied
 from agentrob.agent.store.journal import Journal
@@ -62,6 +62,10 @@ class Approvals:
         """Return how long after its post a command can be approved."""
         return min(self.settings.approval.wait_s, self.settings.queue_expiry_s)
 
+    def wait_of(self, job: QueuedCommand) -> float:
+        """Return how long after its post, or after the time of its run, this command can be approved."""
+        return self.wait_s if job.command.run is None else min(self.wait_s, LATE_S)
+
     async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
         """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time.
 
@@ -69,16 +73,17 @@ class Approvals:
 
         `understood` says what it would do and `needed` why it needs an approval.
         """
-        until_at = job.command.posted_at + timedelta(seconds=self.wait_s)
-        job.asked = await self.journal.ask(job.command.post_id, self.now(), until_at)
+        wait_s = self.wait_of(job)
+        until_at = job.command.posted_at + timedelta(seconds=wait_s)
+        job.asked = await self.journal.ask(job.command.key, self.now(), until_at)
         if job.decided is None:
             await job.unless_ended(self._post_request(job, understood, needed, job.asked.until_at))
-        left_s = self.wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        left_s = wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
         left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
         await self.queue.hold(job, max(0.0, left_s), until=lambda: job.decided)
         if job.ended is None and job.decided is None:
             job.end(EndReason.LAPSED)
-            await self.journal.end([job.command.post_id], EndReason.LAPSED)
+            await self.journal.end([job.command.key], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
     async def _post_request(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
@@ -117,7 +122,7 @@ class Approvals:
             return
         approved = triaged.route is Route.APPROVE
         decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
-        if not await self.journal.decide(job.command.post_id, decided):
+        if not await self.journal.decide(job.command.key, decided):
             self.spawn(self._answer(post, say("agent.approval.nothing", triaged.language)))
             return
         _log.info("approval", robot=self.name, post=job.command.post_id, by=post.author.name, approved=approved)

@@ -20,6 +20,8 @@ from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.minds.visual_loop.pursuit import in_words
 from agentrob.model import Command, EndReason, StopResult
 
+#: No run of a schedule begins later than this after its time.
+LATE_S = 300.0
 T = TypeVar("T")
 _log = structlog.get_logger()
 

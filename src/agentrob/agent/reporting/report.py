@@ -12,6 +12,7 @@ from datetime import timedelta
 
 from agentrob.agent.media.pictures import Picture
 from agentrob.agent.media.track import clips
+from agentrob.agent.reporting.schedule_text import named
 from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.language.messages.done_text import done_text
 from agentrob.language.messages.durations import duration
@@ -135,7 +136,16 @@ def final(
     shown, small = _pictures(pictures, language), [note for note in notes if _is_small(note)]
     stopped = "" if report.stop is None else stop_figures(report.stop, language)
     warned = report.stop is not None and not report.stop.confirmed  # above everything that needs scrolling
-    parts = [*_lead(report), stopped if warned else "", summary, shown if linked else "", calls or _table(report)]
+    run = report.command.run
+    which = [named(run, language)] if run is not None and not run.missed else []
+    parts = [
+        *which,
+        *_lead(report),
+        stopped if warned else "",
+        summary,
+        shown if linked else "",
+        calls or _table(report),
+    ]
     if report.plan.notes and report.status not in (CommandState.ASKS_BACK, CommandState.REFUSED):
         parts.append(say("agent.note", language, notes=" ".join(disarmed(note) for note in report.plan.notes)))
     if not warned:

@@ -93,7 +93,7 @@ class StatusPost:
 
         If `created` is False, the command was claimed before, and nothing is shown unless `adopt` takes over the claim.
         """
-        key = f"claim:{self._command.post_id}"
+        key = f"claim:{self._command.key}"
         written = await retry_until_answered(
             lambda: self._forum.reply(
                 self._command.topic_id, shown.text, key=key, reply_to=self._command.post_id, card=shown.card
@@ -140,7 +140,7 @@ class StatusPost:
                 lambda: retry_until_answered(lambda: self._forum.edit(post_id, shown.text, card=shown.card)), SOON_S
             )
         else:
-            key = f"waits:{command.post_id}"
+            key = f"waits:{command.key}"
             written = await retry_until_answered(
                 lambda: self._forum.reply(
                     command.topic_id, shown.text, key=key, reply_to=command.post_id, card=shown.card
@@ -218,11 +218,11 @@ class StatusPost:
             )
 
         try:
-            written = await _illustrated(partial(reply, f"reply:{command.post_id}"), images)
+            written = await _illustrated(partial(reply, f"reply:{command.key}"), images)
             if not written.created and (card := written.post.card) is not None:
                 ours = card.trace_id == final.card.trace_id
                 if measured and _guessed(card):
-                    await _illustrated(partial(reply, f"measured:{command.post_id}"), images)
+                    await _illustrated(partial(reply, f"measured:{command.key}"), images)
                     ours = True
         except ForumDenied:
             raise

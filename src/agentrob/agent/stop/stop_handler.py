@@ -160,7 +160,7 @@ class StopHandler:
         if (journal := self._journal()) is not None:
             self._save_soon(journal)
             if ended:
-                self._spawn(journal.end([job.command.post_id for job in ended], why))
+                self._spawn(journal.end([job.command.key for job in ended], why))
 
     def _save_soon(self, journal: Journal) -> None:
         if self._saving is None or self._saving.done():

@@ -23,16 +23,20 @@ from agentrob.agent.store.queries import insert_new, put
 from agentrob.agent.store.rows import (
     COMMAND,
     DECIDED,
+    SCHEDULED,
     ApprovalDecision,
     ApprovalRequest,
     Claim,
+    KeptSchedule,
     MotionState,
+    ScheduledCommand,
     read_claim,
+    read_schedule,
 )
-from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, MOTION
+from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, MOTION, SCHEDULE
 from agentrob.agent.store.transactions import Transactions
 from agentrob.errors import JournalError
-from agentrob.model import Command, CommandState, EndReason, FencingToken, Plan
+from agentrob.model import Command, CommandState, EndReason, FencingToken, Plan, ScheduleEnd
 from agentrob.model.lifecycle import check_transition
 
 Work = Callable[[], Awaitable[str]]
@@ -107,21 +111,19 @@ class Journal:
 
         `ended` is why it may never move; it is written together with the claim.
         """
-        row = {
-            "robot": self._robot, "post": command.post_id, "topic": command.topic_id,
-            "command": COMMAND.dump_json(command).decode(), "boot": rows.boot(), "accepted_s": rows.boot_s(),
-        }  # fmt: skip
+        return await self._rows.write(lambda db: self._claim_row(db, command, ended), begins=True)
 
-        def work(db: Connection) -> Claim:
-            before = self._claim(db, command.post_id)
-            if before is not None:
-                return before
-            insert_new(db, CLAIM, **row)
-            if ended is not None:
-                self._end_row(db, command.post_id, ended)
-            return Claim(command, new=True, waited_s=0.0, ended=ended)
-
-        return await self._rows.write(work, begins=True)
+    def _claim_row(self, db: Connection, command: Command, ended: EndReason | None) -> Claim:
+        before = self._claim(db, command.key)
+        if before is not None:
+            return before
+        insert_new(
+            db, CLAIM, robot=self._robot, post=command.key, topic=command.topic_id,
+            command=COMMAND.dump_json(command).decode(), boot=rows.boot(), accepted_s=rows.boot_s(),
+        )  # fmt: skip
+        if ended is not None:
+            self._end_row(db, command.key, ended)
+        return Claim(command, new=True, waited_s=0.0, ended=ended)
 
     def _claim(self, db: Connection, post_id: str) -> Claim | None:
         found = db.execute(queries.THIS_CLAIM, self._this(post_id)).first()
@@ -220,6 +222,55 @@ class Journal:
     async def has_decision(self, post_id: str) -> bool:
         """Whether this post approved or denied something."""
         return await self._first(queries.DECIDED_BY, post_id) is not None
+
+    # ---------------------------------------------------------------- schedules
+    async def add_schedule(self, asked: ScheduledCommand, next_at: datetime) -> KeptSchedule:
+        """Keep a schedule whose first run is at `next_at`. Its own post never moves anything. The first one counts."""
+        row = {
+            "robot": self._robot, "post": asked.command.post_id, "data": SCHEDULED.dump_json(asked).decode(),
+            "next_at": next_at.isoformat(), "runs_left": asked.schedule.runs_left, "told": 0,
+        }  # fmt: skip
+
+        def work(db: Connection) -> KeptSchedule:
+            insert_new(db, SCHEDULE, **row)
+            self._insert_motion(db, asked.command.post_id, MotionState.CANCELLED)
+            return read_schedule(db.execute(queries.THIS_SCHEDULE, self._this(asked.command.post_id)).one())
+
+        return await self._rows.write(work, begins=True)
+
+    async def schedule(self, post_id: str) -> KeptSchedule | None:
+        found = await self._first(queries.THIS_SCHEDULE, post_id)
+        return read_schedule(found) if found else None
+
+    async def schedules(self) -> Sequence[KeptSchedule]:
+        """Those with further runs, and those whose end must still be told; the next run first."""
+        found = await self._rows.read(lambda db: db.execute(queries.SCHEDULES, self._this()).all())
+        return [read_schedule(row) for row in found]
+
+    async def begin_run(
+        self, kept: KeptSchedule, command: Command, ended: EndReason | None, after: KeptSchedule
+    ) -> Claim | None:
+        """Claim the next run of a schedule and set the schedule to `after`, both or neither (law 6). `ended` is why the
+        run may not move. None if the run is not the next one any more."""
+        values = self._this(
+            kept.post_id, was_next=kept.next_at.isoformat() if kept.next_at else "", runs_left=after.runs_left,
+            next_at=after.next_at.isoformat() if after.next_at else None,
+            ended=str(after.ended) if after.ended else None, told=int(after.told),
+        )  # fmt: skip
+
+        def work(db: Connection) -> Claim | None:
+            if not db.execute(queries.ADVANCE_SCHEDULE, values).rowcount:
+                return None
+            return self._claim_row(db, command, ended)
+
+        return await self._rows.write(work, begins=True)
+
+    async def end_schedule(self, post_id: str, why: ScheduleEnd, *, told: bool = False) -> None:
+        """End a schedule, if there is one; the first reason counts. `told`: nobody needs to be told."""
+        await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(told))
+
+    async def set_schedule_told(self, post_id: str) -> None:
+        await self._do(queries.SET_SCHEDULE, post_id, told=1)
 
     async def prune(self, days: float, commands: int) -> None:
         """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago.

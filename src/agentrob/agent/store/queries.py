@@ -29,7 +29,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.dialects import postgresql, sqlite
 
-from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, HOLDER, META, MOTION, now_s
+from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, HOLDER, META, MOTION, SCHEDULE, now_s
 
 ROBOT, KEY = bindparam("this_robot", type_=Text), bindparam("this_key", type_=Text)
 
@@ -60,6 +60,12 @@ THIS_MOTION = select(MOTION.c.state, MOTION.c.result).where(_this(MOTION))
 THIS_ASSESSMENT = select(ASSESSMENT.c.result).where(_this(ASSESSMENT))
 DECIDED_BY = select(APPROVAL.c.post).where(_ours(APPROVAL), APPROVAL.c.said_by == KEY)
 VALUE = select(META.c.value).where(_this(META))
+_SCHEDULES = select(
+    SCHEDULE.c.data, SCHEDULE.c.next_at, SCHEDULE.c.runs_left, SCHEDULE.c.ended, SCHEDULE.c.told
+).where(_ours(SCHEDULE))  # fmt: skip
+THIS_SCHEDULE = _SCHEDULES.where(SCHEDULE.c.post == KEY)
+#: Those with further runs, or whose end must still be told.
+SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, SCHEDULE.c.post)
 #: The newest plans that were done in a topic.
 PLANS = (
     select(CLAIM.c.plan)
@@ -78,6 +84,11 @@ UNDO_BEGIN = delete(MOTION).where(_this(MOTION), MOTION.c.state == "begun")
 #: While nothing moves, a denial counts also after an approval; otherwise the first decision.
 DENY = update(APPROVAL).where(_this(APPROVAL), not_(exists().where(_this(MOTION))))
 APPROVE = DENY.where(APPROVAL.c.said.is_(None))
+SET_SCHEDULE = update(SCHEDULE).where(_this(SCHEDULE))
+#: The first reason counts.
+END_SCHEDULE = SET_SCHEDULE.where(SCHEDULE.c.ended.is_(None))
+#: Only from the run that was the next one, so that no run is taken twice.
+ADVANCE_SCHEDULE = END_SCHEDULE.where(SCHEDULE.c.next_at == bindparam("was_next", type_=Text))
 FORGET_ASSESSMENT = delete(ASSESSMENT).where(_this(ASSESSMENT))
 FORGET_ASSESSMENTS = delete(ASSESSMENT).where(_ours(ASSESSMENT))
 #: The posts of a forum that was replaced.
@@ -87,6 +98,7 @@ SET_ASIDE = (
     .values(post=_MARK + CLAIM.c.post, topic="", final=func.coalesce(CLAIM.c.final, "cancelled")),
     update(MOTION).where(_ours(MOTION)).values(post=_MARK + MOTION.c.post),
     update(APPROVAL).where(_ours(APPROVAL)).values(post=_MARK + APPROVAL.c.post, said_by=None),
+    delete(SCHEDULE).where(_ours(SCHEDULE)),
     FORGET_ASSESSMENTS,
 )  # fmt: skip
 
@@ -101,7 +113,15 @@ def _prune() -> tuple[Any, ...]:
     of_them = (delete(t).where(_ours(t), t.c.post.in_(posts)) for t in (MOTION, APPROVAL, ASSESSMENT))
     # Posts that were cancelled before anybody claimed them.
     unclaimed = MOTION.c.post.not_in(select(CLAIM.c.post).where(_ours(CLAIM)))
-    return *of_them, delete(CLAIM).where(*ended), delete(MOTION).where(_ours(MOTION), MOTION.c.at < before, unclaimed)
+    told = delete(SCHEDULE).where(
+        _ours(SCHEDULE), SCHEDULE.c.told == 1, SCHEDULE.c.post.not_in(select(CLAIM.c.post).where(_ours(CLAIM)))
+    )
+    return (
+        *of_them,
+        delete(CLAIM).where(*ended),
+        delete(MOTION).where(_ours(MOTION), MOTION.c.at < before, unclaimed),
+        told,
+    )
 
 
 #: Claims that ended more than `:age_s` ago, or more than `:least_s` ago and before the newest `:commands`.

@@ -82,7 +82,7 @@ class Records:
             **more,
         }
         self._records.mkdir(parents=True, exist_ok=True, mode=0o700)
-        path = self._records / f"{safe_name(command.post_id)}.json"
+        path = self._records / f"{safe_name(command.key)}.json"
         part = path.with_suffix(".part")
         part.write_text(json.dumps(facts, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
         part.replace(path)

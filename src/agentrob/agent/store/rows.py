@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from agentrob.model import Account, Command, CommandState, EndReason
+from agentrob.model import Account, Command, CommandState, EndReason, Schedule, ScheduleEnd
 from agentrob.model.lifecycle import stored_reason, stored_state
 
 
@@ -45,7 +45,35 @@ class ApprovalRequest:
     decided: ApprovalDecision | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class ScheduledCommand:
+    """A command for later times: the post that asked for it, the command without the time, and what that is in our
+    words."""
+
+    command: Command
+    schedule: Schedule
+    text: str
+    understood: str
+
+
+@dataclass(frozen=True, slots=True)
+class KeptSchedule:
+    """A scheduled command with its next run, how many runs are left, and why it has ended, if it has. `told`: there is
+    nothing more to tell about it."""
+
+    asked: ScheduledCommand
+    next_at: datetime | None
+    runs_left: int
+    ended: ScheduleEnd | None = None
+    told: bool = False
+
+    @property
+    def post_id(self) -> str:
+        return self.asked.command.post_id
+
+
 COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(ApprovalDecision)
+SCHEDULED = TypeAdapter(ScheduledCommand)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +113,7 @@ class Claim:
         posted_at = self.command.posted_at
         if self.ended is not None:
             return self.ended
-        if posted_at <= stopped_at:
+        if self.command.written_at <= stopped_at:
             return EndReason.STOP
         if posted_at <= watermark_at:
             return EndReason.STALE
@@ -110,6 +138,14 @@ def read_claim(row: Any, shared: bool) -> Claim:
         asked=read_asked(*asked),
         motion=MotionState(motion) if motion is not None else None,
     )
+
+
+def read_schedule(row: Any) -> KeptSchedule:
+    """A row of `SCHEDULES`."""
+    data, next_at, runs_left, ended, told = row
+    at = datetime.fromisoformat(next_at) if next_at is not None else None
+    end = ScheduleEnd(ended) if ended is not None else None
+    return KeptSchedule(SCHEDULED.validate_json(data), at, int(runs_left), end, bool(told))
 
 
 def read_asked(asked_at: str | None, until_at: str | None, decision: str | None) -> ApprovalRequest | None:

@@ -51,6 +51,15 @@ APPROVAL = _table(
     Column("said_by", Text),
 )  # fmt: skip
 ASSESSMENT = _table("assessment", "post", Column("result", Text, nullable=False))
+#: Commands for later times. `next_at` is the next run, none if there is none; `told`: the end was told, or need not be.
+SCHEDULE = _table(
+    "schedule", "post",
+    Column("data", Text, nullable=False),
+    Column("next_at", Text),
+    Column("runs_left", BigInteger, nullable=False),
+    Column("ended", Text),
+    Column("told", BigInteger, nullable=False),
+)  # fmt: skip
 #: On PostgreSQL, the fencing number of each robot's newest holder, and the mark of the last transaction it committed.
 HOLDER = Table(
     "holder", METADATA,

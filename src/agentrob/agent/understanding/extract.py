@@ -17,7 +17,7 @@ from agentrob.minds.protocol import Addressee, ManagedMind, Mind, Reading, read
 from agentrob.minds.rules import RulesMind
 from agentrob.minds.safety_review import SafetyReview
 from agentrob.minds.usage import Usage
-from agentrob.model import Intent, Plan, Understanding, Verdict
+from agentrob.model import Intent, Plan, Schedule, Understanding, Verdict
 
 #: Posts that need large numerals, or that are read again as idioms, lists and remarks.
 WARM_UP = ("一千零五米", "1. do a full turn and finish with a wave, my dog loves it", "最后伸个懒腰，我家狗可喜欢了")
@@ -36,7 +36,8 @@ class Assessment:
     `mind` is who read it in the end; `fallback` says why that was not the mind of the configuration (a word of
     `ErrorKind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
     failed ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what
-    needs eyes, and then the plan has only the steps that it names.
+    needs eyes, and then the plan has only the steps that it names. `schedule` is when the command is to be carried out,
+    None for at once; `untimed` is then the text of the post without the time.
     """
 
     understanding: Understanding
@@ -46,6 +47,8 @@ class Assessment:
     fallback: str = ""
     screened: SafetyReview | None = None
     goal: Goal | None = None
+    schedule: Schedule | None = None
+    untimed: str = ""
 
 
 async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Assessment:

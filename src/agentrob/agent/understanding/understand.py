@@ -22,6 +22,7 @@ from agentrob.language.addressing import part_for
 from agentrob.language.goal import Goal
 from agentrob.language.messages.catalog import say
 from agentrob.language.registry import language_of
+from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.extraction.summary import Summary, summarise
@@ -82,7 +83,7 @@ class Assessor:
         """Understand and judge a command once; a restart gets the same assessment. A command that is ended does not
         wait for the mind."""
         work = partial(self._think, job, terms)
-        assessment = _ASSESSMENT.validate_json(await self.journal.assess(job.command.post_id, work))
+        assessment = _ASSESSMENT.validate_json(await self.journal.assess(job.command.key, work))
         if assessment.understanding.intent is not Intent.NOTHING:
             job.command = replace(job.command, language=assessment.understanding.language)
         job.assessment = assessment
@@ -99,11 +100,45 @@ class Assessor:
         return _ASSESSMENT.dump_json(await self.consider(job, terms)).decode()
 
     async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
-        """Understand and judge a command now, without storing the assessment."""
-        command, capabilities = job.command, await self.driver.capabilities()
-        others = tuple(name for name in mentions(command.text) if name not in self.names)
-        addressee = Addressee(tuple(self.names), others, capabilities, self.settings.step_length_m)
+        """Understand and judge a command now, without storing the assessment. One that says when is understood and
+        judged without the time."""
+        command = job.command
+        if command.run is not None:
+            return await self._consider(job, command, terms, alone=True)
+        part = part_for(command.text, tuple(self.names), self._others(command))
+        if lists_schedules(part):
+            return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
+        timed = timed_text(part, command.posted_at, self.settings.time_zone)
+        if timed is None or (timed.schedule is None and await self._is_command_of_now(command)):
+            return await self._consider(job, command, terms)
+        if timed.schedule is not None and command.text.count(part) == 1:
+            untimed = replace(command, text=command.text.replace(part, timed.rest))
+            assessment = await self._consider(job, untimed, terms, alone=True)
+            if assessment.understanding.intent is Intent.COMMAND:
+                return replace(assessment, schedule=timed.schedule, untimed=untimed.text)
+            if assessment.understanding.intent is Intent.ASK_BACK:
+                return assessment
+        assessment = await self._consider(job, command, terms)
+        return _asks_when(assessment, timed)
+
+    def _others(self, command: Command) -> tuple[str, ...]:
+        return tuple(name for name in mentions(command.text) if name not in self.names)
+
+    async def _is_command_of_now(self, command: Command) -> bool:
+        """Whether the rules understand every word, and so take what says when for a remark: "happy friday, wave"."""
+        capabilities = await self.driver.capabilities()
+        addressee = Addressee(tuple(self.names), self._others(command), capabilities, self.settings.step_length_m)
         history = await self.journal.history(command.topic_id)
+        return (await by_rules(command.text, addressee, history)).understanding.intent is Intent.COMMAND
+
+    async def _consider(
+        self, job: QueuedCommand, command: Command, terms: CommandTerms, *, alone: bool = False
+    ) -> Assessment:
+        """Understand and judge a text. `alone`: without what was done before in the thread, which "again" would repeat:
+        when a schedule runs that may be something else."""
+        capabilities = await self.driver.capabilities()
+        addressee = Addressee(tuple(self.names), self._others(command), capabilities, self.settings.step_length_m)
+        history = () if alone else await self.journal.history(command.topic_id)
         assessment = await self._goal(command, addressee, history)
         allowed = may(command.author, "command", simulated=capabilities.simulated).decision is Decision.ALLOW
         if assessment is None and not allowed:
@@ -129,8 +164,12 @@ class Assessor:
             known = replace(terms, known=assessment.goal is not None)
             verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
             assessment = replace(assessment, verdict=verdict)
-            assessment = await self._with_opinion(job, assessment, part_for(command.text, addressee.names, others))
-            assessment = await self._looked_at(job, assessment, addressee, capabilities, history, terms.scene)
+            assessment = await self._with_opinion(
+                job, assessment, part_for(command.text, addressee.names, addressee.others)
+            )
+            assessment = await self._looked_at(
+                job, command.text, assessment, addressee, capabilities, history, terms.scene
+            )
         elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
         return assessment
@@ -178,6 +217,7 @@ class Assessor:
     async def _looked_at(
         self,
         job: QueuedCommand,
+        text: str,
         assessment: Assessment,
         addressee: Addressee,
         capabilities: Capabilities,
@@ -198,7 +238,7 @@ class Assessor:
         ):  # nobody answered a moment ago, or nobody was waited for
             screened = SafetyReview(self.mind.name, failed=assessment.fallback) if assessment.fallback != OVER else None
         else:
-            part = part_for(job.command.text, addressee.names, addressee.others)
+            part = part_for(text, addressee.names, addressee.others)
             goal = in_words(assessment.goal, "en") if assessment.goal else ""
             looking = review_command(
                 self.model, part, plan, capabilities, language, history, scene, spent=assessment.usage, goal=goal
@@ -207,3 +247,17 @@ class Assessor:
         usage = (*assessment.usage, *(screened.usage if screened else ()))
         verdict = apply_review(verdict, screened, language, settings.screen == "required")
         return replace(assessment, verdict=verdict, usage=usage, screened=screened)
+
+
+def _asks_when(assessment: Assessment, timed: TimedText) -> Assessment:
+    """Ask about the time of a command that says when, and is not carried out at once instead."""
+    understood = assessment.understanding
+    if understood.intent not in (Intent.COMMAND, Intent.ASK_BACK):
+        return assessment
+    question = (
+        timed.question
+        or f"{say('schedule.unclear', understood.language)} {say('schedule.examples', understood.language)}"
+    )
+    verdict = assessment.verdict if understood.intent is Intent.ASK_BACK else None
+    asked = Understanding(Intent.ASK_BACK, understood.language, question=question)
+    return replace(assessment, understanding=asked, verdict=verdict)

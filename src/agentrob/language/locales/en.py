@@ -14,6 +14,7 @@ from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
+from agentrob.language.schedule.english import WORDS as SCHEDULE
 from agentrob.language.talk.words_en import FORMS
 
 #: With "the", a dog or robot is not the one that is spoken to.
@@ -750,4 +751,5 @@ LOCALE = Locale(
     r"|\b(?:but|and)\b (?:(?!\b(?:and|but|then)\b)(?:[^,;.!]|(?<=\d)\.(?=\d)))*(?<!at )(?<!my )(?<!the )\bfirst\b",
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
     talk=FORMS,
+    schedule=SCHEDULE,
 )

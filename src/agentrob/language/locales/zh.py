@@ -15,6 +15,7 @@ from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
 from agentrob.language.remarks import chinese as remarks
 from agentrob.language.remarks.classifier import StatementClassifier
+from agentrob.language.schedule.chinese import WORDS as SCHEDULE
 from agentrob.language.talk.words_zh import FORMS
 
 
@@ -641,5 +642,6 @@ LOCALE = Locale(
     introduction=remarks.INTRODUCTION,
     never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
+    schedule=SCHEDULE,
     idioms=IDIOMS,
 )

@@ -1,5 +1,7 @@
 """Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
+from agentrob.language.messages.schedule_en import SCHEDULE
+
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
     "step.move": "walk {direction} {metres} m",
@@ -592,4 +594,5 @@ PHRASES = {
         "My owner requires a model to review every command before I move, and none answers now. I did not move. "
         "Please post it again later."
     ),
+    **SCHEDULE,
 }

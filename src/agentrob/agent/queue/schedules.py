@@ -1,0 +1,241 @@
+"""Commands for later times: begin each run when it is due, and say what did not run and what has ended.
+
+A run is a command of the schedule's author, posted at the time of the run: its rights, freshness, screen, approval and
+limits are checked then, by the same pipeline (laws 2, 4, 5 and 7). Its claim and the next time of its schedule are
+written in one transaction, so that it begins at most once and none is lost in silence (law 6). A stop ends the
+schedules that were posted before it (law 14).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import traceback
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timedelta
+from functools import partial
+from typing import Any
+from uuid import uuid4
+
+import structlog
+
+from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
+from agentrob.agent.reporting.status_post import retry_until_answered
+from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.rows import KeptSchedule
+from agentrob.config.robots import RobotConfig
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, JournalError
+from agentrob.forums.protocol import Forum
+from agentrob.language.messages.catalog import say
+from agentrob.model import Account, Decision, EndReason, Post, ScheduledRun, ScheduleEnd, Verdict
+from agentrob.model.schedules import next_run
+from agentrob.screening.rights import may
+
+#: The most schedules of one account that one robot keeps.
+MOST = 5
+#: How often the times are compared at least, because the forum's clock can be set, and how soon after an error.
+LOOK_S, RETRY_S = 30.0, 2.0
+#: How long the forum may take to show a post and its author, and how often the end of a schedule is tried to be told.
+ASK_S, TRIES = 10.0, 9
+_log = structlog.get_logger()
+
+
+@dataclass
+class Schedules:
+    """The schedules of one robot. `now` is the forum's clock, `why_not` returns why a post of a given time may not move
+    the robot, because of a later stop. `enqueue` starts a command, `spawn` a background task."""
+
+    settings: RobotConfig
+    forum: Forum
+    journal: Journal
+    queue: CommandQueue
+    now: Callable[[], datetime]
+    why_not: Callable[[datetime], EndReason | None]
+    enqueue: Callable[[QueuedCommand], None]
+    spawn: Callable[[Coroutine[Any, Any, Any]], object]
+    #: The threads of schedules with further runs, in which "cancel" needs no mention.
+    topics: frozenset[str] = frozenset()
+    _telling: set[str] = field(default_factory=set)
+    _changed: asyncio.Event = field(default_factory=asyncio.Event)
+
+    # ---------------------------------------------------------------- time
+    async def run(self) -> None:
+        """Begin runs when they are due, until cancelled."""
+        while True:
+            self._changed.clear()
+            wait_s = RETRY_S
+            try:
+                wait_s = await self.step()
+            except JournalError as e:
+                _log.error("schedules not read", error=str(e))
+            except Exception:  # no schedule ends the agent, which must hear the next stop
+                _log.error("schedules not handled", trace=traceback.format_exc())
+            try:
+                async with asyncio.timeout(wait_s):
+                    await self._changed.wait()
+            except TimeoutError:
+                pass
+
+    def changed(self) -> None:
+        """Look again: a schedule was added or has ended, or the robot was stopped."""
+        self._changed.set()
+
+    async def load(self) -> None:
+        """Read which threads have schedules."""
+        open_ones = [kept for kept in await self.journal.schedules() if kept.ended is None]
+        self.topics = frozenset(kept.asked.command.topic_id for kept in open_ones)
+
+    async def step(self) -> float:
+        """Begin what is due, and tell what has ended. Return after how many seconds to look again."""
+        due: list[KeptSchedule] = []
+        for kept in await self.journal.schedules():
+            if kept.ended is None and self.why_not(kept.asked.command.posted_at) is not None:
+                await self.journal.end_schedule(kept.post_id, ScheduleEnd.STOP)
+            elif kept.ended is not None:
+                self._tell_soon(kept)
+            elif kept.next_at is not None and kept.next_at <= self.now():
+                due.append(kept)
+        await asyncio.gather(*map(self._begin, due))
+        left = await self.journal.schedules()
+        self.topics = frozenset(kept.asked.command.topic_id for kept in left if kept.ended is None)
+        for kept in left:
+            if kept.ended is not None:
+                self._tell_soon(kept)
+        times = [(kept.next_at - self.now()).total_seconds() for kept in left if kept.next_at and kept.ended is None]
+        return min(LOOK_S, max(RETRY_S if due else 0.0, min(times, default=math.inf)))
+
+    # ---------------------------------------------------------------- runs
+    async def _begin(self, kept: KeptSchedule) -> None:
+        """Begin the run that is due, unless it is too late, its schedule has ended, or the run before has not."""
+        assert kept.next_at is not None
+        latest_s = min(self.settings.max_post_age_s, LATE_S)
+        if (self.now() - kept.next_at).total_seconds() > latest_s:
+            return await self._miss(kept, self.now() - timedelta(seconds=latest_s))
+        if any(job.command.run is not None and job.command.post_id == kept.post_id for job in self.queue):
+            return await self._enter(kept, kept.asked.command.author, EndReason.OVERLAP)
+        command = kept.asked.command
+        try:
+            async with asyncio.timeout(ASK_S):
+                post, author = await asyncio.gather(
+                    self.forum.post(command.post_id), self.forum.account(command.author.name)
+                )
+        except ForumNotFound:
+            return await self.journal.end_schedule(kept.post_id, ScheduleEnd.REMOVED)
+        except (ForumError, TimeoutError) as e:
+            _log.info("scheduled run waits for the forum", post=kept.post_id, error=str(e))
+            return None
+        if (end := _end_of(kept, post, author)) is not None:
+            return await self.journal.end_schedule(kept.post_id, end)
+        assert author is not None
+        return await self._enter(kept, author, None)
+
+    async def _miss(self, kept: KeptSchedule, until: datetime) -> None:
+        """Claim the first of the runs that are too late as one that may not move; its reply tells of all of them."""
+        assert kept.next_at is not None
+        count, last = 1, kept.next_at
+        while count < kept.runs_left:
+            following = next_run(kept.asked.schedule, last)
+            if following is None or following > until:
+                break
+            count, last = count + 1, following
+        await self._enter(kept, kept.asked.command.author, EndReason.MISSED, count, last)
+
+    async def _enter(
+        self, kept: KeptSchedule, author: Account, ended: EndReason | None, count: int = 1, last: datetime | None = None
+    ) -> None:
+        """Claim a run and process it. `ended` is why it may not move, `count` how many runs it stands for, up to
+        `last`."""
+        assert kept.next_at is not None
+        asked, at = kept.asked.command, kept.next_at
+        missed = count if ended is EndReason.MISSED else 0
+        run = ScheduledRun(at, asked.posted_at, kept.asked.schedule.tz, missed)
+        command = replace(asked, author=author, text=kept.asked.text, posted_at=at, trace_id=uuid4().hex[:12], run=run)
+        claim = await self.journal.begin_run(kept, command, ended, following(kept, last or at, count))
+        if claim is None or not claim.new:
+            return
+        late_s = max(0.0, (self.now() - at).total_seconds())
+        job = QueuedCommand(claim.command, ended=ended, waited_s=late_s)
+        came = self.why_not(asked.posted_at) if ended is None else None  # while the claim was written
+        if came is not None:
+            job.end(came)
+        self.enqueue(job)
+        if came is not None:
+            await self.journal.end([command.key], came)
+
+    # ---------------------------------------------------------------- ends
+    async def amended(self, post: Post) -> None:
+        """End the schedule of a post that was edited or removed."""
+        kept = await self.journal.schedule(post.id)
+        if kept is None or kept.ended is not None:
+            return
+        if post.removed:
+            await self.journal.end_schedule(post.id, ScheduleEnd.REMOVED)
+        elif post.content_hash != kept.asked.command.content_hash:
+            await self.journal.end_schedule(post.id, ScheduleEnd.EDITED)
+        self.changed()
+
+    async def cancel(self, topic_id: str) -> int:
+        """End the schedules of a thread; return how many."""
+        ended = [k for k in await self.journal.schedules() if k.ended is None and k.asked.command.topic_id == topic_id]
+        for kept in ended:
+            await self.journal.end_schedule(kept.post_id, ScheduleEnd.CANCELLED)
+        self.changed()
+        return len(ended)
+
+    async def lose_right(self, post_id: str) -> None:
+        """End a schedule whose author may not command the robot any more."""
+        await self.journal.end_schedule(post_id, ScheduleEnd.RIGHTS)
+        self.changed()
+
+    def _tell_soon(self, kept: KeptSchedule) -> None:
+        if kept.post_id not in self._telling:
+            self._telling.add(kept.post_id)
+            self.spawn(self._tell(kept))
+
+    async def _tell(self, kept: KeptSchedule) -> None:
+        """Reply that a schedule has ended, once; if the forum does not answer, a later step tries again."""
+        command, end = kept.asked.command, kept.ended
+        try:
+            if end not in (ScheduleEnd.REMOVED, ScheduleEnd.DONE):
+                text = say(f"schedule.ended.{end}", command.language)
+                reply = partial(
+                    self.forum.reply, command.topic_id, text, key=f"schedule:{kept.post_id}", reply_to=kept.post_id
+                )
+                await retry_until_answered(reply, TRIES)
+        except (ForumNotFound, ForumDenied) as e:
+            _log.warning("end of a schedule not told", post=kept.post_id, error=str(e))
+        except ForumError as e:
+            _log.warning("end of a schedule not told yet", post=kept.post_id, error=str(e))
+            return
+        finally:
+            self._telling.discard(kept.post_id)
+        await self.journal.set_schedule_told(kept.post_id)
+
+
+def following(kept: KeptSchedule, last: datetime, count: int) -> KeptSchedule:
+    """Return a schedule after `count` more runs, the last of them at `last`."""
+    schedule, left = kept.asked.schedule, kept.runs_left - count
+    at = next_run(schedule, last) if left > 0 else None
+    if at is not None:
+        return replace(kept, next_at=at, runs_left=left)
+    limited = schedule.limited_runs if left <= 0 else schedule.limited_days
+    end = ScheduleEnd.LIMIT if limited else ScheduleEnd.DONE
+    return replace(kept, next_at=None, runs_left=left, ended=end, told=end is ScheduleEnd.DONE)
+
+
+def lost_right(verdict: Verdict | None) -> bool:
+    """Whether a run was refused because its author may not command the robot; maintenance hours pass."""
+    refused = verdict is not None and verdict.decision is Decision.REFUSE
+    return refused and verdict is not None and verdict.rule.startswith("rights.") and verdict.rule != "rights.closed"
+
+
+def _end_of(kept: KeptSchedule, post: Post, author: Account | None) -> ScheduleEnd | None:
+    """Return why a schedule has ended, as the forum shows its post and author now; None if it has not (law 4)."""
+    if post.removed:
+        return ScheduleEnd.REMOVED
+    if post.content_hash != kept.asked.command.content_hash:
+        return ScheduleEnd.EDITED
+    if author is None or author.id != kept.asked.command.author.id or post.author.id != author.id:
+        return ScheduleEnd.RIGHTS
+    return ScheduleEnd.RIGHTS if may(author, "command").decision is Decision.REFUSE else None

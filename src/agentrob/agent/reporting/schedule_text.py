@@ -1,0 +1,82 @@
+"""What replies say about schedules, in local times of their zone. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from agentrob.agent.store.rows import KeptSchedule
+from agentrob.language.messages.catalog import join_sentences, quote, say
+from agentrob.language.messages.durations import duration
+from agentrob.model import Language, Schedule, ScheduledRun
+from agentrob.model.schedules import runs, zone_of
+
+#: How many of the next runs the first reply names.
+SHOWN = 3
+_DAYS = {"zh": "一二三四五六日"}
+_NAMES = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
+
+
+def local(at: datetime, tz: str, language: Language) -> str:
+    """Return a moment as local time of a zone: "Mon 23 Nov 2026 09:00", 2026-11-23 周一 09:00."""
+    there = at.astimezone(zone_of(tz))
+    clock = f"{there:%H:%M:%S}" if there.second else f"{there:%H:%M}"
+    if language == "zh":
+        return f"{there:%Y-%m-%d} 周{_DAYS['zh'][there.weekday()]} {clock}"
+    return f"{_NAMES[there.weekday()]} {there:%Y-%m-%d} {clock}"
+
+
+def scheduled(kept: KeptSchedule, language: Language, *, needs_approval: bool) -> str:
+    """Say what was scheduled, when it runs next, when it ends, and how to cancel it."""
+    schedule = kept.asked.schedule
+    times = [local(at, schedule.tz, language) for _, at in zip(range(SHOWN), runs(schedule), strict=False)]
+    once = schedule.runs_left == 1
+    joined = say("schedule.times.joint", language).join(times)
+    sentences = [
+        say("schedule.made", language, understood=kept.asked.understood),
+        say("schedule.next.once" if once else "schedule.next", language, times=joined, zone=schedule.tz),
+        *([] if once else [_end(schedule, language)]),
+        *([say("schedule.approval", language)] if needs_approval else []),
+        say("schedule.how", language),
+    ]
+    return join_sentences(sentences, language)
+
+
+def _end(schedule: Schedule, language: Language) -> str:
+    until = local(schedule.until_at, schedule.tz, language)
+    if schedule.limited_runs:
+        key = "schedule.ends.both" if schedule.limited_days else "schedule.ends.until"
+        return say(key, language, runs=schedule.runs_left, until=until)
+    return say("schedule.ends.runs", language, runs=schedule.runs_left)
+
+
+def listed(schedules: Sequence[KeptSchedule], language: Language) -> str:
+    """List the schedules of a robot."""
+    running = [kept for kept in schedules if kept.ended is None and kept.next_at is not None]
+    if not running:
+        return say("schedule.list.none", language)
+    key = "schedule.list.one" if len(running) == 1 else "schedule.list"
+    lines = [f"- {_item(kept, language)}" for kept in running]
+    return "\n".join([say(key, language, count=len(running)), "", *lines])
+
+
+def _item(kept: KeptSchedule, language: Language) -> str:
+    assert kept.next_at is not None
+    tz, author = kept.asked.schedule.tz, kept.asked.command.author.name
+    return say(
+        "schedule.list.item", language, understood=kept.asked.understood, at=local(kept.next_at, tz, language), zone=tz,
+        runs=kept.runs_left, who=quote(author),
+    )  # fmt: skip
+
+
+def missed(run: ScheduledRun, late_s: float, language: Language) -> str:
+    """Say which runs did not take place."""
+    late, at = duration(late_s, language), local(run.at, run.tz, language)
+    if run.missed > 1:
+        return say("agent.missed.more", language, at=at, zone=run.tz, count=run.missed - 1, late=late)
+    return say("agent.missed", language, at=at, zone=run.tz, late=late)
+
+
+def named(run: ScheduledRun, language: Language) -> str:
+    """Name a run by its time."""
+    return say("schedule.run", language, at=local(run.at, run.tz, language), zone=run.tz)

@@ -1,0 +1,97 @@
+"""A schedule on the real board: its first reply, two runs with replies of their own, and "cancel" in the thread."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agentrob.agent.agent import RobotAgent
+from agentrob.agent.queue.schedules import lost_right
+from agentrob.config.forum import ForumConfig
+from agentrob.config.robots import RobotConfig
+from agentrob.forums.agentrob.forum import BoardForum
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Decision, Verdict
+from agentrob.robots.driver.client import DriverClient
+from tests.agent.agent_process import Poster, RunningBoard
+from tests.agent.agent_scene import ROBOT, Driver, robot_settings
+from tests.board.running_board import running_board
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
+    with running_board(tmp_path_factory.mktemp("board")) as made:
+        yield made
+
+
+async def posts(poster: Poster, topic: str, count: int) -> list[dict[str, Any]]:
+    """Wait until a topic has this many posts of the robot whose command has ended, or that are no command's."""
+    async with asyncio.timeout(60):
+        while True:
+            items = (await asyncio.to_thread(poster._http.get, f"/topics/{topic}/posts")).json()["items"]
+            ours = [item for item in items if item["author"]["name"] == ROBOT]
+            ended = [i for i in ours if i["card"] is None or i["card"]["state"] in ("answered", "done", "failed")]
+            if len(ended) >= count:
+                return ended
+            await asyncio.sleep(0.05)
+
+
+async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread(
+    board: RunningBoard, driver: Driver, tmp_path: Path
+) -> None:
+    forum, client = (
+        BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT]),
+        DriverClient(driver.name, driver.socket),
+    )
+    agent = RobotAgent(ROBOT, robot_settings(time_zone="Asia/Shanghai"), forum, client, RulesMind(), tmp_path)
+    running = asyncio.create_task(agent.run())
+    try:
+        await asyncio.wait_for(agent.ready.wait(), 60)
+        with Poster(board, "op") as op:
+            topic = await op.post(f"@{ROBOT} every hour wave")
+            (first,) = await posts(op, topic, 1)
+            assert "(Asia/Shanghai)" in first["raw"]
+            for count in (2, 3):
+                (kept,) = await agent.journal.schedules()
+                at = kept.next_at
+                assert at is not None
+                await replace(agent.schedules, now=lambda at=at: at).step()
+                ended = await posts(op, topic, count)
+                assert [item["card"]["state"] for item in ended] == ["answered", *["done"] * (count - 1)]
+            while len(agent.queue):  # noqa: ASYNC110 (as elsewhere: the queue has no event)
+                await asyncio.sleep(0.02)
+            await agent.schedules.load()
+            said = await asyncio.to_thread(op._http.post, f"/topics/{topic}/posts", json={"body": "cancel"})
+            said.raise_for_status()
+            told = (await posts(op, topic, 4))[-1]
+            assert (told["card"], "cancelled" in told["raw"]) == (None, True)
+            assert await agent.journal.schedules() == []
+    finally:
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        await agent.close()
+
+
+@pytest.mark.parametrize(
+    ("rule", "decision", "lost"),
+    [
+        ("rights.operator", Decision.REFUSE, True),
+        ("rights.move", Decision.REFUSE, True),
+        ("rights.closed", Decision.REFUSE, False),
+        ("rights.approval", Decision.NEEDS_APPROVAL, False),
+        ("limit.speed", Decision.REFUSE, False),
+    ],
+)
+def test_a_lost_right_ends_a_schedule_and_maintenance_does_not(rule: str, decision: Decision, lost: bool) -> None:
+    assert lost_right(Verdict(decision, rule)) is lost
+    assert not lost_right(None)
+
+
+def test_an_unknown_zone_is_refused_with_valid_ones() -> None:
+    with pytest.raises(ValueError, match="valid: UTC, or an IANA name such as Europe/Berlin"):
+        RobotConfig(time_zone="Mars/Olympus")

@@ -1,0 +1,226 @@
+"""Which posts say when, what they say, and what is asked back. What is not wholly understood is never scheduled."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime, timedelta
+from itertools import pairwise
+from zoneinfo import ZoneInfo
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agentrob.language.registry import known
+from agentrob.language.schedule.reading import cancels_schedule, lists_schedules, timed_text
+from agentrob.model import Schedule
+from agentrob.model.schedules import first_runs
+
+ZONE = "Europe/Berlin"
+#: A Tuesday.
+NOW = datetime(2026, 11, 24, 10, 0, tzinfo=ZoneInfo(ZONE))
+
+#: A post, its command, the first three runs (weekday, day, time) and how many there are.
+UNDERSTOOD = [
+    ("in 10 minutes wave", "wave", ["Tue 24 10:10:00"], 1),
+    ("wave in 10 minutes", "wave", ["Tue 24 10:10:00"], 1),
+    ("in half an hour, please wave.", "please wave.", ["Tue 24 10:30:00"], 1),
+    ("in 10 seconds, wave", "wave", ["Tue 24 10:00:10"], 1),
+    ("please in an hour wave", "wave", ["Tue 24 11:00:00"], 1),
+    ("in 2 hours walk 1 m, then turn left", "walk 1 m, then turn left", ["Tue 24 12:00:00"], 1),
+    ("at 15:30 take a photo", "take a photo", ["Tue 24 15:30:00"], 1),
+    ("at 3:30 pm take a photo", "take a photo", ["Tue 24 15:30:00"], 1),
+    ("take a photo at 15:30", "take a photo", ["Tue 24 15:30:00"], 1),
+    ("tomorrow at 9 wave", "wave", ["Wed 25 09:00:00"], 1),
+    ("wave tomorrow at 9", "wave", ["Wed 25 09:00:00"], 1),
+    ("tomorrow at 9 and 15:00 wave", "wave", ["Wed 25 09:00:00", "Wed 25 15:00:00"], 2),
+    ("tomorrow at 3pm wave", "wave", ["Wed 25 15:00:00"], 1),
+    ("tonight at 8 wave", "wave", ["Tue 24 20:00:00"], 1),
+    ("the day after tomorrow at noon sit", "sit", ["Thu 26 12:00:00"], 1),
+    ("on Friday at 9 in the morning sit", "sit", ["Fri 27 09:00:00"], 1),
+    ("on Tuesday at 9 sit", "sit", ["Tue 01 09:00:00"], 1),
+    ("on Tuesday at 11 sit", "sit", ["Tue 24 11:00:00"], 1),
+    ("on 24 December at 9:00 wave", "wave", ["Thu 24 09:00:00"], 1),
+    ("on 2026-12-01 at 9:00 wave", "wave", ["Tue 01 09:00:00"], 1),
+    ("every day at 9 wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("every weekday at 9 take a photo", "take a photo", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("take a photo every weekday at 9", "take a photo", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("Monday to Friday at 9:00 wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("every monday and thursday at 10:15 sit", "sit", ["Thu 26 10:15:00", "Mon 30 10:15:00", "Thu 03 10:15:00"], 30),
+    ("mondays at 9 wave", "wave", ["Mon 30 09:00:00", "Mon 07 09:00:00", "Mon 14 09:00:00"], 30),
+    ("every weekend at 12:00 wave", "wave", ["Sat 28 12:00:00", "Sun 29 12:00:00", "Sat 05 12:00:00"], 30),
+    ("every day at 8:00 and 17:00 wave", "wave", ["Tue 24 17:00:00", "Wed 25 08:00:00", "Wed 25 17:00:00"], 30),
+    ("every day at 9 until Friday wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("every day at 9 except on Fridays wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Sat 28 09:00:00"], 30),
+    ("every 15 minutes between 9 and 17 wave", "wave", ["Tue 24 10:00:00", "Tue 24 10:15:00", "Tue 24 10:30:00"], 30),
+    (
+        "take a photo every 15 minutes between 9 and 17 on weekdays until Friday", "take a photo",
+        ["Tue 24 10:00:00", "Tue 24 10:15:00", "Tue 24 10:30:00"], 30,
+    ),
+    ("every hour until 17:00 wave", "wave", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 30),
+    ("hourly, wave", "wave", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 30),
+    ("every hour, three times, wave", "wave", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 3),
+    ("wave every hour, three times", "wave", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 3),
+    ("wave three times every hour", "wave three times", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 30),
+    ("every hour wave three times", "wave three times", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 30),
+    ("three times, an hour apart, wave", "wave", ["Tue 24 10:00:00", "Tue 24 11:00:00", "Tue 24 12:00:00"], 3),
+    ("wave three times, an hour apart", "wave", ["Tue 24 10:00:00", "Tue 24 11:00:00", "Tue 24 12:00:00"], 3),
+    ("tomorrow at 9, twice, an hour apart, wave", "wave", ["Wed 25 09:00:00", "Wed 25 10:00:00"], 2),
+    ("十分钟后挥手", "挥手", ["Tue 24 10:10:00"], 1),
+    ("请在十分钟后挥手", "挥手", ["Tue 24 10:10:00"], 1),
+    ("半小时后挥手", "挥手", ["Tue 24 10:30:00"], 1),
+    ("两个半小时后挥手", "挥手", ["Tue 24 12:30:00"], 1),
+    ("十秒后挥手", "挥手", ["Tue 24 10:00:10"], 1),
+    ("五分钟后向前走两米，然后挥手", "向前走两米，然后挥手", ["Tue 24 10:05:00"], 1),
+    ("明天早上九点挥手", "挥手", ["Wed 25 09:00:00"], 1),
+    ("明天早上九点，请挥手", "请挥手", ["Wed 25 09:00:00"], 1),
+    ("今晚八点挥手", "挥手", ["Tue 24 20:00:00"], 1),
+    ("下周五晚上八点坐下", "坐下", ["Fri 04 20:00:00"], 1),
+    ("12月24日九点挥手", "挥手", ["Thu 24 09:00:00"], 1),
+    ("每个工作日九点拍照", "拍照", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("周一到周五9:00拍照", "拍照", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("每天下午三点半拍张照片", "拍张照片", ["Tue 24 15:30:00", "Wed 25 15:30:00", "Thu 26 15:30:00"], 30),
+    ("每周一和周三上午十点挥手", "挥手", ["Wed 25 10:00:00", "Mon 30 10:00:00", "Wed 02 10:00:00"], 30),
+    ("每隔15分钟从9点到17点拍照", "拍照", ["Tue 24 10:00:00", "Tue 24 10:15:00", "Tue 24 10:30:00"], 30),
+    ("每隔一小时三次拍照", "拍照", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 3),
+    ("每小时挥手，到周五为止", "挥手", ["Tue 24 11:00:00", "Tue 24 12:00:00", "Tue 24 13:00:00"], 30),
+    ("挥手三次，每次间隔一小时", "挥手", ["Tue 24 10:00:00", "Tue 24 11:00:00", "Tue 24 12:00:00"], 3),
+]  # fmt: skip
+
+#: A post that says when in a way that is not understood, and words of the question.
+ASKED = [
+    ("tomorrow wave", "not the time"),
+    ("every day wave", "not the time"),
+    ("in 10 minutes", "not what to do"),
+    ("tomorrow at 3 wave", "3:00 or 15:00"),
+    ("every day at 5 wave", "5:00 or 17:00"),
+    ("at 3 o'clock wave", "On which day"),
+    ("wave at 9", "On which day"),
+    ("at 9:30 wave", "09:30 is over"),
+    ("every minute wave", "at least 5 minutes"),
+    ("wave every 5 seconds", "at least 5 minutes"),
+    ("40 times, an hour apart, wave", "1 to 30 runs"),
+    ("in 90 days wave", "60 days"),
+    ("every day at 9 until 2027-06-01 wave", "60 days"),
+    ("every 15 minutes on weekdays wave", "Between which times"),
+    ("every 15 minutes between 17:00 and 9:00 wave", "Between which times"),
+    ("in an hour and a half wave", "did not understand when"),
+    ("in 1 hour 30 minutes wave", "did not understand when"),
+    ("every other day at 9 wave", "did not understand when"),
+    ("twice a day wave", "did not understand when"),
+    ("next friday at 9 wave", "did not understand when"),
+    ("every day at noon until december 24th at 9 wave", "did not understand when"),
+    ("every month at 9 wave", "did not understand when"),
+    ("walk 2 m in 10 minutes", "did not understand when"),
+    ("walk 1 m, then in 10 minutes wave", "did not understand when"),
+    ("walk 1 m, wave at 15:30", "did not understand when"),
+    ("wave at 15:30 and sit", "did not understand when"),
+    ("tomorrow at 9, wave but now sit", "did not understand when"),
+    ("tomorrow at 9 every day at 10:00 wave", "did not understand when"),
+    ("in 5 minutes in 10 minutes wave", "did not understand when"),
+    ("明天挥手", "没有听懂几点"),
+    ("每天三点拍照", "3:00还是15:00"),
+    ("每分钟挥手", "至少要间隔5分钟"),
+    ("每月一号九点挥手", "没有听懂是什么时候"),
+    ("挥手，明天坐下再九点挥手", "没有听懂是什么时候"),
+]
+
+#: Durations of a motion, counts, directions of a clock and remarks: nothing of it is a time.
+UNTIMED = [
+    "walk for two seconds", "walk 2 m in 10 seconds", "wave three times", "turn to 3 o'clock", "wait 5 seconds",
+    "walk at 0.5 m/s", "stop after 2 m", "take 3 photos", "turn left, then right",
+    "make a heart, I passed today's exam", "一样但是慢一点", "往前走一点", "走两秒后挥手", "挥手三次", "转向三点钟方向",
+    "前进3秒", "往后退一米", "一米五", "先挥手再坐下",
+]  # fmt: skip
+
+
+def told(schedule: Schedule) -> list[str]:
+    return [f"{run.astimezone(ZoneInfo(ZONE)):%a %d %H:%M:%S}" for run in first_runs(schedule, 3)]
+
+
+@pytest.mark.parametrize(("text", "rest", "runs", "count"), UNDERSTOOD)
+def test_a_time_is_split_from_its_command(text: str, rest: str, runs: list[str], count: int) -> None:
+    found = timed_text(text, NOW, ZONE)
+    assert found is not None
+    assert found.schedule is not None, found.question
+    assert (found.rest, told(found.schedule), found.schedule.runs_left) == (rest, runs, count)
+
+
+@pytest.mark.parametrize(("text", "question"), ASKED)
+def test_a_time_that_is_not_wholly_understood_is_asked_about(text: str, question: str) -> None:
+    found = timed_text(text, NOW, ZONE)
+    assert found is not None
+    assert found.schedule is None
+    assert question in found.question
+    offered = re.findall("`([^`]+)`", found.question)
+    assert offered
+    for example in offered:
+        again = timed_text(example, NOW, ZONE)
+        assert again is not None
+        assert again.schedule is not None, f"the question offers {example!r}"
+
+
+@pytest.mark.parametrize("text", UNTIMED)
+def test_other_words_keep_their_meaning(text: str) -> None:
+    found = timed_text(text, NOW, ZONE)
+    assert found is None or found.schedule is None
+
+
+def test_until_is_the_end_of_that_day_and_limits_are_named() -> None:
+    friday = timed_text("every hour until Friday wave", NOW, ZONE)
+    assert friday is not None
+    assert friday.schedule is not None
+    assert friday.schedule.until_at == datetime(2026, 11, 28, tzinfo=ZoneInfo(ZONE))
+    assert friday.schedule.limited_runs
+    assert not friday.schedule.limited_days
+    daily = timed_text("every day at 9 wave", NOW, ZONE)
+    assert daily is not None
+    assert daily.schedule is not None
+    assert daily.schedule.until_at == NOW + timedelta(days=60)
+    assert daily.schedule.limited_days
+
+
+_WORDS = [
+    "in", "10 minutes", "an hour", "at", "9", "15:30", "3 pm", "tomorrow", "every day", "every weekday",
+    "every 15 minutes", "between 9 and 17", "until", "Friday", "three times", "an hour apart", "wave", "walk 1 m",
+    "and", "then", "now", ",", ".", "after", "except", "on Mondays", "half", "not", "please", "noon",
+]  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(_WORDS), min_size=1, max_size=9).map(" ".join))
+def test_whatever_is_said_runs_are_in_the_future_in_order_and_within_the_limits(text: str) -> None:
+    found = timed_text(text, NOW, ZONE)
+    if found is None or found.schedule is None:
+        return
+    schedule = found.schedule
+    runs = first_runs(schedule, 30)
+    assert 1 <= schedule.runs_left <= 30
+    assert runs
+    assert runs[0] >= NOW
+    assert runs[-1] <= NOW + timedelta(days=61)
+    assert all(a < b for a, b in pairwise(runs))
+    assert schedule.at or all(b - a >= timedelta(minutes=5) for a, b in pairwise(runs))
+    words = known()["en"].schedule
+    assert not re.search(words.hints, found.rest, re.IGNORECASE), "what says when is not left in the command"
+
+
+@pytest.mark.parametrize("text", ["schedules", "Schedules?", "show me your schedules", "日程", "你的日程", "日程表"])
+def test_a_request_for_the_schedules(text: str) -> None:
+    assert lists_schedules(text)
+
+
+@pytest.mark.parametrize("text", ["schedule a walk", "wave", "日程很满", "cancel the schedules"])
+def test_no_request_for_the_schedules(text: str) -> None:
+    assert not lists_schedules(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["cancel", "@quadruped cancel", "Cancel it!", "please cancel the schedule", "取消", "取消日程。"]
+)
+def test_a_cancellation(text: str) -> None:
+    assert cancels_schedule(text)
+
+
+@pytest.mark.parametrize("text", ["cancel my visit", "don't cancel", "I had to cancel", "取消关注", "stop"])
+def test_no_cancellation(text: str) -> None:
+    assert not cancels_schedule(text)
