@@ -12,11 +12,12 @@ import pytest
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.agent.queue.schedules import lost_right
+from agentrob.board.admin import local_admin
 from agentrob.config.forum import ForumConfig
 from agentrob.config.robots import RobotConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
-from agentrob.model import Decision, Verdict
+from agentrob.model import Decision, Role, Verdict
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
@@ -26,6 +27,9 @@ from tests.board.running_board import running_board
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
     with running_board(tmp_path_factory.mktemp("board")) as made:
+        made.add("guest", role=Role.MEMBER)
+        guest = local_admin.find_account(made.settings, "guest")
+        local_admin.change_account(made.settings, guest, commands_simulated=True)
         yield made
 
 
@@ -41,9 +45,11 @@ async def posts(poster: Poster, topic: str, count: int) -> list[dict[str, Any]]:
             await asyncio.sleep(0.05)
 
 
+@pytest.mark.parametrize("author", ["op", "guest"])
 async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread(
-    board: RunningBoard, driver: Driver, tmp_path: Path
+    board: RunningBoard, driver: Driver, tmp_path: Path, author: str
 ) -> None:
+    """Also one of an account that may command only simulated robots."""
     forum, client = (
         BoardForum(ForumConfig(url=board.url), board.tokens[ROBOT]),
         DriverClient(driver.name, driver.socket),
@@ -52,7 +58,7 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
     running = asyncio.create_task(agent.run())
     try:
         await asyncio.wait_for(agent.ready.wait(), 60)
-        with Poster(board, "op") as op:
+        with Poster(board, author) as op:
             topic = await op.post(f"@{ROBOT} every hour wave")
             (first,) = await posts(op, topic, 1)
             assert "(Asia/Shanghai)" in first["raw"]

@@ -125,7 +125,7 @@ class Schedules:
         except (ForumError, TimeoutError) as e:
             _log.info("scheduled run waits for the forum", post=kept.post_id, error=str(e))
             return None
-        if (end := _end_of(kept, post, author)) is not None:
+        if (end := _end_of(kept, post, author, simulated=self.settings.simulated)) is not None:
             return await self.journal.end_schedule(kept.post_id, end)
         assert author is not None
         return await self._enter(kept, author, None)
@@ -230,12 +230,16 @@ def lost_right(verdict: Verdict | None) -> bool:
     return refused and verdict is not None and verdict.rule.startswith("rights.") and verdict.rule != "rights.closed"
 
 
-def _end_of(kept: KeptSchedule, post: Post, author: Account | None) -> ScheduleEnd | None:
-    """Return why a schedule has ended, as the forum shows its post and author now; None if it has not (law 4)."""
+def _end_of(kept: KeptSchedule, post: Post, author: Account | None, *, simulated: bool) -> ScheduleEnd | None:
+    """Return why a schedule has ended, as the forum shows its post and author now; None if it has not (law 4).
+
+    `simulated`: the robot is configured as such; whether it says so itself is asked again with the run.
+    """
     if post.removed:
         return ScheduleEnd.REMOVED
     if post.content_hash != kept.asked.command.content_hash:
         return ScheduleEnd.EDITED
     if author is None or author.id != kept.asked.command.author.id or post.author.id != author.id:
         return ScheduleEnd.RIGHTS
-    return ScheduleEnd.RIGHTS if may(author, "command").decision is Decision.REFUSE else None
+    refused = may(author, "command", simulated=simulated).decision is Decision.REFUSE
+    return ScheduleEnd.RIGHTS if refused else None
