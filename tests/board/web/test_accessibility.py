@@ -142,6 +142,7 @@ def test_a_command_can_be_written_previewed_and_posted_by_keyboard(site: Site, w
     site.api("quadruped").put("/robots/quadruped", json={"card": CARD}).raise_for_status()  # it is here now
     page = windows.open("alice")
     page.goto("/b/robots/new")
+    expect(page.get_by_label("Title", exact=True)).to_be_focused()
     page.keyboard.type("By keyboard")
     page.keyboard.press("Tab")
     page.keyboard.type("@")

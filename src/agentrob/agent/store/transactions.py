@@ -119,7 +119,8 @@ class Transactions:
         if self.closed:
             raise JournalError("the journal is closed")
         try:
-            return await asyncio.wait_for(self._calls.run(call), self.patience_s)
+            async with asyncio.timeout(self.patience_s):
+                return await self._calls.run(call)
         except TimeoutError:
             raise JournalError("the journal's database does not answer") from None
         except (SQLAlchemyError, sqlite3.Error) as e:

@@ -165,12 +165,14 @@ async def _record_or_announce(
     at_us = now_us()
     writing = asyncio.ensure_future(services.store.record(kind, robot, by, key=key, at_us=at_us))
     try:
-        return await asyncio.wait_for(asyncio.shield(writing), TELL_S)
+        async with asyncio.timeout(TELL_S):
+            return await asyncio.shield(writing)
     except (TimeoutError, BoardError):
         event = StoredEvent(services.hub.last_id, kind, from_us(at_us), robot=robot, account=by)
         services.hub.announce(event)
     try:
-        return await asyncio.wait_for(asyncio.shield(writing), WRITE_S - TELL_S)
+        async with asyncio.timeout(WRITE_S - TELL_S):
+            return await asyncio.shield(writing)
     except (TimeoutError, BoardError) as e:
         log.error("board.event_not_written", kind=str(kind), robot=robot, error=str(e) or "timeout")
         writing.add_done_callback(lambda task: task.cancelled() or task.exception())

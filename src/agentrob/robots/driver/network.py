@@ -176,7 +176,8 @@ class NetworkServer(HttpServer):
             if not self._token:
                 self.admission.trust(peer)  # its certificate was verified
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(protocol.ended.wait(), STRANGER_S)
+                async with asyncio.timeout(STRANGER_S):
+                    await protocol.ended.wait()
             if not protocol.ended.is_set() and not self.admission.trusted(peer):
                 protocol.transport.abort()
             await protocol.ended.wait()
