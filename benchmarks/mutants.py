@@ -42,13 +42,11 @@ from instruments.mutations import Mutant, mutants_of
 
 ROOT = Path(__file__).parents[1]
 _STORE = ("contract", "journal", "same_on_both", "retention", "transactions", "versions", "restart")
-_GUARD = ("guard", "guard_always", "guard_takeover", "faults", "lock")
+_GUARD = ("tests/robots/safety",)
 #: The test files of each room or file.
 TESTS = {
-    "src/agentrob/robots/safety": (
-        *(f"tests/robots/safety/test_{name}.py" for name in _GUARD),
-        "tests/robots/driver/test_restart.py",
-    ),
+    "src/agentrob/robots/safety": _GUARD,
+    "src/agentrob/robots/safety/crash_marker.py": (*_GUARD, "tests/robots/driver/test_restart.py"),
     "src/agentrob/screening": ("tests/screening",),
     "src/agentrob/agent/store": (
         *(f"tests/agent/store/test_{name}.py" for name in _STORE),
@@ -60,6 +58,8 @@ TESTS = {
 WITHOUT = ("session_locks.py", "__init__.py", "en.py", "zh.py")
 #: A test may take this long with a mutant: so many times what it takes without, and so many seconds more.
 TIMES, MORE_S = 4.0, 10.0
+#: Tests that take less than this are fast, those beyond the last one slow.
+PACES_S = (0.2, 1.0)
 SELECTED = "not slow and not sim"
 
 
@@ -73,13 +73,17 @@ class Baseline:
     modules: list[str] = field(default_factory=list)
 
     def tests_of(self, mutant: Mutant) -> list[str]:
-        """The tests that execute the statement of a mutant, the fast files first; all tests if none was seen to."""
+        """The tests that execute the statement of a mutant, all tests if none was seen to; the fast ones first, and
+        otherwise those of a file together, since they share fixtures."""
         lines = set(mutant.lines)
         tests = [test for test in self.seconds if lines & self.lines[test]] or list(self.seconds)
         file_s = dict.fromkeys(map(_file, tests), 0.0)
         for test in tests:
             file_s[_file(test)] += self.seconds[test]
-        return sorted(tests, key=lambda test: (file_s[_file(test)], _file(test), self.seconds[test]))
+        return sorted(tests, key=lambda test: (self._pace(test), file_s[_file(test)], _file(test), self.seconds[test]))
+
+    def _pace(self, test: str) -> int:
+        return sum(self.seconds[test] > limit_s for limit_s in PACES_S)
 
 
 @dataclass
@@ -167,6 +171,7 @@ class Workplace:
     def test(self, arguments: Iterable[str], plugin: object) -> int:
         """Run tests of the project with this copy; in a process of its own."""
         os.setsid()
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         log = os.open(self.folder / "tests.log", os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
         for stream in (1, 2):
             os.dup2(log, stream)
@@ -240,10 +245,15 @@ def end(running: Running, file: str) -> Result:
             word = "survived" if code == pytest.ExitCode.OK else "timed out" if late else "killed"
         except EOFError:
             word = "killed"  # it ended the process of the tests
+    kill(running)
+    return Result(file, running.mutant.line, running.mutant.change, word, test)
+
+
+def kill(running: Running) -> None:
+    """End the process of the tests and those that they started."""
     with suppress(ProcessLookupError):
         os.killpg(running.child.pid, signal.SIGKILL)
     running.child.join()
-    return Result(file, running.mutant.line, running.mutant.change, word, test)
 
 
 def measure(root: Path, file: str, tests: Iterable[str], options: argparse.Namespace) -> list[Result]:
@@ -258,18 +268,22 @@ def measure(root: Path, file: str, tests: Iterable[str], options: argparse.Names
         baseline = measure_baseline(places[0], tests)
         _import(baseline.modules)
         waiting, free, running = list(reversed(mutants)), list(places), dict[int, Running]()
-        while waiting or running:
-            while waiting and free:
-                begun = start(waiting.pop(), free.pop(), baseline)
-                running[begun.child.sentinel] = begun
-            first_s = min(each.until_s for each in running.values()) - time.monotonic()
-            ended = wait(list(running), max(0.0, first_s)) or [min(running, key=lambda key: running[key].until_s)]
-            for key in ended:
-                done = running.pop(int(key))
-                results.append(end(done, file))
-                free.append(done.place)
-                if options.verbose:
-                    print(json.dumps(asdict(results[-1])), file=sys.stderr, flush=True)
+        try:
+            while waiting or running:
+                while waiting and free:
+                    begun = start(waiting.pop(), free.pop(), baseline)
+                    running[begun.child.sentinel] = begun
+                first_s = min(each.until_s for each in running.values()) - time.monotonic()
+                late = min(running, key=lambda key: running[key].until_s)
+                for key in wait(list(running), max(0.0, first_s)) or [late]:
+                    done = running.pop(int(key))
+                    results.append(end(done, file))
+                    free.append(done.place)
+                    if options.verbose:
+                        print(json.dumps(asdict(results[-1])), file=sys.stderr, flush=True)
+        finally:
+            for left in running.values():
+                kill(left)
     return sorted(results, key=lambda result: result.line)
 
 
@@ -305,6 +319,7 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--verbose", action="store_true", help="print each result to standard error")
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by a signal"))
     root = options.root.resolve()
     sys.path.insert(0, str(root))
     results: list[Result] = []
