@@ -41,7 +41,7 @@ import pytest
 from instruments.mutations import Mutant, mutants_of
 
 ROOT = Path(__file__).parents[1]
-_STORE = ("contract", "journal", "same_on_both", "retention", "transactions", "versions", "restart")
+_STORE = ("contract", "journal", "same_on_both", "retention", "transactions", "versions")
 _GUARD = ("tests/robots/safety",)
 #: The test files of each room or file.
 TESTS = {
@@ -51,7 +51,6 @@ TESTS = {
     "src/agentrob/agent/store": (
         *(f"tests/agent/store/test_{name}.py" for name in _STORE),
         "tests/agent/queue/test_schedules.py",
-        "tests/agent/queue/test_approvals.py",
     ),
 }
 #: PostgreSQL's part, which only slow tests execute, and modules that hold no rule.
@@ -69,6 +68,8 @@ class Baseline:
 
     lines: dict[str, set[int]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
+    #: The longest set-up of a test in each file: that of the fixtures which its tests share.
+    setup_s: dict[str, float] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
     modules: list[str] = field(default_factory=list)
 
@@ -81,6 +82,10 @@ class Baseline:
         for test in tests:
             file_s[_file(test)] += self.seconds[test]
         return sorted(tests, key=lambda test: (self._pace(test), file_s[_file(test)], _file(test), self.seconds[test]))
+
+    def limit_s(self, test: str) -> float:
+        """How long a test may take with a mutant. Any test may be the first of its file."""
+        return MORE_S + TIMES * (self.seconds[test] + self.setup_s[_file(test)])
 
     def _pace(self, test: str) -> int:
         return sum(self.seconds[test] > limit_s for limit_s in PACES_S)
@@ -130,6 +135,9 @@ class LineRecorder:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
             self.baseline.failed.append(report.nodeid)
+        if report.when == "setup":
+            file = _file(report.nodeid)
+            self.baseline.setup_s[file] = max(report.duration, self.baseline.setup_s.get(file, 0.0))
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
@@ -226,12 +234,12 @@ def _meet(workplace: Workplace, limits_s: dict[str, float], sending: Connection)
 
 def start(mutant: Mutant, place: Workplace, baseline: Baseline) -> Running:
     place.put(mutant.source)
-    limits_s = {test: MORE_S + TIMES * baseline.seconds[test] for test in baseline.tests_of(mutant)}
+    limits_s = {test: baseline.limit_s(test) for test in baseline.tests_of(mutant)}
     receiving, sending = multiprocessing.Pipe(duplex=False)
     child = multiprocessing.get_context("fork").Process(target=_meet, args=(place, limits_s, sending))
     child.start()
     sending.close()
-    until_s = time.monotonic() + 60.0 + TIMES * sum(baseline.seconds[test] for test in limits_s)
+    until_s = time.monotonic() + 60.0 + sum(limits_s.values())
     return Running(mutant, place, child, receiving, until_s)
 
 

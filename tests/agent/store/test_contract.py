@@ -109,6 +109,27 @@ async def test_law_6_what_was_begun_and_not_ended_is_interrupted(tmp_path: Path)
     await journal.close()
 
 
+async def test_law_6_a_motion_that_is_ended_before_the_robot_moved_may_begin_after_a_restart(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    waits = asyncio.Event()
+
+    async def wait_for_the_robot() -> str:
+        waits.set()
+        try:
+            await asyncio.Event().wait()
+        except asyncio.CancelledError:
+            raise NotBegun from None
+        return "never"
+
+    motion = asyncio.create_task(journal.move("1", wait_for_the_robot))
+    await waits.wait()
+    await journal.close()
+    await asyncio.gather(motion, return_exceptions=True)
+    journal = await open_journal(tmp_path, REX)
+    assert await journal.move("1", says("moved")) == "moved"
+    await journal.close()
+
+
 async def test_a_motion_goes_on_when_its_caller_is_cancelled(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     begun, end = asyncio.Event(), asyncio.Event()
