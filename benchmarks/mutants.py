@@ -41,7 +41,7 @@ import pytest
 from instruments.mutations import Mutant, mutants_of
 
 ROOT = Path(__file__).parents[1]
-_STORE = ("contract", "journal", "same_on_both", "retention", "transactions", "versions")
+_STORE = ("contract", "schedules", "journal", "same_on_both", "retention", "transactions", "versions")
 _GUARD = ("tests/robots/safety",)
 #: The test files of each room or file.
 TESTS = {
@@ -56,7 +56,7 @@ TESTS = {
 #: PostgreSQL's part, which only slow tests execute, and modules that hold no rule.
 WITHOUT = ("session_locks.py", "__init__.py", "en.py", "zh.py")
 #: A test may take this long with a mutant: so many times what it takes without, and so many seconds more.
-TIMES, MORE_S = 4.0, 10.0
+TIMES, MORE_S = 4.0, 30.0
 #: Tests that take less than this are fast, those beyond the last one slow.
 PACES_S = (0.2, 1.0)
 SELECTED = "not slow and not sim"
