@@ -71,6 +71,12 @@ def test_law_12_half_a_second_of_motion_is_a_takeover() -> None:
     assert moves(Watched(), 0.25, 0.5, 0.75) == [False, False, True]
     assert moves(Watched(), 0.25, 0.5, 0.75, 1.0, 1.25, 1.5) == [False, False, True, False, False, True]
     assert moves(Watched(), 0.25, 0.5, 0.75, velocity_mps=(0.0, -0.2)) == [False, False, True]
+    assert moves(Watched(), 0.25, 0.5, 0.75, age_s=0.5) == [False, False, True]
+
+
+def test_law_12_a_robot_that_moves_when_its_first_state_comes_is_not_ours() -> None:
+    state = RobotState(age_s=0.0, mode="walking", velocity_mps=(0.5, 0.0))
+    assert TakeoverDetector().update(1.0, state, walking=False, gesturing=False) is not None
 
 
 @pytest.mark.parametrize(
@@ -97,6 +103,9 @@ def test_law_12_a_walk_of_a_driver_that_died_may_fade_for_two_seconds() -> None:
     watched = Watched()
     watched.detector.inherit(10.0, Op.MOVE, "walking")
     assert moves(watched, 10.1, 11.0, 11.9, 12.3, 12.5) == [False, False, False, False, True]
+    watched = Watched()
+    watched.detector.inherit(10.0, Op.MOVE, "walking")
+    assert moves(watched, 11.4, 12.0) == [False, True], "from two seconds on"
     watched = Watched()
     watched.detector.inherit(10.0, Op.MOVE, "walking")
     assert watched.see(10.1, "gesture") == "the robot went from walking to gesture, which we did not command"
