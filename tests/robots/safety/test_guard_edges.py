@@ -1,0 +1,98 @@
+"""Where exactly the guard refuses a step or ends it: the age of the robot's state, and the time that is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from agentrob.errors import RobotError
+from agentrob.model import Op, Outcome, Primitive, RobotState
+from agentrob.robots.contract import go_on
+from agentrob.robots.safety.guard import Guard
+from tests.robots.guard_scene import Make, fake_of, move, turn, until
+
+#: Needs no range readings, which an old state does not bring.
+HELLO = Primitive(Op.HELLO)
+
+
+def age_states(guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float) -> None:
+    """Let every state be this old from now on."""
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), age_s=age_s))
+
+
+@pytest.fixture
+def guard(make: Make, monkeypatch: pytest.MonkeyPatch) -> Guard:
+    """A guard that is homed and does not wait for readings that will not come."""
+    monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
+    made = make()
+    until(lambda: made.state().homed)
+    return made
+
+
+@pytest.mark.parametrize(("age_s", "done"), [(0.49, True), (0.5, False)])
+def test_law_8_a_step_begins_only_with_a_state_younger_than_half_a_second(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float, done: bool
+) -> None:
+    age_states(guard, monkeypatch, age_s)
+    result = guard.step(HELLO, go_on)
+    assert result.ok is done, result.message
+    if not done:
+        assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+        assert result.message == "The robot's state is 0.5 s old; it must be younger than 0.5 s."
+
+
+@pytest.mark.parametrize(("age_s", "done"), [(0.49, True), (0.5, False)])
+def test_law_8_a_state_that_becomes_half_a_second_old_ends_the_step(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float, done: bool
+) -> None:
+    def watch(_: RobotState) -> None:
+        age_states(guard, monkeypatch, age_s)
+
+    result = guard.step(HELLO, watch)
+    assert result.ok is done, result.message
+    if not done:
+        assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+        assert "The robot's state was 0.5 s old." in result.message
+
+
+def test_law_9_home_is_set_only_by_a_state_younger_than_half_a_second(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    age_states(guard, monkeypatch, 0.5)
+    with pytest.raises(RobotError, match=r"is 0.5 s old; it must be younger than 0.5 s"):
+        guard.home("owner")
+
+
+@pytest.mark.parametrize(
+    ("step", "deadline_s", "begins"),
+    [
+        (move(1.0), 2.0, False),
+        (move(1.0), 2.5, True),
+        (move(0.5, speed_mps=0.1), 5.0, False),
+        (move(0.5, speed_mps=0.1), 6.0, True),
+        (turn(90), 2.0, False),
+        (turn(90), 2.5, True),
+        (move(3.1, speed_mps=0.05), None, False),
+        (move(3.1, speed_mps=0.05), 100.0, False),
+        (HELLO, 0.5, True),
+    ],
+)
+def test_law_10_a_step_begins_only_if_it_may_end_in_time_and_within_the_limit_of_a_command(
+    make: Make, step: Primitive, deadline_s: float | None, begins: bool
+) -> None:
+    guard = make()
+    result = guard.step(step, go_on, deadline_s)
+    assert (result.outcome is not Outcome.REFUSED) is begins, result.message
+    assert begins or result.reason == "deadline"
+
+
+def test_what_the_robot_cannot_do_is_refused_with_what_it_can(make: Make) -> None:
+    guard = make()
+    guard.capabilities = replace(guard.capabilities, ops=frozenset({Op.MOVE, Op.HELLO}))
+    result = guard.step(Primitive(Op.SIT), go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "unsupported")
+    assert result.message == "This robot cannot sit; it can: hello, move."
