@@ -94,14 +94,31 @@ def test_what_is_allowed_is_within_the_limits(distances_m: list[float]) -> None:
         walk(math.nan),
         walk(math.inf),
         walk(1, speed_mps=0),
-        Primitive(Op.MOVE, distance_m=1),
+        Primitive(Op.MOVE, Direction.FORWARD),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=1, degrees=9),
+        Primitive(Op.TURN, Direction.LEFT, degrees=9, distance_m=1),
+        Primitive(Op.TURN, Direction.LEFT, degrees=9, speed_mps=0.5),
         Primitive(Op.TURN, Direction.FORWARD, degrees=9),
         turn(math.nan),
+        turn(-9),
+        Primitive(Op.TURN, Direction.LEFT),
         Primitive(Op.HELLO, distance_m=3),
     ],
 )
 def test_a_step_that_is_no_step_is_refused(step: Primitive) -> None:
-    assert judged(step).decision is Decision.REFUSE
+    verdict = judged(step)
+    assert (verdict.decision, verdict.rule) == (Decision.REFUSE, "plan.malformed")
+
+
+def test_a_walk_without_a_direction_is_refused() -> None:
+    assert judged(Primitive(Op.MOVE, distance_m=1)).rule == "ops.direction"
+
+
+def test_law_10_only_a_rounding_error_is_beyond_a_limit() -> None:
+    assert judged(walk(5.00009)).decision is Decision.ALLOW
+    assert judged(walk(5.00015)).rule == "limit.step_distance"
+    assert judged(walk(5), walk(4.5), walk(0.50009)).decision is Decision.ALLOW
+    assert judged(walk(5), walk(4.5), walk(0.50015)).rule == "limit.command_distance"
 
 
 def test_an_empty_plan_is_refused() -> None:

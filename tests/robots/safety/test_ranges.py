@@ -17,7 +17,7 @@ def monitor_of(*readings: tuple[float | None, ...], every_s: float = 0.05, age_s
     """A monitor that has received these readings one after the other."""
     monitor = RangeMonitor()
     for n, ranges in enumerate(readings):
-        monitor.update(n * every_s, RobotState(age_s=age_s, ranges_m=ranges))  # type: ignore[arg-type]
+        monitor.update(100.0 + n * every_s, RobotState(age_s=age_s, ranges_m=ranges))  # type: ignore[arg-type]
     return monitor
 
 
