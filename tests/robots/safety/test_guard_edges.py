@@ -96,3 +96,11 @@ def test_what_the_robot_cannot_do_is_refused_with_what_it_can(make: Make) -> Non
     result = guard.step(Primitive(Op.SIT), go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "unsupported")
     assert result.message == "This robot cannot sit; it can: hello, move."
+
+
+def test_a_robot_without_a_camera_is_not_looked_through(make: Make) -> None:
+    guard = make()
+    assert guard.look()
+    guard.capabilities = replace(guard.capabilities, ops=frozenset({Op.MOVE}))
+    with pytest.raises(RobotError, match="no camera"):
+        guard.look()
