@@ -76,6 +76,14 @@ async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(
     await journal.close()
 
 
+async def test_law_6_a_claim_of_the_last_day_is_kept_however_many_there_are(tmp_path: Path) -> None:
+    posts = ("older", "younger", "new")
+    journal = await kept(tmp_path, *posts, reported=posts, aged={"older": 1.1, "younger": 0.9})
+    await journal.prune(30, 1)
+    assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["younger", "new"]
+    await journal.close()
+
+
 async def test_law_6_what_was_cancelled_and_never_claimed_is_let_go_of_when_it_is_old(tmp_path: Path) -> None:
     journal = await kept(tmp_path, "claimed", reported=(), aged={})
     for post in ("old", "new"):
