@@ -105,6 +105,10 @@ def test_law_7_motions_are_counted_and_pictures_are_none() -> None:
 @pytest.mark.parametrize(
     "step",
     [
+        Primitive(Op.MOVE, Direction.FORWARD),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.0),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=-1.0),
+        Primitive(Op.TURN, Direction.LEFT),
         Primitive(Op.MOVE, None, distance_m=0.5),
         Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, degrees=9.0),
         Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, speed_mps=float("inf")),

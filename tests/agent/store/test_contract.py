@@ -15,6 +15,7 @@ from agentrob.model import CommandState, Direction, EndReason, Op, Plan, Primiti
 from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.agent.store.old_journal import write_old_journal
 from tests.agent.store.test_journal import ALICE, command, says, state
+from tests.agent.store.test_schedules import asked as scheduled
 
 pytestmark = pytest.mark.usefixtures("database")
 REX, MAX = "rex", "max"
@@ -104,7 +105,10 @@ async def test_law_6_what_was_begun_and_not_ended_is_interrupted(tmp_path: Path)
     await journal.close()
     await asyncio.gather(motion, return_exceptions=True)
     journal = await open_journal(tmp_path, REX)
+    assert [await journal.moved("1"), await journal.moved("1", ended=True)] == [True, False]
+    assert await journal.motion_result("1") is None
     assert await journal.move("1", says("again")) == CommandState.INTERRUPTED
+    assert [await journal.moved("2"), await journal.moved("2", ended=True)] == [False, False]
     assert await journal.move("2", says("now")) == "now"
     await journal.close()
 
@@ -178,8 +182,58 @@ async def test_law_7_the_first_decision_counts_but_a_denial_before_the_motion(tm
     assert await journal.decide("2", approval)
     assert await journal.move("2", says("moved")) == "moved"
     assert not await journal.decide("2", denial), "it moved already"
+    moved = await journal.claimed("2")
+    assert moved is not None
+    assert moved.ended is None
+    assert moved.asked is not None
+    assert moved.asked.decided == approval
     with pytest.raises(JournalError, match="never claimed"):
         await journal.ask("3", now, now)
+    await journal.close()
+
+
+async def test_law_7_no_approval_is_asked_for_what_has_ended(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    await journal.finish("1", CommandState.REFUSED)
+    now = datetime.now(UTC)
+    with pytest.raises(IllegalTransition, match="from 'refused' to 'waiting'"):
+        await journal.ask("1", now, now)
+    await journal.close()
+
+
+async def test_law_11_with_a_lost_robot_nothing_begins_and_ends_are_written(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    kept = await journal.add_schedule(scheduled("2"), now)
+    journal._rows.lock.lost.set()  # as when the connection that holds it on PostgreSQL is lost
+    for begins in (
+        journal.claim(command("3")),
+        journal.add_schedule(scheduled("4"), now),
+        journal.begin_run(kept, command("2.1"), None, kept),
+        journal.move("1", says("moved")),
+    ):
+        with pytest.raises(JournalHeld, match="has lost rex"):
+            await begins
+    assert [await journal.knows(post) for post in ("1", "3", "2.1")] == [True, False, False]
+    assert await journal.schedule("4") is None
+    await journal.end(["1"], EndReason.STOP)
+    await journal.finish("1", CommandState.STOPPED)
+    assert await state(journal, "1") is CommandState.STOPPED
+    await journal.close()
+
+
+async def test_the_newest_five_plans_of_a_topic_are_remembered_oldest_first(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    plans = [Plan((Primitive(Op.TURN, Direction.LEFT, degrees=float(n)),)) for n in range(1, 8)]
+    for n, plan in enumerate(plans):
+        await journal.claim(command(str(n)))
+        await journal.set_plan(str(n), plan)
+    await journal.finish("6", CommandState.REFUSED)
+    assert await journal.history("1") == plans[1:6], "and what was refused is not"
+    assert await journal.history("1", 2) == plans[4:6]
+    assert await journal.history("another") == []
     await journal.close()
 
 
