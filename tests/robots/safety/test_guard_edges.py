@@ -10,7 +10,7 @@ from agentrob.errors import RobotError
 from agentrob.model import Op, Outcome, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.safety.guard import Guard
-from tests.robots.guard_scene import Make, fake_of, move, turn, until
+from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn, until
 
 #: Needs no range readings, which an old state does not bring.
 HELLO = Primitive(Op.HELLO)
@@ -104,3 +104,21 @@ def test_a_robot_without_a_camera_is_not_looked_through(make: Make) -> None:
     guard.capabilities = replace(guard.capabilities, ops=frozenset({Op.MOVE}))
     with pytest.raises(RobotError, match="no camera"):
         guard.look()
+
+
+def test_home_can_be_set_again_after_a_step(make: Make) -> None:
+    guard = make()
+    assert guard.step(move(0.3), go_on).ok
+    until(lambda: can_set_home(guard))
+    at_home = guard.posture().pose
+    assert at_home is not None
+    assert (at_home.x_m, at_home.y_m) == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+def test_law_12_a_mode_right_after_our_own_stop_is_no_takeover(make: Make) -> None:
+    guard = make()
+    until(lambda: guard.state().homed and guard._takeover._mode != "")
+    guard.stop()
+    fake_of(guard).faults.mode = "locked"
+    until(lambda: guard._takeover._mode == "locked")
+    assert not guard.state().halted
