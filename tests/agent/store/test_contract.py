@@ -69,6 +69,20 @@ async def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None
     await journal.close()
 
 
+async def test_claims_come_in_the_order_in_which_they_were_made(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    assert await journal.newest_claim() is None
+    for post in "3142":
+        await journal.claim(command(post))
+    assert [claim.command.post_id for claim in await journal.open_claims()] == ["3", "1", "4", "2"]
+    for post in "413":
+        await journal.set_status_post(post, f"{post}0")
+    newest = await journal.newest_claim()
+    assert newest is not None
+    assert (newest.command.post_id, newest.status_post) == ("4", "40"), "of those whose status is on the forum"
+    await journal.close()
+
+
 async def test_law_6_of_begin_and_cancel_the_first_wins(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     outcomes = set()

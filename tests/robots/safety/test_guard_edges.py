@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from agentrob.errors import RobotError
-from agentrob.model import Op, Outcome, Primitive, RobotState
+from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.safety.guard import Guard
 from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn, until
@@ -122,3 +123,17 @@ def test_law_12_a_mode_right_after_our_own_stop_is_no_takeover(make: Make) -> No
     fake_of(guard).faults.mode = "locked"
     until(lambda: guard._takeover._mode == "locked")
     assert not guard.state().halted
+
+
+def test_law_9_without_a_position_no_home_is_set_and_the_reason_is_told(make: Make) -> None:
+    guard = make(home_on_start=False)
+    fake_of(guard).carry(Pose(math.nan, 0.0, 0.0))
+    with pytest.raises(RobotError, match="cannot set home: The robot tells no position"):
+        guard.home("owner")
+
+
+def test_a_closed_guard_closes_its_robot(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard, closed = make(), list[bool]()
+    monkeypatch.setattr(fake_of(guard), "close", lambda: closed.append(True))
+    guard.close()
+    assert closed == [True]
