@@ -69,6 +69,35 @@ async def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None
     await journal.close()
 
 
+async def test_law_14_the_first_reason_why_a_command_may_not_move_counts(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+    await journal.end(["1"], EndReason.STOP)
+    await journal.end(["1"], EndReason.STALE)
+    assert [(claim.command.post_id, claim.ended) for claim in await journal.open_claims()] == [
+        ("1", EndReason.STOP),
+        ("2", None),
+    ]
+    await journal.close()
+
+
+async def test_what_is_kept_of_a_post_is_not_taken_for_another_s(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+        assert await journal.assess(post, says(f"thought {post}")) == f"thought {post}"
+        await journal.ask(post, now, now)
+    assert await journal.decide("1", ApprovalDecision(True, ALICE, "9", "h", now))
+    assert [await journal.has_decision(post) for post in ("9", "1", "2")] == [True, False, False]
+    assert [await state(journal, post) for post in "12"] == ["queued", "waiting"]
+    await journal.finish("1", CommandState.CANCELLED)
+    assert await journal.assess("2", says("another")) == "thought 2"
+    assert await journal.assess("1", says("another")) == "another", "it was told, so its assessment is gone"
+    await journal.close()
+
+
 async def test_claims_come_in_the_order_in_which_they_were_made(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     assert await journal.newest_claim() is None
@@ -245,6 +274,7 @@ async def test_the_newest_five_plans_of_a_topic_are_remembered_oldest_first(tmp_
         await journal.claim(command(str(n)))
         await journal.set_plan(str(n), plan)
     await journal.finish("6", CommandState.REFUSED)
+    await journal.claim(command("without a plan"))
     assert await journal.history("1") == plans[1:6], "and what was refused is not"
     assert await journal.history("1", 2) == plans[4:6]
     assert await journal.history("another") == []

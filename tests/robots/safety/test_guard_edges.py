@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
 from agentrob.robots.safety.guard import Guard
-from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn, until
+from agentrob.robots.safety.lock import Halt
+from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
 
 #: Needs no range readings, which an old state does not bring.
 HELLO = Primitive(Op.HELLO)
@@ -137,3 +142,48 @@ def test_a_closed_guard_closes_its_robot(make: Make, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(fake_of(guard), "close", lambda: closed.append(True))
     guard.close()
     assert closed == [True]
+
+
+def test_law_9_no_home_is_set_while_somebody_moves_the_robot(make: Make) -> None:
+    guard = make({"time_scale": 1}, home_on_start=False)
+    with ExternalController(fake_of(guard)):
+        until(lambda: (guard.state().velocity_mps or (0.0, 0.0))[0] > 0.3)
+        with pytest.raises(RobotError, match="while the robot moves"):
+            guard.home("owner")
+
+
+def test_law_17_a_release_returns_the_lock_that_it_removed(make: Make) -> None:
+    guard = make()
+    guard.halt("bob", "smoke")
+    removed = guard.release("owner")
+    assert removed is not None
+    assert (removed.by, removed.why) == ("bob", "smoke")
+    assert guard.release("owner") is None
+
+
+def test_law_17_a_halt_that_cannot_be_removed_from_the_disk_stays(make: Make, tmp_path: Path) -> None:
+    (tmp_path / "fake.halt").mkdir()
+    guard = make()
+    with pytest.raises(RobotError, match=r"the halt stays: .*fake.halt cannot be removed"):
+        guard.release("owner")
+    assert guard.step(move(0.3), go_on).reason == "halted"
+
+
+def test_law_12_a_step_is_marked_on_the_disk_while_it_runs(tmp_path: Path) -> None:
+    settings = RobotConfig(model="fake", simulated=True, home_on_start=True, options={"time_scale": math.inf})
+    path, marked = tmp_path / "fake.step", list[InterruptedStep | None]()
+    guard = Guard(FakeRobot(settings), settings, Halt(tmp_path / "fake.halt"), CrashMarker(path))
+    try:
+        result = guard.step(move(0.3), lambda _: marked.append(CrashMarker(path).interrupted_step()))
+        assert result.ok, result.message
+        assert {mark.op for mark in marked if mark is not None} == {Op.MOVE}
+        assert None not in marked
+        assert not path.exists()
+    finally:
+        guard.close()
+
+
+def test_law_8_a_step_that_sees_its_way_does_not_say_that_it_did_not(make: Make) -> None:
+    result = make().step(move(0.3), go_on)
+    assert result.ok
+    assert "range" not in result.message
