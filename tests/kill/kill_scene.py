@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import httpx2
 
@@ -20,7 +20,7 @@ from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.journal import JournalConfig
 from agentrob.config.load import Config
-from agentrob.config.robots import FenceConfig, RatesConfig, RobotConfig
+from agentrob.config.robots import FenceConfig, RatesConfig, RecordingConfig, RobotConfig
 from agentrob.demo import run as demo
 from agentrob.model import AccountKind, Role
 from agentrob.model.lifecycle import FINAL_STATES
@@ -31,6 +31,7 @@ from tests.in_process import Said
 from tests.kill import kill_body
 from tests.kill.kill_process import KillableProcess, agentrob, wait_for
 
+View = Literal["auto", "none"]
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
 #: Final states of a command whose driver was killed before it got a step: nothing moved.
@@ -54,12 +55,13 @@ class PostedCommand:
 
 
 class KillScene:
-    """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent."""
+    """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent.
+    `recording` is the view of the robot's recordings."""
 
     kinds: tuple[str, ...] = ("board", "driver", "agent")
 
-    def __init__(self, folder: Path, database: str = "") -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, database: str = "", recording: View = "auto") -> None:
+        self.folder, self.recording = folder, recording
         self.journal_store = JournalStore(folder, ROBOT, database)
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # socket paths must be short
         self.ledger_path = folder / "ledger.jsonl"
@@ -108,6 +110,7 @@ class KillScene:
             simulated=True,
             home_on_start=True,
             fence=fence,
+            recording=RecordingConfig(view=self.recording),
             options=options,
         )
 
