@@ -269,8 +269,8 @@ class KillScene:
         found = self.journal_store.rows(query, **dict(zip("ab", values, strict=False)))
         return tuple(found[0]) if found else None
 
-    def count_final_versions(self, post: dict[str, Any]) -> int:
-        """Return how many versions of the status posts contain an end, which unlike a status has paragraphs.
+    def final_versions(self, post: dict[str, Any]) -> list[str]:
+        """Return the versions of the status post that contain an end, which unlike a status has paragraphs.
 
         A version that only adds a late recording does not count again.
         """
@@ -280,7 +280,7 @@ class KillScene:
             ).fetchall()
         ends = [raw for raw in (*(row[0] for row in older), post["raw"]) if "\n\n" in raw]
         late = len(ends) > 1 and "a recording" in ends[-1] and "a recording" not in ends[-2]
-        return len(ends) - late
+        return ends[: len(ends) - late]
 
 
 def check(scene: KillScene, command: PostedCommand) -> str:
@@ -291,7 +291,8 @@ def check(scene: KillScene, command: PostedCommand) -> str:
     final = scene.final(command)
     state = str(final["card"]["state"])
     assert len(scene.answers(command)) == 1, "a claim, status or final post is there twice"
-    assert scene.count_final_versions(final) == 1, "the end was reported twice"
+    ends = scene.final_versions(final)
+    assert len(ends) == 1, "the end was reported twice:\n" + "\n---\n".join(ends)
     assert scene.motions(command.began) <= 1, "the motion was begun again"
     assert len(final["images"]) == len({image["id"] for image in final["images"]}) <= 3  # photo, path, recording
     if state == "done":

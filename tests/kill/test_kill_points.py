@@ -213,4 +213,4 @@ def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_g
     at_rest_s = scene.at_rest_since(command.began)
     assert at_rest_s is not None
     assert at_rest_s - killed_s < STILL_S
-    assert scene.count_final_versions(final) == 1
+    assert len(scene.final_versions(final)) == 1
