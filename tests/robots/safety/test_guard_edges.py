@@ -187,3 +187,12 @@ def test_law_8_a_step_that_sees_its_way_does_not_say_that_it_did_not(make: Make)
     result = make().step(move(0.3), go_on)
     assert result.ok
     assert "range" not in result.message
+
+
+@pytest.mark.parametrize(("asked_mps", "at_most_mps"), [(0.1, 0.1), (0.3, 0.2), (None, 0.2)])
+def test_law_8_a_step_without_readings_is_no_faster_than_it_was_asked_for(
+    make: Make, asked_mps: float | None, at_most_mps: float
+) -> None:
+    guard = make({"faults": {"ranges": "missing"}}, allow_unknown_ranges=True)
+    assert guard.step(move(0.3, speed_mps=asked_mps), go_on).ok
+    assert fake_of(guard).commanded.forward_mps == pytest.approx(at_most_mps)
