@@ -287,13 +287,21 @@ async def test_a_replaced_forum_s_ids_mean_other_posts(tmp_path: Path) -> None:
         await journal.claim(command(post))
     assert await journal.move("1", says("moved")) == "moved"
     await journal.finish("1", CommandState.DONE)
+    now = datetime.now(UTC)
+    await journal.ask("2", now, now)
+    assert await journal.decide("2", ApprovalDecision(True, ALICE, "9", "h", now))
+    assert await journal.assess("2", says("thought")) == "thought"
     await journal.set_aside()
     assert await journal.open_claims() == []
+    assert not await journal.has_decision("9")
+    assert await journal.assess("2", says("another")) == "another"
+    assert (await journal.claim(command("2"))).new
+    assert await state(journal, "2") is CommandState.SEEN, "what was approved before is not"
     assert (await journal.claim(command("1"))).new
     assert await journal.move("1", says("moved again")) == "moved again"
     await journal.set_aside()
     finals = [row[0] for row in JournalStore(tmp_path, REX).rows("SELECT final FROM claim ORDER BY number")]
-    assert finals == ["done", "cancelled", "cancelled"]
+    assert finals == ["done", "cancelled", "cancelled", "cancelled"]
     await journal.close()
 
 
@@ -302,12 +310,41 @@ async def test_robots_do_not_see_each_other_s_rows(tmp_path: Path) -> None:
     assert (await rex.claim(command("1"))).new
     assert (await other.claim(command("1"))).new
     assert await rex.cancel("1")
+    now = datetime.now(UTC)
+    await rex.claim(command("3"))
+    await rex.ask("3", now, now)
+    assert await rex.decide("3", ApprovalDecision(True, ALICE, "9", "h", now))
+    await rex.assess("1", says("thought"))
+    kept = await rex.add_schedule(scheduled("2"), now)
+    assert not await other.has_decision("9")
+    assert await other.schedules() == []
     assert await other.move("1", says("moved")) == "moved"
     await other.finish("1", CommandState.DONE)
     await other.set_aside()
     await other.put("cursor", "1")
-    assert [claim.command.post_id for claim in await rex.open_claims()] == ["1"]
+    assert await rex.move("1", says("moved")) == CommandState.CANCELLED
+    assert await rex.assess("1", says("another")) == "thought"
+    assert await rex.has_decision("9")
+    assert await rex.schedules() == [kept]
+    assert [claim.command.post_id for claim in await rex.open_claims()] == ["1", "3"]
     assert (await rex.get("cursor"), await rex.history("1")) == (None, [])
+    for journal in (rex, other):
+        await journal.close()
+
+
+async def test_law_6_of_how_many_claims_are_kept_each_robot_s_own_count(tmp_path: Path) -> None:
+    rex, other = await open_journal(tmp_path, REX), await open_journal(tmp_path, MAX)
+    for post in "123":
+        await rex.claim(command(post))
+    for post in "12":
+        await other.claim(command(post))
+        await other.finish(post, CommandState.REFUSED)
+    JournalStore(tmp_path, MAX).change("UPDATE claim SET at = at - 200000 WHERE robot = :robot", robot=MAX)
+    await other.prune(30, 2)
+    assert [await other.knows(post) for post in "12"] == [True, True]
+    await other.prune(30, 1)
+    assert [await other.knows(post) for post in "12"] == [False, True]
+    assert len(await rex.open_claims()) == 3
     for journal in (rex, other):
         await journal.close()
 
