@@ -63,6 +63,16 @@ def test_law_8_a_state_that_becomes_half_a_second_old_ends_the_step(
         assert "The robot's state was 0.5 s old." in result.message
 
 
+def test_law_8_states_that_come_too_seldom_tell_nothing_about_free_space(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    age_states(guard, monkeypatch, 0.3)
+    until(lambda: not guard._ranges.enough)
+    result = guard.step(move(0.3), go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+    assert "comes too seldom" in result.message
+
+
 def test_law_9_home_is_set_only_by_a_state_younger_than_half_a_second(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
