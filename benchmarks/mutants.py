@@ -191,7 +191,17 @@ class Workplace:
         os.environ["PYTHONPATH"] = str(self.folder / "src")
         os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(self.folder / "hypothesis")
         sys.path.insert(0, str(self.folder / "src"))
-        options = ["-q", "-x", "-p", "no:cacheprovider", "-m", SELECTED, "--rootdir", str(self.root)]
+        options = [
+            "-q",
+            "-x",
+            "-p",
+            "no:cacheprovider",
+            "--hypothesis-seed=0",
+            "-m",
+            SELECTED,
+            "--rootdir",
+            str(self.root),
+        ]
         return pytest.main([*options, *arguments], plugins=[plugin])
 
 
