@@ -78,8 +78,12 @@ def runs_done(scene: Scene, post: Post) -> int:
 @pytest.mark.parametrize(
     ("text", "said", "run"),
     [
-        ("in 10 minutes wave", ["Scheduled: wave.", "(Europe/Berlin)", "reply `cancel`"], "Run of"),
-        ("十分钟后挥手", ["已安排：挥手。", "（Europe/Berlin）", "回复“取消”"], "的运行。"),
+        (
+            "in 10 minutes wave",
+            ["Scheduled: wave.", "(Europe/Berlin)", "reply `cancel`"],
+            "Run of this schedule",
+        ),
+        ("十分钟后挥手", ["已安排：挥手。", "（Europe/Berlin）", "回复“取消”"], "的运行，时间是"),
     ],
 )
 async def test_law_6_a_command_for_later_is_echoed_and_runs_once_at_its_time(

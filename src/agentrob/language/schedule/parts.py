@@ -112,7 +112,8 @@ class ScheduleWords:
     matches words that say when, wherever they stand: if they are not understood as a part, the post is asked back.
     `present` matches words of the present, which contradict a later time. `breaks` matches what separates the clauses
     of a command, `amount` what a duration behind a command may belong to ("walk 2 m in 10 minutes"). `lists` matches
-    a post that asks for the schedules, `cancels` one that cancels them.
+    a post that asks for the schedules, `cancels` one that cancels them, `cancels_by_name` one that also says that it
+    means a schedule, `renews` one that renews a schedule whose last run was.
     """
 
     forms: tuple[Form, ...] = ()
@@ -124,3 +125,5 @@ class ScheduleWords:
     amount: str = "(?!)"
     lists: str = "(?!)"
     cancels: str = "(?!)"
+    cancels_by_name: str = "(?!)"
+    renews: str = "(?!)"

@@ -68,6 +68,16 @@ def cancels_schedule(text: str) -> bool:
     return _is_only(without_mentions(text), "cancels")
 
 
+def cancels_named_schedule(text: str) -> bool:
+    """Return whether a text only cancels and says that it means a schedule ("cancel the schedule", 取消日程)."""
+    return _is_only(without_mentions(text), "cancels_by_name")
+
+
+def renews_schedule(text: str) -> bool:
+    """Return whether a text only renews a schedule ("keep on", 继续), in any language, mentions aside."""
+    return _is_only(without_mentions(text), "renews")
+
+
 def _is_only(text: str, which: str) -> bool:
     plain = " ".join(text.strip(_ENDS).split())
     return any(_compiled(getattr(of.schedule, which)).fullmatch(plain) for of in known().values())
