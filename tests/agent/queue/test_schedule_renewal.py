@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -25,15 +27,19 @@ def scene(driver: Driver, tmp_path: Path) -> Scene:
     return make_scene(driver, tmp_path, time_zone="Europe/Berlin")
 
 
-async def limited(scene: Scene, agent: RobotAgent, text: str = "every hour wave") -> Post:
-    """Post a schedule of Alice's and let the time pass in which it runs as often as any may."""
-    post = await posted(scene, text)
-    await steps(agent, await next_at_of(agent, post) + 40 * HOUR)
-    told = await scene.until(lambda: ended(scene, post))
-    assert "keep on" in told[-1] or "继续" in told[-1]
-    await scene.until(lambda: not len(agent.queue))
-    await agent.schedules.load()
-    return post
+@asynccontextmanager
+async def limited(scene: Scene, text: str = "every hour wave") -> AsyncIterator[tuple[RobotAgent, Post]]:
+    """An agent, and a schedule of Alice's that has run as often as any may: the time of its runs passes while the robot
+    is away."""
+    async with scene.agent():
+        post = await posted(scene, text)
+    scene.world.clock_offset_s += 40 * 3600.0
+    async with scene.agent() as agent:
+        told = await scene.until(lambda: ended(scene, post))
+        assert "keep on" in told[-1] or "继续" in told[-1]
+        await scene.until(lambda: not len(agent.queue))
+        await agent.schedules.load()
+        yield agent, post
 
 
 async def answer(scene: Scene, post: Post) -> str:
@@ -61,8 +67,7 @@ async def kept_of(agent: RobotAgent, post: Post) -> KeptSchedule:
 async def test_its_author_renews_a_schedule_for_as_many_runs_again(
     scene: Scene, text: str, words: str, said: str
 ) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent, text)
+    async with limited(scene, text) as (agent, post):
         before = len(finals(scene, post))
         asks = await scene.post("alice", words, topic=post.topic_id)
         assert said in await answer(scene, asks)
@@ -78,8 +83,7 @@ async def test_its_author_renews_a_schedule_for_as_many_runs_again(
 
 
 async def test_a_renewed_schedule_that_ends_again_says_so_again(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (agent, post):
         asks = await scene.post("alice", "keep on", topic=post.topic_id)
         await answer(scene, asks)
         await steps(agent, await next_at_of(agent, post) + 40 * HOUR)
@@ -89,8 +93,7 @@ async def test_a_renewed_schedule_that_ends_again_says_so_again(scene: Scene) ->
 
 async def test_law_1_nobody_else_renews_it_and_is_told_who_can(scene: Scene) -> None:
     scene.person("carol", Role.OPERATOR)
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (agent, post):
         for who in ("bob", "carol"):
             asks = await scene.post(who, "keep on", topic=post.topic_id)
             assert "Only `alice` can renew" in await answer(scene, asks)
@@ -98,8 +101,7 @@ async def test_law_1_nobody_else_renews_it_and_is_told_who_can(scene: Scene) -> 
 
 
 async def test_law_2_an_author_who_lost_the_right_renews_nothing(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (agent, post):
         scene.world.set_role("alice", Role.MEMBER)
         asks = await scene.post("alice", "keep on", topic=post.topic_id)
         assert "may not command me" in await answer(scene, asks)
@@ -107,8 +109,7 @@ async def test_law_2_an_author_who_lost_the_right_renews_nothing(scene: Scene) -
 
 
 async def test_law_4_an_edit_after_the_last_run_leaves_nothing_to_renew(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (agent, post):
         await scene.world.sign_in("alice").edit(post.id, f"@{ROBOT} every hour walk 5 m")
         async with asyncio.timeout(60):
             while (await kept_of(agent, post)).ended == "limit":
@@ -119,8 +120,8 @@ async def test_law_4_an_edit_after_the_last_run_leaves_nothing_to_renew(scene: S
 
 
 async def test_law_5_a_renewal_that_is_read_late_is_answered_and_renews_nothing(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (_, post):
+        pass
     asks = await scene.post("alice", "keep on", topic=post.topic_id)
     scene.world.clock_offset_s += 600.0
     async with scene.agent() as agent:
@@ -129,8 +130,7 @@ async def test_law_5_a_renewal_that_is_read_late_is_answered_and_renews_nothing(
 
 
 async def test_law_14_a_stop_after_a_renewal_ends_the_schedule(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (_, post):
         asks = await scene.post("alice", "keep on", topic=post.topic_id)
         await answer(scene, asks)
         await scene.post("bob", f"@{ROBOT} stop")
@@ -152,8 +152,7 @@ async def test_keep_on_while_nothing_has_ended_is_no_renewal(scene: Scene) -> No
 
 
 async def test_a_reply_to_one_of_two_schedules_renews_or_cancels_that_one(scene: Scene) -> None:
-    async with scene.agent() as agent:
-        one = await limited(scene, agent)
+    async with limited(scene) as (agent, one):
         other = await scene.post("alice", f"@{ROBOT} every hour sit", topic=one.topic_id)
         first = await scene.final(other)
         await scene.until(lambda: not len(agent.queue))

@@ -108,8 +108,8 @@ async def test_law_6_killed_at_any_write_of_a_run_it_is_not_doubled_and_not_sile
 async def test_law_6_killed_at_the_write_of_a_renewal_it_is_neither_doubled_nor_silent(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, when: str
 ) -> None:
-    async with scene.agent() as agent:
-        post = await limited(scene, agent)
+    async with limited(scene) as (_, post):
+        pass
     original = Journal.renew_schedule
     dead, gone = asyncio.Event(), asyncio.Event()
 

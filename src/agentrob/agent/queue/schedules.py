@@ -175,7 +175,7 @@ class Schedules:
         schedule = kept.asked.schedule
         run = ScheduledRun(
             at, asked.posted_at, schedule.tz, missed, number=schedule.runs_left - kept.runs_left + 1,
-            of=schedule.runs_left, limited=schedule.limited_runs or schedule.limited_days, url=url,
+            of=schedule.runs_left, limited=schedule.limited_runs, url=url,
         )  # fmt: skip
         command = replace(asked, author=author, text=kept.asked.text, posted_at=at, trace_id=uuid4().hex[:12], run=run)
         claim = await self.journal.begin_run(kept, command, ended, following(kept, last or at, count))

@@ -30,15 +30,16 @@ def schedule_card(kept: Sequence[KeptSchedule]) -> dict[str, Any]:
 
 
 def _entry(kept: KeptSchedule) -> dict[str, Any]:
-    """`runs` are the times of all further runs, in Unix seconds."""
+    """`runs` are the times of all further runs, in Unix seconds. `renewable`: it ends by the limit of runs or days."""
     assert kept.next_at is not None
     schedule, text = kept.asked.schedule, kept.asked.understood
-    following = islice(runs(schedule, kept.next_at - timedelta(seconds=1)), kept.runs_left)
+    following = list(islice(runs(schedule, kept.next_at - timedelta(seconds=1)), kept.runs_left))
+    by_days = schedule.limited_days and len(following) < kept.runs_left
     return {
         "post": kept.post_id,
         "text": text if len(text) <= MOST_CHARS else text[: MOST_CHARS - 1] + "…",
         "zone": schedule.tz,
         "runs": [int(at.timestamp()) for at in following],
         "until": schedule.until_at.isoformat(),
-        "renewable": schedule.limited_runs or schedule.limited_days,
+        "renewable": schedule.limited_runs or by_days,
     }

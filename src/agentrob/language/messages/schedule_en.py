@@ -17,6 +17,8 @@ SCHEDULE = {
     "schedule.examples": "Put the time at the beginning, for example `in 10 minutes wave` · `tomorrow at 9:00 wave` · "
     "`every weekday at 9:00 take a photo` · `every 15 minutes between 9:00 and 17:00 take a photo`.",
     "read.later": "{line} At the times that my reply will name.",
+    "drive.later": "This says when to move, and `agentrob drive` moves only now. Leave out the time, or post it on the "
+    "robot's forum, where it becomes a schedule.",
     "schedule.made": "Scheduled: {understood}.",
     "schedule.next.once": "It runs on {times} ({zone}).",
     "schedule.next": "The next runs are {times} ({zone}).",

@@ -15,6 +15,7 @@ SCHEDULE = {
     "schedule.examples": "请把时间写在开头，例如`十分钟后挥手` · `明天早上九点挥手` · `每个工作日九点拍照` · "
     "`每隔15分钟从9点到17点拍照`。",
     "read.later": "{line}时间见我的答复。",
+    "drive.later": "这里说了时间，而`agentrob drive`只能现在运动。请去掉时间，或在机器人的论坛上发帖，那样会成为日程。",
     "schedule.made": "已安排：{understood}。",
     "schedule.next.once": "运行时间：{times}（{zone}）。",
     "schedule.next": "接下来的运行时间：{times}（{zone}）。",
