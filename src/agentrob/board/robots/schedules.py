@@ -75,7 +75,7 @@ def of_robot(services: Services, name: str, viewer: Account | None) -> tuple[Sch
     ids = [int(e["post"]) for e in entries if _is_id(e.get("post"))]
     posts = {post.id: post for post in services.store.reader.posts_by_id(ids) if not post.removed}
     found = [
-        _view(entry, post, account.name, view.live, _may_cancel(viewer, post, owner))
+        schedule_view(entry, post, account.name, view.live, _may_cancel(viewer, post, owner))
         for entry in entries
         if (post := posts.get(str(entry.get("post")))) is not None
     ]
@@ -141,7 +141,7 @@ def _may_cancel(viewer: Account | None, post: StoredPost, owner: str) -> bool:
     return viewer.id == post.author.id or viewer.name == owner or rights.reaches(viewer, "moderator", owner)
 
 
-def _view(entry: Mapping[str, Any], post: StoredPost, name: str, live: bool, may_cancel: bool) -> ScheduleView:
+def schedule_view(entry: Mapping[str, Any], post: StoredPost, name: str, live: bool, may_cancel: bool) -> ScheduleView:
     """The view of one entry of a card; fields of the wrong type are left out."""
     text, told = entry.get("text"), entry.get("runs")
     runs = [_moment(value) for value in told[:MOST_RUNS]] if isinstance(told, (list, tuple)) else []
