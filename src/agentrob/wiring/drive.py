@@ -129,7 +129,7 @@ def _later(text: str, name: str, settings: RobotConfig, capabilities: Capabiliti
     visible, addressee = _heard(text, name, capabilities, settings)
     if (timed := when_of(visible, addressee.names, settings.time_zone)) is None:
         return None
-    if timed.schedule is None:
+    if timed.schedule is None and not timed.surely_later:
         understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, addressee)))
         if understood.intent is Intent.COMMAND:
             return None

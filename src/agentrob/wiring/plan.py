@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -39,8 +38,8 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     if (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
         text = visible.replace(part_for(visible, (name,), [n for n in named if n != name]), timed.rest)
         understood, schedule = asyncio.run(understand(text, name, capabilities)), timed.schedule
-    elif timed is not None and understood.intent is not Intent.COMMAND:
-        understood = replace(understood, intent=Intent.ASK_BACK, question=timed.question)
+    elif timed is not None and (timed.surely_later or understood.intent is not Intent.COMMAND):
+        understood = Understanding(Intent.ASK_BACK, understood.language, question=timed.question)
     facts: dict[str, Any] = {
         "intent": str(understood.intent),
         "language": understood.language,

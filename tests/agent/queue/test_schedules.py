@@ -217,7 +217,10 @@ async def test_an_account_has_five_schedules_at_most(scene: Scene) -> None:
         assert len(await agent.journal.schedules()) == 5
 
 
-@pytest.mark.parametrize("text", ["tomorrow wave", "twice a day wave", "walk 1 m, then in 10 minutes wave", "明天挥手"])
+@pytest.mark.parametrize(
+    "text",
+    ["tomorrow wave", "twice a day wave", "walk 1 m, then in 10 minutes wave", "明天挥手", "in a few minutes wave"],
+)
 async def test_law_18_an_unclear_time_is_asked_back_and_nothing_is_scheduled(scene: Scene, text: str) -> None:
     async with scene.agent() as agent:
         await posted(scene, text, state="asks_back")

@@ -58,11 +58,13 @@ class ScheduleView:
 
     @property
     def last(self) -> str:
-        """The day until which it runs at the latest, in its zone."""
-        return local(self.until, self.zone)[:14] if self.until is not None else ""
+        """The day of its last run, in its zone."""
+        return local(self.runs[-1], self.zone).rpartition(" ")[0] if self.runs else ""
 
     def _wait(self, at: datetime) -> str:
         left_s = (at - datetime.now(UTC)).total_seconds()
+        if left_s > 60:
+            left_s = 60 * round(left_s / 60)
         return f"in {duration(left_s)}" if left_s > 0 else "now"
 
 

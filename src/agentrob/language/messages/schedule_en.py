@@ -8,6 +8,8 @@ SCHEDULE = {
     '"every day at {hour}".',
     "schedule.half": "Is {early} or {late} meant? I have not scheduled anything; please write a time from 00:00 to "
     "23:59, or am or pm.",
+    "schedule.midnight": "Is the midnight at the beginning or at the end of that day meant? I have not scheduled "
+    "anything; please write 00:00 or 23:59 of a day.",
     "schedule.past": "{time} is over already. I have not scheduled anything; please name the day.",
     "schedule.none": "Nothing would ever run at these times. I have not scheduled anything.",
     "schedule.far": "That is more than {days} days ahead, the most that I schedule.",

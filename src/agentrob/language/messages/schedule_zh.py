@@ -6,6 +6,7 @@ SCHEDULE = {
     "schedule.hour": "我听懂了日期，但没有听懂几点。我没有安排日程。",
     "schedule.day": "{hour}是指哪一天？我没有安排日程；可以说“今天{hour}”或“每天{hour}”。",
     "schedule.half": "是{early}还是{late}？我没有安排日程；请写00:00到23:59之间的时间，或写明上午、下午。",
+    "schedule.midnight": "是那天开始时还是结束时的午夜？我没有安排日程；请写某一天的00:00或23:59。",
     "schedule.past": "{time}已经过了。我没有安排日程；请写明日期。",
     "schedule.none": "这些时间里永远不会运行。我没有安排日程。",
     "schedule.far": "那在{days}天以后，超过了我能安排的期限。",
