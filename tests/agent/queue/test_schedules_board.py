@@ -89,7 +89,7 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
     try:
         await asyncio.wait_for(agent.ready.wait(), 60)
         with Poster(board, author) as op:
-            topic = await op.post(f"@{ROBOT} every hour wave")
+            topic = await op.post(f"@{ROBOT} every hour walk 3 m")
             (first,) = await posts(op, topic, 1)
             assert "(Asia/Shanghai)" in first["raw"]
             for count in (2, 3):
