@@ -54,6 +54,8 @@ _TOLD = (
     TokenKind.SLOW,
     TokenKind.FASTER,
 )
+#: Tokens of what somebody else does: "I drive a bus".
+_OWN_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.HELP)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
@@ -112,14 +114,19 @@ class Clause:
     @cached_property
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
-        if not self.introduces and not (
-            known.has_form_of_remark(said) or (known.reads_as_statement(said) and not self.has_amount)
-        ):
-            return False
-        if self._weighs(known.weighty, _compiled(known.aside).sub(" ", said)):
-            return False
-        rest = self.without_asides
-        return not rest.commands and not (_found(known.fragment, said) and rest.has_side)
+        if not self.introduces and not known.has_form_of_remark(said):
+            return self.may_be_statement and known.reads_as_statement(said)
+        return self._asks_nothing and not (_found(known.fragment, said) and self.without_asides.has_side)
+
+    @property
+    def may_be_statement(self) -> bool:
+        """Whether a clause in a form that no pattern knows may be a remark: it names no direction, amount or deed."""
+        return not self.has_amount and not self.has_side and self._asks_nothing
+
+    @property
+    def _asks_nothing(self) -> bool:
+        weighs = self._weighs(self.known.weighty, _compiled(self.known.aside).sub(" ", self.plain))
+        return not weighs and not self.without_asides.commands
 
     @cached_property
     def introduces(self) -> bool:
@@ -140,8 +147,11 @@ class Clause:
         """Return whether any of these words weighs; in a private statement only the grave ones do."""
         if not _found(words, said):
             return False
-        private = not self.introduces and _found(self.known.private, said)
-        return not private or _found(self.known.grave, said)
+        if self.introduces:
+            return True
+        if _found(self.known.private, said) and not _found(self.known.grave, said):
+            return False
+        return not self._is_own or _found(self.known.heavy, said)
 
     @property
     def has_side(self) -> bool:
@@ -170,7 +180,18 @@ class Clause:
         token = self.tokens[at]
         if token.kind is TokenKind.CONDITION and not at:
             return False
-        return (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told
+        if (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told:
+            return True
+        return token.kind in _OWN_DEEDS and at > 0 and self._is_own and self._follows_subject(token)
+
+    def _follows_subject(self, token: Token) -> bool:
+        """Return whether the word before a verb is its subject or governs it: "I drive", "we used to dance"."""
+        return _found(self.known.after_subject, self._straight[: token.start])
+
+    @cached_property
+    def _is_own(self) -> bool:
+        """Whether it states something about its speaker or others, and names neither the robot nor an order."""
+        return _found(self.known.own, self.plain) and self.known.states(self.plain)
 
     def _looks(self, token: Token) -> bool:
         return self.words[token.start : token.end].lower() in self.known.looks.split("|")

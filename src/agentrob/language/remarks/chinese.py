@@ -246,6 +246,13 @@ _CONCERNED = """你|您|它|机器|命令|指令|这|那|想|要|希望|准备|�
         |后[面方]|左|右|米|步|度|厘|公分|应该|需|得|如果|除非|直到|否则|就|不[知确肯同能可会信]|怎|什|谁|哪|吗|么|明天|回头|一会|稍|还没
         |没有?[准开说叫让]|当心|小心|慢|快|拍|照|并|且|然后|接着|随后|最后|以及|同时|完|之后|以后|数|量|测|查|看|搬|拿|开|关"""
 PRIVATE = rf"^(?!.*{_any(_CONCERNED)}){_any(_TELLERS)}"
+#: The same with fewer words, where the classifier is sure that it is a statement.
+_ORDERED = """你|您|它|机器|命令|指令|想[要让看]|希望|准备|别(?!人)|停|等(?!级)|[不才就]行|错|算了|先(?!生)|再(?!说|见|也)|只[能准许要]|必|允许|让|叫你|请|帮我
+        |前面|往|向|朝|后[面方退]|左|右|前进|[\\d一二两三半]米|步|度(?!假|过)|厘|公分|应该|得先|如果|要是|除非|直到|否则|就行|吗|么$|哪
+        |小心|当心|拍|照(?!顾)|还是|或|多远|多少|半路|位置|看着|时候|之后|以后|之前|完(?!蛋|了)|一.{0,3}就"""
+OWN = rf"^(?!.*{_any(_ORDERED)}){_any(_TELLERS)}"
+#: A verb after these says what they do; a direction or an amount ends that.
+AFTER_SUBJECT = rf"^{_any(_TELLERS)}.{{1,9}}$"
 GRAVE = _any(_NEAR, _AHEAD, _DANGERS, _CORRECTIONS, _RIGHTS, _ORDERS)
 UNSETTLING = rf"^(?!{_AVOIDED}$)(?!.*{_AHEAD}).*?{_WORDS}"
 #: Talk of the grammar that is always asked about: claims of rights, reported speech.

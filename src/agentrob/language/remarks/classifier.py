@@ -23,16 +23,18 @@ from typing import NamedTuple
 from zlib import crc32
 
 from agentrob.errors import ConfigError
-from agentrob.language.remarks.verbs import BEFORE_VERB, VERBS
+from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "d34706115e6a94cf140e9e32ce02c6867a764ff8105a5155f82da9d99b6bc3c6"
+SHA256 = "4afe6d502e96e1f7644c9c13f2bc6358d260f9bf686062de3632d6fce863515f"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
 _MOST_WORDS = 24
 _WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
+#: A Chinese verb at the beginning is that of an order, unless it is told as done.
+_HAN_ORDER = re.compile(rf"(?:{HAN_VERBS})(?![^，。]{{0,9}}[了过](?!来|去))(?!.{{1,12}}的$)(?![着得到完])")
 _FIRST = 3
 #: Shorter clauses, in words and in Han characters, say too little to be judged.
 _LEAST, _LEAST_HAN = 3, 4
@@ -50,7 +52,7 @@ class StatementClassifier:
         Raises `ConfigError` if the weights are missing or changed.
         """
         words = _words(clause)
-        if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or _verb_of_order(words) >= 0:
+        if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or begins_as_order(clause):
             return False
         known = _weights()[self.language]
         return score(clause, known.weights) > (known.sure if sure else known.statement)
@@ -73,6 +75,12 @@ def score(clause: str, weights: bytes) -> int:
 def buckets(clause: str) -> set[int]:
     """Return the numbers of a clause's features."""
     return {crc32(feature.encode()) % SIZE for feature in _features(clause)}
+
+
+def begins_as_order(clause: str) -> bool:
+    """Return whether a verb stands where that of an order does, so that no score makes the clause a statement."""
+    words = _words(clause)
+    return _verb_of_order(words) >= 0 or _HAN_ORDER.match("".join(words)) is not None
 
 
 def _words(clause: str) -> list[str]:

@@ -226,7 +226,7 @@ WORDS = RemarkWords(
            |means|meant|too (?:far|much|fast|close|long|near|many)|cancel*
            |last one(?! (?:was|is|came out|looked|turned out|looks) (?:\w+ )?(?:blurry|dark|great|good|nice|fun|funny
             |perfect|lovely|fine|cool|amazing|awesome|easy|hard|crooked|grainy|bright|sharp|fuzzy)\b)""",
-        "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should*|supposed|ought
+        "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should(?:n't|ve|'ve)?|supposed|ought
            |must (?!be\b|have\b)""",
         "denial": r"""
             (?:don't|doesn't|didn't|do not|does not|did not|not|never) (?:want|need|agree|like|mean|sure|think|care
@@ -266,7 +266,8 @@ WORDS = RemarkWords(
             (?:said|says?|wrote|writes?|told|tells?|asked|shouts?|shouted|yells?|yelled|replie[ds]|answers?|answered
             |suggest*|claim*|typed|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello|thanks|thank you
        |goodbye|good)\b)
-           |quote*|pretend*|asking|telling|kidding|joking|jokes?(?<!no joke)|dream*|story|movie""",
+           |quote*|asking|telling|dream*|story|movie""",
+        "jest": "pretend*|kidding|joking|jokes?(?<!no joke)",
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
     },
     danger={
@@ -292,6 +293,7 @@ WORDS = RemarkWords(
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "time", "order", "question"),
+    mild=("quotation",),
     tellers=r"""i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
        |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
        |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
@@ -304,6 +306,15 @@ WORDS = RemarkWords(
        |turning|walks?|walked|walking|stops?|stopped|stand|sit|photos?|pictures?|first|then|before|after|once|when|while|how
        |why|think|thought|believe|know|allow|allowed|feet|metres?|meters?|degrees?|mind|don't|do not|does not|doesn't
        |yet|later|careful|slow|slowly|stuck|not (?:to|the|a|any|in|at|on)|unsure|what|which|who|where""",
+    ordered=r"""you|u|ur|your|yours|yourself|you're|you've|you'd|you'll|ya|robots?|bot|machine|it|it's|its|one|ones|commands?
+       |orders?|ready|wait|waits|waiting|want|wants|wanted|prefers?|rather|instead|would|should|must|shall|may|please
+       |begin|enough|left|right|forwards?|backwards?|ahead|steps?|mov(?:e|es|ed|ing)|turn(?:s|ed|ing)?|stop(?:s|ped)?
+       |stand|sit|photos?|pictures?|cameras?|sure|unsure|certain|agrees?|decide[sd]?|mean(?:s|t)?|until|till|unless
+       |except|if|whether|which|who|where|allow(?:s|ed)?|feet|metres?|meters?|degrees?|don't|do not|doesn't|does not
+       |didn't|careful(?:ly)?|slow(?:ly|er)?|faster|not|no|never mind|other|another|goes|going|far|further|more|less
+       |closer|away|first(?= thing|$)|then|before|after|once|when|while|as soon|or|maybe|perhaps""",
+    doers="i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to|have to|had to",
+    often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",
     robot=r"you|yourself|your \w+|the robot",
     unfinished=r"""will|can|could|would|should|must|may|might|cannot|do|does|did|not|going|you|we|i|they|it|he|she|them
        |him|of|in|for|with|at|on|to|from|about|the|my|your|our|a|an|no|just|is|are|was|were|be|been|people|dogs|robots

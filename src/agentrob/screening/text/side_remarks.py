@@ -12,6 +12,7 @@ import re
 from functools import cache
 
 from agentrob.language.messages.catalog import quote, say
+from agentrob.language.registry import locale
 from agentrob.model import Decision, Language, Op, Plan, Verdict
 from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
 from agentrob.screening.text.elsewhere import masked
@@ -21,10 +22,13 @@ from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
 RULE = "beside.said"
-_EN = (
+#: Other people and animals.
+_OTHERS_EN = (
     r"he|she|they|him|her|them|his|their|he's|she's|they're|nobody|no one|somebody|someone|anybody|anyone|whoever"
     r"|others|people",
     r"<det>(?:<person>|<animal>)",
+)
+_EN = (
     r"<det>(?:<height>|<pit>|<danger>)|nothing (?:under|below|beneath)|(?:no|without(?: a| any)?) (?:floor|ground"
     r"|railing|barrier)|(?:fire|emergency"
     r"|escape) \w+|stairs|traffic|water",
@@ -52,8 +56,8 @@ _EN = (
     r"your (?:\w+ )?(?:legs?|battery|motors?|knees?|joints?|foot|feet|cables?|cord|sensors?|camera)(?: \w+){0,3}? "
     r"(?:broken|loose|hot|smok\w+|stuck|tangled|missing|damaged|overheat\w*|cracked|leaking|off|dead)",
 )
+_OTHERS_ZH = (r"<other>(?!好)|(?:他|她|它)们?",)
 _ZH = (
-    r"<other>(?!好)|(?:他|她|它)们?",
     r"你(?:现在|正|就|已经|目前)*(?:停|站|坐|趴|处|位)?在(?!<safe>)(?:<some>)?[^，。,.]{0,4}?(?:上|边|旁|口|里|下)",
     r"<high>|<danger>|活板门|又湿|很滑|湿滑|没有(?:地|栏|护)|悬崖|边缘|楼梯|逃生|消防",
     r"把你(?:放|搁|摆|搬|抱|举|留)",
@@ -171,11 +175,37 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
         said = myself.sub(" ", said)
         if not any(topic.search(said) for topic in topics) or placed(clause.said):
             continue
-        if len(said) > _LONGEST or any(topic.search(masked(said)) for topic in topics):
+        if len(said) > _LONGEST or any(
+            topic.search(masked(said)) for topic in (topics[2:] if tells_of_others(clause.said, language) else topics)
+        ):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
 
 
+def tells_of_others(said: str, language: Language) -> bool:
+    """Return whether a clause states something of the speaker or others that has nothing to do with the robot.
+
+    It names neither the robot, an order, a place, a camera, nor anything that may change the danger: "my flatmate
+    made pancakes". The grammar knows these statements; the other topics are asked about all the same.
+    """
+    known = locale(language)
+    return known.tells_of_life(said) and not _WHERE.search(said) and not _CONSENT.search(said)
+
+
+#: Where somebody is; that may be on the robot's way.
+_WHERE = re.compile(
+    r"\b(?:is|are|am|was|were|'s|'re|'m|be|been|stands?|sits?|stays?|waits?|works?|plays?|sleeps?|comes?|came|runs?|ran)"
+    r" (?:\w+ ){0,2}?(?:in|on|at|near|by|behind|under|around|outside|inside|between|beside|over|into|along|through|against"
+    r"|to|from|with|off|up|down|home|here|there|next)\b"
+    r"|(?<![现正实存])在(?!意|乎|家|学校|公司|单位|医院|外地|线)|[走跑爬躺坐站蹲趴睡]|过来|进来|路过|经过|出来|上来|下来"
+)
+#: What people know of the camera, and what they agree to.
+_CONSENT = re.compile(
+    r"\b(?:camera|lens|film\w*|record\w*|photo\w*|pictures?|watch\w*|see|sees|saw|seen|know|knows|knew|notice\w*|aware"
+    r"|consent\w*|agree\w*|permi\w+|allow\w*|mind|minds|secret\w*|scared?|afraid|fear\w*|terrified|nervous|blind|deaf"
+    r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant|wheelchair|crutch\w*)\b"
+    r"|[拍录照镜摄]|知道|发现|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
+)
 #: Longer clauses are asked about as a whole; no short reassurance is that long.
 _LONGEST = 200
 #: Operations that no side remark can make harmful.
@@ -184,9 +214,10 @@ _HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 
 @cache
 def _phrases() -> tuple[Phrases, ...]:
-    """Return the patterns of personal introductions and of the topics to ask about."""
+    """Return the patterns of personal introductions, of other people, and of the other topics to ask about."""
     both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
-    return Phrases(both, _MYSELF), Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
+    others = Phrases(ENGLISH, _OTHERS_EN), Phrases(CHINESE, _OTHERS_ZH)
+    return Phrases(both, _MYSELF), *others, Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
 
 
 def prepare() -> None:
