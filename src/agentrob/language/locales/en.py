@@ -737,6 +737,7 @@ LOCALE = Locale(
     private=REMARKS.private,
     grave=REMARKS.grave,
     own=REMARKS.own,
+    quotes=REMARKS.quotes,
     after_subject=REMARKS.after_subject,
     heavy=REMARKS.heavy,
     unsettling=REMARKS.unsettling,

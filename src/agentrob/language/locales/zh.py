@@ -636,6 +636,7 @@ LOCALE = Locale(
     private=remarks.PRIVATE,
     grave=remarks.GRAVE,
     own=remarks.OWN,
+    quotes=remarks.QUOTES,
     after_subject=remarks.AFTER_SUBJECT,
     heavy=remarks.GRAVE,
     unsettling=remarks.UNSETTLING,

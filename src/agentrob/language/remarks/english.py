@@ -253,20 +253,23 @@ WORDS = RemarkWords(
         "request": r"""please|pls|tell|let me|let us|show me|send|report|i'd|we'd|i want|we want|i need|we need|i would
            |we would
            |(?:likes?|loves?) (?:\w+ ){0,2}?(?:to|(?:you|it|the robot|him)(?!$))
-           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?
-            |have) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
+           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
+        "causative": "(?<!would )(?<!'d )(?<!'ve )have (?:you|it|the robot|him)(?! (?:in|at|on|for|here)\\b)",
         # Within a statement these ask for nothing: "that's where the plant was".
         "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)
         |why|whether)
            |(?:show|tell|see|find|check|know|sure) (?:me |us )?(?:what|which|who|whom|where|how|why|whether)
            |what (?:about|to)|how (?:about|to)|where to|which (?:way|side|direction|one)""",
-        "authority": """owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)
-           |developer|programmer""",
+        "authority": r"""owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)
+           |developer|programmer
+           |(?:promised|have|had|got|need) to ask|ask (?:my|our|his|her) \w+ first""",
         "quotation": r"""
             (?:said|says?|wrote|writes?|told|tells?|asked|shouts?|shouted|yells?|yelled|replie[ds]|answers?|answered
             |suggest*|claim*|typed|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello|thanks|thank you
        |goodbye|good)\b)
            |quote*|asking|telling|dream*|story|movie""",
+        "speech": r"""(?:said|says?|wrote|writes?|told|tells?|asked|asks|shout(?:s|ed)|yell(?:s|ed)|replie[ds]|answer(?:s|ed)
+            |suggest(?:s|ed)|typed|called)(?: (?:me|us|him|her|them|everyone|that|to))*$""",
         "jest": "pretend*|kidding|joking|jokes?(?<!no joke)",
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
     },
@@ -281,7 +284,9 @@ WORDS = RemarkWords(
            |in (?:the|your) way|on the (?:way|path)|block*""",
         "a place": r"""(?:stand|sit|sleep|nap|doze|play|wait|crouch|kneel|hang|rest|crawl|run|walk|squat|hide|cower)s?
             (?:\w+ ){0,2}?(?:there|here|behind|under|underneath|near|beside|by|next|close|ahead|in|on|at|around|between)
-           |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)""",
+           |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)
+           |(?:put|left|set|placed|dropped|parked|stood|laid|hung|threw) (?:\w+ ){1,4}?(?:there|here|around|about|across
+            |in the (?:middle|way|hall\w*|corridor|corner|doorway)|by the \w+|near the \w+)""",
         "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
            |coming|approach*|crossing|falling|fall(?! (?:weather|semester|season|break|colou?rs|in love))|falls
         |crash*|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
@@ -312,9 +317,11 @@ WORDS = RemarkWords(
        |stand|sit|photos?|pictures?|cameras?|sure|unsure|certain|agrees?|decide[sd]?|mean(?:s|t)?|until|till|unless
        |except|if|whether|which|who|where|allow(?:s|ed)?|feet|metres?|meters?|degrees?|don't|do not|doesn't|does not
        |didn't|careful(?:ly)?|slow(?:ly|er)?|faster|not|no|never mind|other|another|goes|going|far|further|more|less
-       |closer|away|first(?= thing|$)|then|before|after|once|when|while|as soon|or|maybe|perhaps""",
+       |closer|away|first(?= thing|$)|then|before(?!$)|after|once|when|while|as soon|or|maybe|perhaps""",
     doers="i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to|have to|had to",
     often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",
+    not_introducing=r"""is|are|was|were|says?|said|wrote|writes?|reads|goes|went|does|did|do|told|asked|this|that|these|it|like|example
+       |plan|order|orders|command|commands|rule|rules|means?|post|posted|for|to|as|of|me|us|him|her|them|\w+ed""",
     robot=r"you|yourself|your \w+|the robot",
     unfinished=r"""will|can|could|would|should|must|may|might|cannot|do|does|did|not|going|you|we|i|they|it|he|she|them
        |him|of|in|for|with|at|on|to|from|about|the|my|your|our|a|an|no|just|is|are|was|were|be|been|people|dogs|robots

@@ -67,6 +67,7 @@ class RemarkWords:
     near_robot: str  # prepositions: what is there may be hit
     doers: str  # a verb after these says what they do: "I", "used to"
     often: str  # … also with one of these between: "always"
+    not_introducing: str  # a statement that ends in one of these before a colon introduces words of others
     robot: str  # words for the robot after them
     light: Sequence[str]  # reasons in `meaning` that do not weigh in a statement about its speaker or others
     mild: Sequence[str]  # further reasons that do not weigh in it where the classifier is sure
@@ -158,6 +159,11 @@ class RemarkWords:
     def after_subject(self) -> str:
         """Match words after which a verb says what they do: "I drive", "we used to dance"."""
         return rf"(?:^|\s){one_of(self.doers)} (?:{one_of(self.often)} )?$"
+
+    @cached_property
+    def quotes(self) -> str:
+        """Match a clause that, before a colon, may introduce the words of others."""
+        return rf"\b{one_of(self.not_introducing)}$"
 
     @cached_property
     def heavy(self) -> str:
