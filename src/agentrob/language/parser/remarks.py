@@ -198,6 +198,8 @@ class Clause:
             return False
         if (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told:
             return True
+        if token.kind is TokenKind.TIMES and self._is_own:  # "my cat sat on the keyboard twice"
+            return True
         return token.kind in _OWN_DEEDS and at > 0 and self._is_own and self._follows_subject(token)
 
     def _follows_subject(self, token: Token) -> bool:

@@ -299,7 +299,8 @@ WORDS = RemarkWords(
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "time", "order", "question"),
     mild=("quotation",),
-    tellers=r"""i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
+    tellers=r"""gran|nan|nana|mum|mom|dad|grandma|grandpa|granny|grandad|auntie|(?:the )?(?:twins|kids|children|lads|neighbours|neighbors
+       |girls|boys)|i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
        |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
        |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
        |tea|dinner|lunch|english|[a-z]+days)""",

@@ -37,6 +37,7 @@ _EN = (
     r"|by|under"
     r"|above|atop|over|before|beyond) (?:the|a|an|my|our|your|his|her|this|that) (?!(?:\w+ ){0,2}?<safe>\b)\w+",
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
+    r"\bsteps? (?:down|up)\b(?!stairs)",
     # What somebody left where the robot may walk.
     r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*|corner|doorway))",
     r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",
@@ -67,7 +68,7 @@ _ZH = (
     r"你(?:的)?[^，。,.]{0,3}?(?:背|身|头|肩|脖子|手|腿|尾巴)(?:上|里|边)|在你[^，。,.]{0,4}?(?:上|里)",
     r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
     r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
-    r"打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
+    r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
     r"|在烧|烧着|点着|滚烫|开水|热汤|煤油|汽油|酒精|漏电|带电|刀",
     r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
 )
@@ -217,7 +218,7 @@ _CONSENT = re.compile(
     r"|no idea|no clue|will|'ll|won't|gonna|going to|about to|hopes?|hoping|wish\w*|want\w*|if only|deserves?|trips?|let|lets|make|makes"
     r"|consent\w*|agree\w*|permi\w+|allow\w*|mind|minds|secret\w*|scared?|afraid|fear\w*|terrified|nervous|blind|deaf"
     r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant|wheelchair|crutch\w*)\b"
-    r"|[拍录照镜摄]|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
+    r"|[拍录照摄]|镜头|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
 )
 #: Longer clauses are asked about as a whole; no short reassurance is that long.
 _LONGEST = 200
