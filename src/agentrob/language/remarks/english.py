@@ -253,14 +253,16 @@ WORDS = RemarkWords(
         "request": r"""please|pls|tell|let me|let us|show me|send|report|i'd|we'd|i want|we want|i need|we need|i would
            |we would
            |(?:likes?|loves?) (?:\w+ ){0,2}?(?:to|(?:you|it|the robot|him)(?!$))
-           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
+           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?) (?:\w+ ){0,2}?(?:you|to|it
+        |the robot|him)""",
         "causative": "(?<!would )(?<!'d )(?<!'ve )have (?:you|it|the robot|him)(?! (?:in|at|on|for|here)\\b)",
         # Within a statement these ask for nothing: "that's where the plant was".
         "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)
         |why|whether)
            |(?:show|tell|see|find|check|know|sure) (?:me |us )?(?:what|which|who|whom|where|how|why|whether)
            |what (?:about|to)|how (?:about|to)|where to|which (?:way|side|direction|one)""",
-        "authority": r"""owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)
+        "authority": r"""owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master
+        |commander)
            |developer|programmer
            |(?:promised|have|had|got|need) to ask|ask (?:my|our|his|her) \w+ first""",
         "quotation": r"""
@@ -268,7 +270,8 @@ WORDS = RemarkWords(
             |suggest*|claim*|typed|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello|thanks|thank you
        |goodbye|good)\b)
            |quote*|asking|telling|dream*|story|movie""",
-        "speech": r"""(?:said|says?|wrote|writes?|told|tells?|asked|asks|shout(?:s|ed)|yell(?:s|ed)|replie[ds]|answer(?:s|ed)
+        "speech": r"""(?:said|says?|wrote|writes?|told|tells?|asked|asks|shout(?:s|ed)|yell(?:s|ed)|replie[ds]
+        |answer(?:s|ed)
             |suggest(?:s|ed)|typed|called)(?: (?:me|us|him|her|them|everyone|that|to))*$""",
         "jest": "pretend*|kidding|joking|jokes?(?<!no joke)",
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
@@ -299,8 +302,10 @@ WORDS = RemarkWords(
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "time", "order", "question"),
     mild=("quotation",),
-    tellers=r"""gran|nan|nana|mum|mom|dad|grandma|grandpa|granny|grandad|auntie|(?:the )?(?:twins|kids|children|lads|neighbours|neighbors
-       |girls|boys)|i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
+    tellers=r"""gran|nan|nana|mum|mom|dad|grandma|grandpa|granny|grandad|auntie|(?:the )?(?:twins|kids|children
+        |lads|neighbours|neighbors
+       |girls|boys)|i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday
+        |last (?:night|week
        |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
        |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
        |tea|dinner|lunch|english|[a-z]+days)""",
@@ -319,7 +324,8 @@ WORDS = RemarkWords(
        |except|if|whether|which|who|where|allow(?:s|ed)?|feet|metres?|meters?|degrees?|don't|do not|doesn't|does not
        |didn't|careful(?:ly)?|slow(?:ly|er)?|faster|not|no|never mind|other|another|goes|going|far|further|more|less
        |closer|away|first(?= thing|$)|then|before(?!$)|after|once|when|while|as soon|or|maybe|perhaps""",
-    doers="i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to|have to|had to",
+    doers="""i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to
+        |have to|had to""",
     often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",
     not_introducing=r"""is|are|was|were|says?|said|wrote|writes?|reads|goes|went|does|did|do|told|asked|this|that|these|it|like|example
        |plan|order|orders|command|commands|rule|rules|means?|post|posted|for|to|as|of|me|us|him|her|them|\w+ed""",

@@ -20,7 +20,8 @@ VERBS = frozenset(
     enjoy enter entertain erase escape escort estimate evacuate examine exchange exit expand explain explore
     extend extinguish face fall fan fasten feed feel fetch fight file fill film filter find finish fix flap
     flash flatten flee flick flip float flood flush fly focus fold follow forget forgive freeze frighten
-    frobnicate frown fry gallop gather get give glance glare glide glow go google grab greet grin grind grip groan groove grow
+    frobnicate frown fry gallop gather get give glance glare glide glow go google grab greet grin grind grip
+    groan groove grow
     growl guard guess guide hack hail halt hammer hand handle hang harm harvest haul have head heal hear heat
     heel help hide high highlight hijack hit hold hop hover howl hug hum hunt hurry hush identify ignore imagine
     imitate improve inch increase inform inhale inject insert inspect install introduce invent invite iron jam
@@ -61,12 +62,17 @@ BEFORE_VERB = frozenset(
     """.split()
 )
 #: Chinese verbs that seldom begin a statement, as a regular expression.
-HAN_VERBS = """(?:顺便|顺带|顺手|快|赶紧|尽量|随便|故意|偷偷|悄悄|一边|边|再|先|也|就|都|给我|给咱|给咱们|给我们|陪我|替我|帮我)*
-(?:摸|喂(?![，,！!])|陪|尝|作个|作一|画|揪|拽|换(?:条|个|只|张|首|一)|放(?:首|点|一|段|个|下)|翻(?:个|译|一)|揉|腌|熨|缝|修(?:修|好|一)
-|替|抄|哄|逗|遛|浇|晒|剥|削|泡|热一|拧|量|称一|查|订|打(?:个|一|开|套|扫|包)|调(?:低|高|小|大|亮|暗|一)|挡住|堵|盯|吓|绊|掀|撕|踢|拔|插上|喷|牵|还给
-|吹(?:掉|灭|个|一)|敲(?:敲|一|三|两)|耍|猜|吐(?:个|一|出)|守着|守住|解释|回答|导航|保护|冒充|假装|模仿|表演|数(?:数|一|到)|点(?:个|一|亮|上)|按|推|拉(?:上|开|一)
-|搬|抱|扛|抬|举|捡|扔|擦|扫|拖(?:地|一|干净)|洗|煮|炒|切|盛|倒(?:杯|一|掉|点|垃)|端|递|拿|取|送|寄|发(?:个|一|条|给)|写(?:个|一|份|封|首)|读(?:一|给)|念(?:一|给)
-|唱|跳(?:个|一|段|支)|扭|蹦|爬|钻|躲|藏|跟(?:着|上|住|紧)|追|赶走|拦|撞|踩|砸|锁|关(?:上|掉|灯|门|窗|一)|开(?:灯|门|窗|开|一下)|启动|重启|播|录(?:一|个|段)
-|汇报|报告|通知|告诉|提醒|叫(?:醒|住|一)|喊(?:一|他|她|人)|问问|说(?:句|个|一|声)|讲(?:个|一|讲)|闭上|张嘴|张开|睁|鞠|敬个|磕|眨|点点头|摇|挥|比(?:个|一)|学(?:个|一|猫|狗|鸡))""".replace(
-    "\n", ""
-)
+HAN_VERBS = """(?:顺便|顺带|顺手|快|赶紧|尽量|随便|故意|偷偷|悄悄|一边|边|再|先|也|就|都|给我|给咱|给咱们|给我们
+        |陪我|替我|帮我)*
+(?:摸|喂(?![，,！!])|陪|尝|作个|作一|画|揪|拽|换(?:条|个|只|张|首|一)|放(?:首|点|一|段|个|下)|翻(?:个|译|一)|揉
+        |腌|熨|缝|修(?:修|好|一)
+|替|抄|哄|逗|遛|浇|晒|剥|削|泡|热一|拧|量|称一|查|订|打(?:个|一|开|套|扫|包)|调(?:低|高|小|大|亮|暗|一)|挡住|堵
+        |盯|吓|绊|掀|撕|踢|拔|插上|喷|牵|还给
+|吹(?:掉|灭|个|一)|敲(?:敲|一|三|两)|耍|猜|吐(?:个|一|出)|守着|守住|解释|回答|导航|保护|冒充|假装|模仿|表演
+        |数(?:数|一|到)|点(?:个|一|亮|上)|按|推|拉(?:上|开|一)
+|搬|抱|扛|抬|举|捡|扔|擦|扫|拖(?:地|一|干净)|洗|煮|炒|切|盛|倒(?:杯|一|掉|点|垃)|端|递|拿|取|送|寄|发(?:个|一|条
+        |给)|写(?:个|一|份|封|首)|读(?:一|给)|念(?:一|给)
+|唱|跳(?:个|一|段|支)|扭|蹦|爬|钻|躲|藏|跟(?:着|上|住|紧)|追|赶走|拦|撞|踩|砸|锁|关(?:上|掉|灯|门|窗|一)|开(?:灯
+        |门|窗|开|一下)|启动|重启|播|录(?:一|个|段)
+|汇报|报告|通知|告诉|提醒|叫(?:醒|住|一)|喊(?:一|他|她|人)|问问|说(?:句|个|一|声)|讲(?:个|一|讲)|闭上|张嘴|张开
+        |睁|鞠|敬个|磕|眨|点点头|摇|挥|比(?:个|一)|学(?:个|一|猫|狗|鸡))""".replace("\n", "")

@@ -51,8 +51,8 @@ _CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
 
 
 class Judges(NamedTuple):
-    """`states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `likely` whether
-    a clause beside a statement may be talk, `commands` whether a clause asks for a deed."""
+    """`states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `likely`
+    whether a clause beside a statement may be talk, `commands` whether a clause asks for a deed."""
 
     states: Judge
     sure: Judge

@@ -39,7 +39,8 @@ _EN = (
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
     r"\bsteps? (?:down|up)\b(?!stairs)",
     # What somebody left where the robot may walk.
-    r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*|corner|doorway))",
+    r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*"
+    r"|corner|doorway))",
     r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",
     r"<authority>|\w*programmed|hacked|obey\w*|apply|applies|test (?:area|account|zone)|rules?|firmware|permission"
     r"|authori[sz]ed|allowed|in charge|orders?|rights|clearance|password",
@@ -68,7 +69,8 @@ _ZH = (
     r"你(?:的)?[^，。,.]{0,3}?(?:背|身|头|肩|脖子|手|腿|尾巴)(?:上|里|边)|在你[^，。,.]{0,4}?(?:上|里)",
     r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
     r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
-    r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
+    r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油"
+    r"|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
     r"|在烧|烧着|点着|滚烫|开水|热汤|煤油|汽油|酒精|漏电|带电|刀",
     r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
 )
@@ -138,7 +140,8 @@ _UNRELATED = re.compile(
     r"|答应[过了]?(?:我|我们)?[^，。,]{1,4}[的了]?$"
     r"|(?:邻居|隔壁|楼上|楼下)家?的?(?:音响|音乐|电视|装修|钢琴)|窗帘|机器[人狗](?:同学|老师|朋友|先生|兄弟)"
     r"|(?:听说|让|请|麻烦让)它|学开车|新人|本人|我这个?人(?!质)|整个人|(?:谢谢|多谢|辛苦)(?:小狗|狗狗|狗子)"
-    r"|我是[^，。,]{1,6}(?:员|师|工|生|匠|民|手|医)$|^人在[^，。,上边旁里下]{2,5}$|^[㐀-鿿]{2}人$|(?:帖|楼主)[^，。,]{0,12}$"
+    r"|我是[^，。,]{1,6}(?:员|师|工|生|匠|民|手|医)$|^人在[^，。,上边旁里下]{2,5}$|^[㐀-鿿]{2}人$"
+    r"|(?:帖|楼主)[^，。,]{0,12}$"
 )
 #: Personal introductions ("I'm your neighbour") that claim no rights.
 _MYSELF = (
@@ -199,26 +202,35 @@ def tells_of_others(said: str, language: Language) -> bool:
 #: Where somebody is, what they do just now and what they leave behind: that may be on the robot's way.
 _WHERE = re.compile(
     r"\b(?:is|are|am|was|were|'s|'re|'m|be|been|stands?|sits?|stays?|waits?|plays?|sleeps?|comes?|came|runs?|ran)"
-    r" (?:\w+ ){0,2}?(?:in|on|at|near|by|behind|under|around|outside|inside|between|beside|over|into|along|through|against"
+    r" (?:\w+ ){0,2}?(?:in|on|at|near|by|behind|under|around|outside|inside|between|beside|over|into"
+    r"|along|through|against"
     r"|to|from|with|off|up|down|home|here|there|next)\b"
-    r"|\b(?:in|on|at|under|by|near|behind|through|across|around|round|over|into) (?:the|that|this|your|there|here)\b"
-    r"|\b(?:he|she|they|we|\w+)(?:'s|'re| is| are) (?:\w+ly )?(?!singing|being|asking|thinking|wondering|laughing|cheering"
-    r"|watching|reading|doing (?:\w+ )?homework|having|getting|learning|studying|writing|talking|crying|smiling|rolling)"
+    r"|\b(?:in|on|at|under|by|near|behind|through|across|around|round|over|into) (?:the|a|an|that|this|your|there|here)\b"
+    r"|\b(?:he|she|they|we|\w+)(?:'s|'re| is| are) (?:\w+ly )?(?!singing|being|asking|thinking"
+    r"|wondering|laughing|cheering"
+    r"|watching|reading|doing (?:\w+ )?homework|having|getting|learning|studying|writing|talking"
+    r"|crying|smiling|rolling)"
     r"[a-z]+ing\b"
-    r"|\b(?:drop|spil|scatter|thr[eo]w|left|leav|put|carr[yi]|bring|brought|built|set|hang|hung|tied|pull|push|knock|broke"
+    r"|\b(?:drop|spil|scatter|thr[eo]w|left|leav|put|carr[yi]|bring|brought|built|set|hang|hung|tied"
+    r"|pull|push|knock|broke"
     r"|block|jump|climb|lean)\w*\b"
-    r"|\b(?:cats?|dogs?|pets?|kittens?|pupp\w+|birds?|rabbits?|hamsters?|leg|legs|foot|feet|arm|eyes?|eyesight|hearing)\b"
-    r"|着|把|钻|扔|丢|摔|洒|掉|搁|放(?!假|学)|扑|咬|拉|堆|梯|眼神|腿|脚|狗|猫|鸟|兔|宠"
-    r"|(?<!^我)(?<!^我们)(?<!^本人)(?<!^人)(?<![现正实存])在(?!意|乎|家|学校|公司|单位|医院|外地|线)|[走跑爬躺坐站蹲趴睡]|过来|进来"
+    r"|\b(?:cats?|dogs?|pets?|kittens?|pupp\w+|birds?|rabbits?|hamsters?|leg|legs|foot|feet|arm|eyes?"
+    r"|eyesight|hearing)\b"
+    r"|着|把|搬|端|抬|扛|推|倒立|翻|钻|扔|丢|摔|洒|掉|搁|放(?!假|学)|扑|咬|拉|堆|梯|眼神|腿|脚|狗|猫|鸟|兔|宠"
+    r"|(?<!^我)(?<!^我们)(?<!^本人)(?<!^人)(?<![现正实存])在(?!意|乎|家|学校|公司|单位|医院|外地|线)"
+    r"|[走跑爬躺坐站蹲趴睡]|过来|进来"
     r"|路过|经过|出来|上来|下来"
 )
 #: What people know of the camera, what they agree to, and what is wished or planned for them.
 _CONSENT = re.compile(
     r"\b(?:camera|lens|film\w*|record\w*|photo\w*|pictures?|watch\w*|see|sees|saw|seen|know|knows|knew|notice\w*|aware"
-    r"|no idea|no clue|will|'ll|won't|gonna|going to|about to|hopes?|hoping|wish\w*|want\w*|if only|deserves?|trips?|let|lets|make|makes"
+    r"|no idea|no clue|will|'ll|won't|gonna|going to|about to|hopes?|hoping|wish\w*|want\w*|if only"
+    r"|deserves?|trips?|let|lets|make|makes"
     r"|consent\w*|agree\w*|permi\w+|allow\w*|mind|minds|secret\w*|scared?|afraid|fear\w*|terrified|nervous|blind|deaf"
-    r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant|wheelchair|crutch\w*)\b"
-    r"|[拍录照摄]|镜头|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
+    r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant"
+    r"|wheelchair|crutch\w*)\b"
+    r"|[拍录照摄]|镜头|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现"
+    r"|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
 )
 #: Longer clauses are asked about as a whole; no short reassurance is that long.
 _LONGEST = 200
