@@ -59,7 +59,7 @@ _TOLD = (
 #: Tokens that ask for nothing.
 _PLAIN = (TokenKind.WORD, TokenKind.SOFT, TokenKind.TALK, TokenKind.TALK_START)
 #: Tokens of what somebody else does: "I drive a bus".
-_OWN_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.AGAIN, TokenKind.HELP)
+_OWN_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.AGAIN, TokenKind.HELP)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
@@ -119,7 +119,7 @@ class Clause:
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
         if not self.introduces and not known.has_form_of_remark(said):
-            return self.may_be_statement and known.reads_as_statement(said)
+            return self.may_be_statement and known.reads_as_statement(said) and not joins_order(said)
         return self._asks_nothing and not (_found(known.fragment, said) and self.without_asides.has_side)
 
     @property
@@ -131,7 +131,8 @@ class Clause:
     def goes_on(self) -> bool:
         """Whether it may go on about the remark before it: the grammar knows none of its words."""
         known = all(token.kind in _PLAIN and not token.value for token in self.tokens)
-        return known and self.may_be_statement and self.known.may_be_talk(self.plain)
+        asks = joins_order(self.plain) or not self.may_be_statement
+        return known and not asks and self.known.may_be_talk(self.plain)
 
     @property
     def _asks_nothing(self) -> bool:

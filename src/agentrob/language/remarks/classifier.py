@@ -27,7 +27,7 @@ from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "8d62c09345397ca04f499c738eb8a82d254a705fea0448419324f7143b116f5d"
+SHA256 = "69c9a37d3936422a1c85f0adaa3ebb86a54ab630846e1bebf446e07635cc498b"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
@@ -35,7 +35,9 @@ _MOST_WORDS = 24
 _WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
 #: A Chinese verb at the beginning is that of an order, unless it is told as done.
 _HAN_ORDER = re.compile(rf"(?:{HAN_VERBS})(?![^，。]{{0,9}}[了过](?!来|去))(?!.{{1,12}}的$)(?![着得到完])")
-_HAN_JOINT = re.compile("然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接")
+_HAN_JOINT = re.compile(
+    "后(?![天悔面边台院排座代辈])|其次|完了|和(?=[把坐站转走拍挥比往向前后左右退数])|再(?!说|见)|还要|然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接"
+)
 _FIRST = 3
 #: A clause of talk beside a statement may score this much less than a statement.
 _DOUBT = 80
