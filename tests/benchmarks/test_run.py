@@ -17,9 +17,11 @@ LITTLE = {
     "board.py": ["--seconds", "1", "--listeners", "20"],
     "board_search.py": ["--posts", "2000", "--trials", "3", "--vectors", "2000"],
     "demo_start.py": ["1"],
+    "eyes.py": ["--places", "3"],
     "fleet.py": ["--robots", "4", "--commands", "20", "--rate", "2", "--kills", "2", "--no-times"],
     "growth.py": ["--commands", "6", "--every", "3"],
     "latency.py": ["--posts", "100"],
+    "live_view.py": ["--viewers", "3", "--seconds", "2", "--trials", "2"],
     "loop.py": ["--turns", "12"],
     "mcp.py": ["--calls", "5", "--starts", "1"],
     "minds.py": ["--turns", "12"],
@@ -32,7 +34,7 @@ LITTLE = {
     "world.py": ["--seconds", "3"],
 }
 #: Benchmarks with their own test file.
-ELSEWHERE = {"stop.py": "test_stop.py"}
+ELSEWHERE = {"mutants.py": "test_mutants.py", "stop.py": "test_stop.py"}
 
 
 def benchmark(name: str) -> str:

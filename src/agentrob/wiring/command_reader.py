@@ -122,6 +122,8 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
             return untimed
     if lists_schedules(part):
         return RobotReading(robot.name, say("read.answer", language_of(part)), "answer")
+    if timed is not None and timed.surely_later:
+        return RobotReading(robot.name, timed.question, "ask_back")
     found = _read_now(visible, author, robot, others)
     if timed is not None and found.outcome == "ask_back" and not found.rule:
         return replace(found, line=timed.question or found.line)
