@@ -161,3 +161,34 @@ def test_a_routine_stands_beside_other_steps_and_takes_a_speed() -> None:
     assert ask("wave, walk a square of 1 m and wave")[2] == (wave, *SQUARE_1, wave)
     slow = ask("walk a square slowly")[2]
     assert {step.speed_mps for step in slow if step.op is Op.MOVE} == {0.2}
+
+
+ROUTINES = (
+    "dance", "dance twice", "patrol", "patrol 1 m", "walk a square",
+    "walk a square of 0.4 m", "walk in a circle",
+    "跳舞", "跳支舞", "巡逻", "巡逻一米", "巡逻两圈", "走一个正方形", "转圈跳舞",
+)  # fmt: skip
+FURTHER = {
+    "en": (
+        "forward 1 m", "walk forward 1 m", "back 50 cm", "left 90 degrees", "turn right", "1 m", "2 m left", "forward", "wave",
+        "sit down", "walk 1 m so i can see better", "90 degrees", "go left 1 m and wave",
+    ),
+    "zh": ("前进一米", "向前走一米", "后退50厘米", "左转90度", "右转", "一米", "往左走两米", "向前", "挥手", "坐下", "再前进一米"),
+}  # fmt: skip
+JOINED = {"en": (", ", " and ", ", then ", " ", ". ", "; "), "zh": ("，", "然后", "，再", "", "。", "并")}
+
+
+@pytest.mark.parametrize("first", ROUTINES)
+def test_law_18_what_follows_a_routine_is_done_after_it_or_nothing_is(first: str) -> None:
+    """What follows is never dropped, except that a length may be the size of a figure that has none yet."""
+    language = "en" if first.isascii() else "zh"
+    alone = ask(first)[2]
+    for joint in JOINED[language]:
+        for further in FURTHER[language]:
+            intent, _, steps = ask(first + joint + further)
+            sized = further in ("1 m", "一米") and steps in ONE_METRE
+            assert sized or steps in ((*alone, *ask(further)[2]), ()), first + joint + further
+            assert (intent is Intent.COMMAND) == bool(steps)
+
+
+ONE_METRE = [tuple(steps_of(routine, GO2, 1.0)) for routine in FIGURES]

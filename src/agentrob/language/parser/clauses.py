@@ -266,8 +266,8 @@ class _Reader(SentenceState):
             return
         if cur is not None and cur.amount is not None and cur.end == token.end and cur.verb is TokenKind.TURN:
             return  # 一百八十度转身: the angle that a verb implies, where one was said before
-        if cur is not None and cur.lacks_size and token.kind is TokenKind.LENGTH and not cur.unknown:
-            pass  # "walk a square of 1 m"
+        if cur is not None and cur.lacks_size and not cur.unknown and _sizes_figure(token):
+            pass  # "walk a square of 1 m", 巡逻两圈
         elif (
             cur is None
             or cur.verb is TokenKind.OP
@@ -448,6 +448,12 @@ _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
 _TIMES = (TokenKind.TIMES, TokenKind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
+
+
+def _sizes_figure(amount: Token) -> bool:
+    """Whether an amount can be the size of a figure, or the rounds of it."""
+    rounds = amount.kind is TokenKind.ANGLE and isinstance(amount.value, float) and not amount.value % 360
+    return amount.kind is TokenKind.LENGTH or rounds
 
 
 def _goes(verb: TokenKind, amount: TokenKind) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import Token, TokenKind
+from agentrob.language.routines import Routine
 from agentrob.model import Direction, Op
 
 _ACTING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
@@ -58,6 +59,10 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
         return False
     if last.ahead:  # "three times: forward 1 m": that is what is repeated
         return False
+    if isinstance(last.op, Routine) and (extra.direction is not None or not last.lacks_size):
+        if extra.joined:  # "patrol forward 1 m": its size, or a walk after it
+            last.unknown.append((extra.start, extra.end))
+        return extra.joined  # "dance, forward 1 m" are two; "walk a square, 1 m" is its size
     if extra.direction and extra.amount and not extra.hesitant:  # "turn left, left 90 degrees": one turn or two
         bare = last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
         if last is not drafts[-1] and extra.joined and extra.amount.start == extra.start:
