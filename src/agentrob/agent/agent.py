@@ -36,6 +36,7 @@ from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
+from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import Schedules, lost_right
 from agentrob.agent.reporting import report as reply_text
@@ -441,18 +442,20 @@ class RobotAgent:
             self.detector,
         )  # fmt: skip
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
+        room = RoomMap(self.name, self.settings)
         motion = Motion(
             self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
             self.poses, surroundings, assessor, ending, self._queue_changed,
         )  # fmt: skip
         final_report = FinalReport(
             self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
-            self.owner, self._ended, self.poses, self.geometry,
+            self.owner, self._ended, self.poses, self.geometry, room,
         )  # fmt: skip
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
             self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
             self._clock_set, self.schedules,
+            Previews(self.name, self.settings, self.forum, self.driver, room),
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:

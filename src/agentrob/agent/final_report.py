@@ -14,8 +14,10 @@ import structlog
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
+from agentrob.agent.media.plot import preview_plot
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
@@ -53,6 +55,7 @@ class FinalReport:
     on_end: Callable[[Report], None]
     poses: PoseSampler
     geometry: Geometry
+    room: RoomMap
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""
@@ -147,7 +150,10 @@ class FinalReport:
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
             once = self.forum.max_edits is not None
-            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
+            drawn = partial(preview_plot, job.preview, self.room.as_data()) if job.preview is not None else None
+            pictures = await illustrate(
+                report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls, preview=drawn
+            )
         with job.log_errors("page of the command not known"):
             page = await page_of(self.forum, command.post_id, hurry=self.ending()) if command.run is None else ""
         facts: dict[str, Any] | None = None
@@ -155,6 +161,7 @@ class FinalReport:
             kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
+            more |= {"preview": job.preview.as_data()} if job.preview else {}
             facts = self.records.write(report, job.assessment, **more)
         paragraphs: list[str] = []
         with job.log_errors("notes left out"):

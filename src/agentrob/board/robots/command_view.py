@@ -30,7 +30,12 @@ _UNITS = {
 #: Hidden if they round to zero.
 _ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
-_PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
+_PICTURES = {
+    "step": "Photo of step",
+    "path": "Path that was measured",
+    "preview": "Paths of the preview",
+    "recording": "Recording",
+}
 MOST = 60
 #: A larger amount is shown as it is.
 MOST_AMOUNT = 1e4

@@ -1,5 +1,6 @@
 """Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
+from agentrob.language.messages.previews import ENGLISH as PREVIEWS
 from agentrob.language.messages.schedule_en import SCHEDULE
 
 PHRASES = {
@@ -595,4 +596,5 @@ PHRASES = {
         "Please post it again later."
     ),
     **SCHEDULE,
+    **PREVIEWS,
 }

@@ -1,0 +1,67 @@
+"""Make the preview of a command from how the robots stand now. It asks the driver and never tells it anything."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+
+import structlog
+
+from agentrob.agent.media.room_map import RoomMap
+from agentrob.config.robots import RobotConfig
+from agentrob.errors import ForumError
+from agentrob.forums.protocol import Fleet, Forum
+from agentrob.model import Command, Plan, Pose
+from agentrob.rehearsal.client import rehearse
+from agentrob.rehearsal.preview import OtherRobot, Preview, PreviewRequest
+from agentrob.robots.driver.client import DriverClient
+
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True)
+class Previews:
+    """The previews of one robot."""
+
+    name: str
+    settings: RobotConfig
+    forum: Forum
+    driver: DriverClient
+    room: RoomMap
+
+    async def make(self, command: Command, plan: Plan) -> Preview:
+        """Return what a plan is expected to do from here. Raises `RobotError` if the driver does not answer."""
+        capabilities, state = await self.driver.capabilities(), await self.driver.state()
+        posture = await self.driver.posture(joints=False) if state.homed else None
+        stands = posture.pose if posture is not None else None
+        others = await self._others()
+        halted = (state.lock.why if state.lock is not None else "") or "The robot is locked"
+        request = PreviewRequest(
+            self.name,
+            self.settings,
+            plan,
+            start=self.room.in_room(stands) if stands is not None else None,
+            home=self.room.in_room(Pose(0.0, 0.0, 0.0)),
+            mode=state.mode,
+            battery_percent=state.battery_percent,
+            halted=halted if state.halted else "",
+            others=others or (),
+            others_known=others is not None,
+            seed=zlib.crc32(command.content_hash.encode()),
+        )
+        return await rehearse(request, capabilities)
+
+    async def _others(self) -> tuple[OtherRobot, ...] | None:
+        """The other robots of this room, as their agents last told the forum; None if it does not say."""
+        if not isinstance(self.forum, Fleet):
+            return None
+        try:
+            fleet = await self.forum.fleet()
+        except ForumError as e:
+            _log.info("other robots not known", robot=self.name, error=str(e))
+            return None
+        return tuple(
+            OtherRobot(robot.name, robot.model, robot.pose)
+            for robot in fleet
+            if robot.name != self.name and robot.pose is not None and robot.room == self.room.name
+        )
