@@ -420,7 +420,8 @@ class RobotAgent:
         )  # fmt: skip
 
     def _make_pipeline(self) -> Pipeline:
-        names = self._addressing().names
+        names, room = self._addressing().names, RoomMap(self.name, self.settings)
+        previews = Previews(self.name, self.settings, self.forum, self.driver, room)
         approvals = Approvals(
             self.name,
             self._addressing().me.name,
@@ -430,6 +431,7 @@ class RobotAgent:
             self.queue,
             self.event_stream.now,
             self._spawn,
+            previews,
         )
         rate_limiter, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
 
@@ -442,7 +444,6 @@ class RobotAgent:
             self.detector,
         )  # fmt: skip
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
-        room = RoomMap(self.name, self.settings)
         motion = Motion(
             self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
             self.poses, surroundings, assessor, ending, self._queue_changed,
@@ -454,8 +455,7 @@ class RobotAgent:
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
             self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
-            self._clock_set, self.schedules,
-            Previews(self.name, self.settings, self.forum, self.driver, room),
+            self._clock_set, self.schedules, previews,
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:

@@ -379,11 +379,15 @@ class Pipeline:
         if not job.begun and (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
-            await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
+            planned = reply_text.planned(plan, command.language, job.goal_text)
+            rehearsable = plan if assessment.goal is None else None
+            await self.approvals.wait(job, planned, verdict.reason, rehearsable)
         self.show_place(job)
         if not await self.queue.turn(job, self._expiry_s(job)):
             await self.journal.cancel(command.key)
             return await self._ended(job, plan)
+        if not job.begun and (elsewhere := await self._left_place(job, plan)) is not None:
+            return self._report(job, CommandState.REFUSED, plan, verdict=elsewhere)
         recorded = True
         try:
             text = await self.journal.move(
@@ -404,6 +408,14 @@ class Pipeline:
         return await self._report_execution(
             job, plan, replace(execution, verdict=decisive(execution, verdict)), recorded
         )
+
+    async def _left_place(self, job: QueuedCommand, plan: Plan) -> Verdict | None:
+        """Refuse a walk that was approved by a preview from another place: it would not be what was approved."""
+        start = job.decided.start if job.decided is not None else None
+        if start is None or not plan.distance_m or (metres := await self.previews.moved_since(start)) is None:
+            return None
+        reason = say("agent.approval.moved", job.command.language, metres=metres)
+        return Verdict(Decision.REFUSE, "approval.preview", reason)
 
     async def _report_execution(self, job: QueuedCommand, plan: Plan, execution: Execution, recorded: bool) -> Report:
         """The report of a command whose motion began. `recorded`: the journal has its result."""

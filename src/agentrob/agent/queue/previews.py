@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ from agentrob.rehearsal.client import rehearse
 from agentrob.rehearsal.preview import OtherRobot, Preview, PreviewRequest
 from agentrob.robots.driver.client import DriverClient
 
+#: A robot that stands further from where its approved preview begins would do something else than what was approved.
+PLACE_M, PLACE_RAD = 0.3, math.radians(20.0)
 _log = structlog.get_logger()
 
 
@@ -50,6 +53,17 @@ class Previews:
             seed=zlib.crc32(command.content_hash.encode()),
         )
         return await rehearse(request, capabilities)
+
+    async def moved_since(self, start: Pose) -> float | None:
+        """Return how far the robot stands from where an approved preview begins, in metres, if that is another place.
+        Raises `RobotError` if the driver does not answer."""
+        posture = await self.driver.posture(joints=False)
+        if posture.pose is None:
+            return None  # without a home the guard moves nothing
+        now = self.room.in_room(posture.pose)
+        metres = math.hypot(now.x_m - start.x_m, now.y_m - start.y_m)
+        turned = abs(math.remainder(now.yaw_rad - start.yaw_rad, math.tau))
+        return metres if metres > PLACE_M or turned > PLACE_RAD else None
 
     async def _others(self) -> tuple[OtherRobot, ...] | None:
         """The other robots of this room, as their agents last told the forum; None if it does not say."""

@@ -108,6 +108,10 @@ class QueuedCommand:
         self.asked = replace(self.asked, decided=decided)
         self._changed.set()
 
+    def notify(self) -> None:
+        """Let whatever waits for it look again."""
+        self._changed.set()
+
     def end(self, why: EndReason) -> None:
         """End it; the first reason is kept."""
         if self.can_end:

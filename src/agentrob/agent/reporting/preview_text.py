@@ -16,6 +16,11 @@ def preview_text(preview: Preview, language: Language) -> str:
     return "\n\n".join([findings(preview, language), say("preview.how", language)])
 
 
+def approval_preview(preview: Preview, language: Language) -> str:
+    """What people who may approve a command are shown, and that their approval is bound to it."""
+    return "\n\n".join([findings(preview, language), say("preview.bound", language, hash=preview.hash[:12])])
+
+
 def findings(preview: Preview, language: Language) -> str:
     """What a preview found, as a sentence and a list."""
     lines = [_result(preview, language)]

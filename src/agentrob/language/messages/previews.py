@@ -38,6 +38,9 @@ ENGLISH = {
     "preview.wall": "a wall",
     "preview.others_unknown": "Where other robots stand is not known.",
     "preview.how": "To have it done, post it without the preview.",
+    "preview.bound": "An approval from now on is bound to this preview (`{hash}`).",
+    "agent.approval.moved": "I stand {metres:.2f} m from where the approved preview begins, or face another way, so I "
+    "would do something else than what was approved. Please post it again.",
     "preview.read": "It would only preview this and move nothing: {steps}.",
     "agent.picture.preview": "the paths of the preview",
 }
@@ -76,6 +79,8 @@ CHINESE = {
     "preview.wall": "墙",
     "preview.others_unknown": "不知道其他机器人在哪里。",
     "preview.how": "要真正执行，请去掉“预演”再发一次。",
+    "preview.bound": "从现在起的批准与这次预演（`{hash}`）绑定。",
+    "agent.approval.moved": "我现在离获批预演的起点有{metres:.2f} m，或者朝向不同，所做的会与获批的不同。请重新发帖。",
     "preview.read": "只会预演，不会动：{steps}。",
     "agent.picture.preview": "预演的路径",
 }
