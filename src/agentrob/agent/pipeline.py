@@ -348,7 +348,7 @@ class Pipeline:
         if (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         self._show(job, say("preview.running", command.language), CommandState.SEEN)
-        job.preview = await job.unless_ended(self.previews.make(command, plan))
+        job.preview = await self.previews.unless_ended(job, plan)
         if job.preview is None:
             await self.journal.cancel(command.key)
             return await self._ended(job, plan)

@@ -15,7 +15,7 @@ from agentrob.rehearsal.preview import read_request, write_preview
 #: Lower priority than every other process of AgentRob.
 NICE = 15
 #: Seconds of processor time after which the kernel ends it: also when nobody waits for it any more.
-PROCESSOR_S = 40
+PROCESSOR_S = 60
 
 
 def main() -> int:

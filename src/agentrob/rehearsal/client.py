@@ -23,7 +23,7 @@ STANDING = frozenset({"idle", "walking", "gesture", "locked", "unknown"})
 #: What the extra `sim` installs, as far as a preview needs it.
 PACKAGES = ("mujoco", "onnxruntime")
 #: A preview that takes longer is ended, and made by geometry instead.
-LIMIT_S = 30.0
+LIMIT_S = 120.0
 COMMAND = (sys.executable, "-m", "agentrob.rehearsal.child")
 #: What the process gets of our environment: no token or key is among it.
 _ENVIRONMENT = ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")
@@ -75,10 +75,19 @@ async def _simulated(request: PreviewRequest, command: Sequence[str], limit_s: f
             preview, said = await child.communicate(write_request(request))
     finally:
         if child.returncode is None:
-            with contextlib.suppress(ProcessLookupError):
-                child.kill()
-            await asyncio.shield(child.wait())
+            await asyncio.shield(_killed(child))
     if child.returncode:
         lines = said.decode(errors="replace").strip().splitlines()
         raise ChildFailed(lines[-1] if lines else f"it ended with {child.returncode} and said nothing")
     return await asyncio.to_thread(read_preview, preview)
+
+
+async def _killed(child: asyncio.subprocess.Process) -> None:
+    """End the process, and close its pipes."""
+    with contextlib.suppress(ProcessLookupError):
+        child.kill()
+    assert child.stdin is not None
+    child.stdin.close()
+    await child.communicate()
+    with contextlib.suppress(OSError):
+        await child.stdin.wait_closed()

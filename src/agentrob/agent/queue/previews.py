@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 import zlib
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 import structlog
 
 from agentrob.agent.media.room_map import RoomMap
+from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Fleet, Forum
@@ -53,6 +55,19 @@ class Previews:
             seed=zlib.crc32(command.content_hash.encode()),
         )
         return await rehearse(request, capabilities)
+
+    async def unless_ended(self, job: QueuedCommand, plan: Plan) -> Preview | None:
+        """Return the preview of a command; None if the command is ended first. Its process has ended then."""
+        making = asyncio.ensure_future(self.make(job.command, plan))
+
+        async def made() -> Preview:
+            return await making
+
+        try:
+            return await job.unless_ended(made())
+        finally:
+            making.cancel()
+            await asyncio.wait({making})
 
     async def moved_since(self, start: Pose) -> float | None:
         """Return how far the robot stands from where an approved preview begins, in metres, if that is another place.
