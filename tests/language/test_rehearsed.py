@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agentrob.language.rehearsed import rehearsed_text, speaks_of_preview
+from agentrob.language.addressing import part_for
+from agentrob.language.rehearsed import asking_for_preview, rehearsed_part, rehearsed_text, speaks_of_preview
 
 
 @pytest.mark.parametrize(
@@ -73,3 +74,15 @@ def test_words_before_the_first_mention_count() -> None:
 def test_words_of_a_preview_are_never_overlooked(word: str, before: str, behind: str) -> None:
     text = f"{before} {word} {behind}"
     assert rehearsed_text(text) is not None or speaks_of_preview(text, text)
+
+
+@pytest.mark.parametrize(
+    "text", ["@quadruped walk 1 m", "@quadruped 向前走一米", "1. @quadruped walk 1 m\n2. wave", "@a wave. @b sit"]
+)
+def test_a_request_in_front_asks_every_robot_for_a_preview(text: str) -> None:
+    asked = asking_for_preview(text)
+    assert asked.endswith(text)
+    for name, others in (("quadruped", ()), ("a", ("b",)), ("b", ("a",))):
+        if f"@{name} " in text:
+            assert rehearsed_part(part_for(asked, (name,), others), asked)
+    assert asking_for_preview(asked) == asked

@@ -18,6 +18,7 @@ from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.registry import language_of
+from agentrob.language.rehearsed import rehearsed_part, speaks_of_preview
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text
@@ -112,6 +113,8 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     if stop_intent(visible) is not None:
         return RobotReading(robot.name, say("read.stop", language_of(visible)), "stop")
     part = part_for(visible, (robot.name,), others)
+    if (rehearsed := rehearsed_part(part, visible)) is not None:
+        return _preview(robot, author, rehearsed, language_of(part))
     timed = _timed(part)
     if timed is not None and timed.schedule is not None and visible.count(part) == 1:
         untimed = _read_now(visible.replace(part, timed.rest), author, replace(robot, history=()), others)
@@ -123,8 +126,20 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     if lists_schedules(part):
         return RobotReading(robot.name, say("read.answer", language_of(part)), "answer")
     found = _read_now(visible, author, robot, others)
+    if found.outcome in ("would", "needs_approval") and speaks_of_preview(part, visible):
+        return RobotReading(robot.name, say("preview.unclear", language_of(part)), "ask_back")
     if timed is not None and found.outcome == "ask_back" and not found.rule:
         return replace(found, line=timed.question or found.line)
+    return found
+
+
+def _preview(robot: ReadableRobot, author: Account, rest: str, language: Language) -> RobotReading:
+    """How a robot reads a request for a preview of `rest`."""
+    found = _read_now(f"@{robot.name} {rest}", author, robot, ())
+    if not rest or found.outcome == "nothing":
+        return RobotReading(robot.name, say("preview.what", language), "ask_back")
+    if found.outcome in ("would", "needs_approval"):
+        return RobotReading(robot.name, say("read.preview", language, line=found.line), "answer")
     return found
 
 

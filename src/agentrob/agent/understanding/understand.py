@@ -20,9 +20,9 @@ from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Goal
-from agentrob.language.messages.catalog import say
+from agentrob.language.messages.catalog import join_sentences, say
 from agentrob.language.registry import language_of
-from agentrob.language.rehearsed import rehearsed_text, speaks_of_preview
+from agentrob.language.rehearsed import rehearsed_part, speaks_of_preview
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
@@ -105,7 +105,7 @@ class Assessor:
         it is one, or is asked about."""
         command = job.command
         part = part_for(command.text, tuple(self.names), self._others(command))
-        rehearsed = rehearsed_text(part)
+        rehearsed = rehearsed_part(part, command.text)
         if rehearsed is not None and command.run is None:
             return await self._considered_preview(job, part, rehearsed, terms)
         assessment = await self._considered_command(job, part, terms)
@@ -280,7 +280,8 @@ class Assessor:
 def _asks(assessment: Assessment, key: str) -> Assessment:
     """The assessment of a post that is asked about instead of being done."""
     language = assessment.understanding.language
-    asked = Understanding(Intent.ASK_BACK, language, question=say(key, language))
+    question = join_sentences([say(key, language), say("preview.still", language)], language)
+    asked = Understanding(Intent.ASK_BACK, language, question=question)
     return replace(assessment, understanding=asked, verdict=None, goal=None, schedule=None)
 
 

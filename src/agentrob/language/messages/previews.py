@@ -2,14 +2,14 @@
 
 ENGLISH = {
     "preview.running": "Rehearsing it; nothing moves.",
-    "preview.what": "What shall I preview? I did not move. Put the command behind it, for example "
+    "preview.what": "What shall I preview? Put the command behind it, for example "
     "`preview walk forward 1 m, then turn left 90 degrees`.",
-    "preview.unclear": "Shall I only preview this? I did not move. Put `preview` at the beginning, for example "
+    "preview.unclear": "Shall I only preview this? Put `preview` at the beginning, for example "
     "`preview walk forward 1 m`, or leave it out.",
-    "preview.later": "A preview shows what would happen now. I have not scheduled anything and did not move; please "
-    "leave out the time or the preview.",
-    "preview.goal": "I can only preview steps with distances and angles, not what I look for with my camera. I did not "
-    "move.",
+    "preview.later": "A preview shows what would happen now. I have not scheduled anything; please leave out the time "
+    "or the preview.",
+    "preview.goal": "I can only preview steps with distances and angles, not what I look for with my camera.",
+    "preview.still": "I did not move.",
     "preview.head": "**Preview: nothing moved.**",
     "preview.simulated": "{runs} runs in the simulator, with noise,",
     "preview.from": "from where I stand now (x {x_m:.2f} m, y {y_m:.2f} m in the room).",
@@ -41,16 +41,18 @@ ENGLISH = {
     "preview.bound": "An approval from now on is bound to this preview (`{hash}`).",
     "agent.approval.moved": "I stand {metres:.2f} m from where the approved preview begins, or face another way, so I "
     "would do something else than what was approved. Please post it again.",
-    "preview.read": "It would only preview this and move nothing: {steps}.",
+    "preview.ask": "preview: {text}",
+    "read.preview": "Only a preview; nothing moves. {line}",
     "agent.picture.preview": "the paths of the preview",
 }
 
 CHINESE = {
     "preview.running": "正在预演；没有任何动作。",
-    "preview.what": "要预演什么？我没有动。请把指令写在后面，例如`预演向前走1米，然后左转90度`。",
-    "preview.unclear": "只是要预演吗？我没有动。请把`预演`写在开头，例如`预演向前走1米`，或者去掉它。",
-    "preview.later": "预演的是现在会发生什么。我没有安排日程，也没有动；请去掉时间或去掉预演。",
-    "preview.goal": "我只能预演带距离和角度的步骤，不能预演用摄像头寻找的目标。我没有动。",
+    "preview.what": "要预演什么？请把指令写在后面，例如`预演向前走1米，然后左转90度`。",
+    "preview.unclear": "只是要预演吗？请把`预演`写在开头，例如`预演向前走1米`，或者去掉它。",
+    "preview.later": "预演的是现在会发生什么。我没有安排日程；请去掉时间或去掉预演。",
+    "preview.goal": "我只能预演带距离和角度的步骤，不能预演用摄像头寻找的目标。",
+    "preview.still": "我没有动。",
     "preview.head": "**预演：没有任何动作。**",
     "preview.simulated": "在仿真器中带噪声运行{runs}次，",
     "preview.from": "从我现在的位置开始（房间中x {x_m:.2f} m，y {y_m:.2f} m）。",
@@ -81,6 +83,7 @@ CHINESE = {
     "preview.how": "要真正执行，请去掉“预演”再发一次。",
     "preview.bound": "从现在起的批准与这次预演（`{hash}`）绑定。",
     "agent.approval.moved": "我现在离获批预演的起点有{metres:.2f} m，或者朝向不同，所做的会与获批的不同。请重新发帖。",
-    "preview.read": "只会预演，不会动：{steps}。",
+    "preview.ask": "预演：{text}",
+    "read.preview": "只是预演，没有任何动作。{line}",
     "agent.picture.preview": "预演的路径",
 }
