@@ -17,12 +17,14 @@ from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.plot import preview_plot
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.media.replay import encoded, preview_log
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import TRIES, page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, summary_text
+from agentrob.agent.reporting.preview_text import beside_measured
 from agentrob.agent.reporting.status_post import DeniedWrites, Shown, retry_until_answered
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
@@ -31,6 +33,7 @@ from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum, PosePages
 from agentrob.model import Command, CommandState, Report, StatusCard
+from agentrob.rehearsal.preview import Preview
 
 #: How long a report waits for its record.
 RECORD_S = 2.0
@@ -103,7 +106,7 @@ class FinalReport:
             with job.log_errors("record not published"):
                 await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(report.command)
+            await self._publish_replay(report.command, None if measured else job.preview)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -126,12 +129,16 @@ class FinalReport:
             elif claim.final is not None:
                 await self._publish_replay(claim.command)
 
-    async def _publish_replay(self, command: Command) -> None:
-        """Publish how the robot moved, if the forum replays commands."""
+    async def _publish_replay(self, command: Command, preview: Preview | None = None) -> None:
+        """Publish how the robot moved, or a run of the preview, if the forum replays commands."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
         geometry = await self.geometry.publish()
-        replay = await self.poses.replay(command.key, geometry)
+        if preview is not None:
+            head = {"robot": self.name, "map": self.room.as_data(), "geometry": geometry}
+            replay = await asyncio.to_thread(lambda: encoded(preview_log(preview), **head))
+        else:
+            replay = await self.poses.replay(command.key, geometry)
         if replay and command.run is None:  # a post has one replay
             await retry_until_answered(partial(self.forum.publish_replay, command.post_id, replay), TRIES)
         await self.poses.forget(command.key)
@@ -167,6 +174,7 @@ class FinalReport:
         with job.log_errors("notes left out"):
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
+            paragraphs += [beside_measured(job.preview, report.results, language)] if job.preview is not None else []
             paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
             paragraphs += await self.owner.release_hints(report)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -12,7 +14,10 @@ from typing import Any
 import pytest
 
 from agentrob.agent.media.pictures import Picture
+from agentrob.board.robots.replays import final_map
 from agentrob.config.robots import RobotConfig
+from agentrob.forums.memory.forum import MemoryForum
+from agentrob.forums.protocol import PoseViewers
 from agentrob.model import Direction, Op, Primitive, Role
 from agentrob.robots import fake
 from agentrob.robots.driver.process import run_driver
@@ -216,3 +221,51 @@ async def test_an_approval_that_comes_before_the_preview_is_bound_to_the_post_al
 
 def test_the_picture_of_a_preview_has_a_kind_of_its_own() -> None:
     assert Picture("preview", b"").attached
+
+
+# -------------------------------------------------------------------- replay, and beside what was measured
+class ForumWithReplays(MemoryForum):
+    """A forum that replays commands."""
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__(scene.world, ROBOT)
+        self.replays: dict[str, bytes] = {}
+
+    async def publish_pose(self, robot: str, frame: dict[str, Any]) -> PoseViewers:
+        return PoseViewers(0, 1.0, False)
+
+    async def publish_geometry(self, robot: str, geometry: bytes) -> str:
+        return "f" * 32
+
+    async def publish_replay(self, post_id: str, replay: bytes) -> None:
+        self.replays[post_id] = replay
+
+
+async def test_the_page_of_a_preview_replays_a_run(driver: Driver, tmp_path: Path) -> None:
+    scene = simulated(driver, tmp_path, map={"geometry": "none"})
+    forum = ForumWithReplays(scene)
+    async with scene.agent(forum=forum):
+        post = await scene.post("alice", f"@{ROBOT} preview walk forward 0.5 m and turn left")
+        await scene.final(post)
+        replay = await scene.until(lambda: forum.replays.get(post.id))
+    shown = final_map(replay)
+    assert shown is not None
+    assert shown.measured
+    assert [words for _, words in json.loads(gzip.decompress(replay))["steps"]] == [
+        "walk forward 0.5 m",
+        "turn left 90°",
+    ]
+
+
+async def test_the_report_shows_the_preview_beside_what_was_measured(driver: Driver, tmp_path: Path) -> None:
+    scene = asks(driver, tmp_path)
+    async with scene.agent():
+        post = await scene.post("alice", f"@{ROBOT} walk forward 0.5 m")
+        await scene.until(lambda: next((p for p in scene.replies(post) if "bound to this preview" in p.raw), None))
+        await scene.post("carol", f"@{ROBOT} approve", topic=post.topic_id)
+        final = await scene.final(post)
+        assert "Preview and measured: " in final.raw
+        apart = re.search(r"It ended (\d\.\d\d) m from where the preview did", final.raw)
+        assert apart
+        assert float(apart[1]) < 0.2
+        assert "the paths of the preview" in final.raw

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from statistics import median
+
+from agentrob.agent.media import track
 from agentrob.agent.reporting.report import disarmed, doing, reason_text
 from agentrob.language.messages.catalog import join_sentences, quote, say
-from agentrob.model import ActionResult, Language
+from agentrob.model import ActionResult, Language, Pose
+from agentrob.rehearsal.geometry import seen_from
 from agentrob.rehearsal.preview import Basis, Ending, Preview
 
 #: The nearest things that a reply names.
@@ -19,6 +25,22 @@ def preview_text(preview: Preview, language: Language) -> str:
 def approval_preview(preview: Preview, language: Language) -> str:
     """What people who may approve a command are shown, and that their approval is bound to it."""
     return "\n\n".join([findings(preview, language), say("preview.bound", language, hash=preview.hash[:12])])
+
+
+def beside_measured(preview: Preview, results: Sequence[ActionResult], language: Language) -> str:
+    """What was expected beside what was measured, for the report of a command that had a preview; empty if nothing
+    moved. Ends are compared in the frame of each start, since odometry and room have their own."""
+    measured = [Pose(*point[1:]) for result in results for point in result.path]
+    took_s = track.seconds(results)
+    if not took_s or not any(result.moved for result in results):
+        return ""
+    expected = say("preview.beside", language, expected=preview.median_s, worst=preview.worst_s, measured=took_s)
+    if not measured or preview.start is None:
+        return expected
+    ends = [seen_from(preview.start, Pose(*run.path[-1])) for run in preview.runs]
+    end = seen_from(measured[0], measured[-1])
+    apart_m = median(math.hypot(one.x_m - end.x_m, one.y_m - end.y_m) for one in ends)
+    return join_sentences([expected, say("preview.beside.end", language, metres=apart_m)], language)
 
 
 def findings(preview: Preview, language: Language) -> str:

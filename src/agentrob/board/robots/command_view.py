@@ -81,7 +81,7 @@ class CommandView:
 
     `facts` are (name, value): who read the words, who else looked at them, who stopped it. `steps` are those that were
     tried or, when there were none (`planned`), those that were asked for. `links` are pictures kept elsewhere:
-    (what, address, until when it is good).
+    (what, address, until when it is good). `rehearsed`: it was only a preview.
     """
 
     robot: str
@@ -98,6 +98,7 @@ class CommandView:
     calls: tuple[CallView, ...]
     pictures: tuple[tuple[str, Image, str], ...]
     links: tuple[tuple[str, str, datetime | None], ...]
+    rehearsed: bool
 
 
 def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
@@ -123,6 +124,7 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
         calls=tuple(_call(_map(turn)) for turn in _list(looked.get("turns"))),
         pictures=_pictures(told.reply, _list(record.get("pictures"))),
         links=tuple(filter(None, map(_link, _list(record.get("links"))))),
+        rehearsed=bool(_map(record.get("preview"))) and not done,
     )
 
 

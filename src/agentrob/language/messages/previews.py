@@ -41,6 +41,8 @@ ENGLISH = {
     "preview.bound": "An approval from now on is bound to this preview (`{hash}`).",
     "agent.approval.moved": "I stand {metres:.2f} m from where the approved preview begins, or face another way, so I "
     "would do something else than what was approved. Please post it again.",
+    "preview.beside": "Preview and measured: {expected:.1f} s (median; {worst:.1f} s at worst) and {measured:.1f} s.",
+    "preview.beside.end": "It ended {metres:.2f} m from where the preview did.",
     "preview.ask": "preview: {text}",
     "read.preview": "Only a preview; nothing moves. {line}",
     "agent.picture.preview": "the paths of the preview",
@@ -83,6 +85,8 @@ CHINESE = {
     "preview.how": "要真正执行，请去掉“预演”再发一次。",
     "preview.bound": "从现在起的批准与这次预演（`{hash}`）绑定。",
     "agent.approval.moved": "我现在离获批预演的起点有{metres:.2f} m，或者朝向不同，所做的会与获批的不同。请重新发帖。",
+    "preview.beside": "预演与实测：{expected:.1f}秒（中位数，最长{worst:.1f}秒）与{measured:.1f}秒。",
+    "preview.beside.end": "终点与预演相差{metres:.2f} m。",
     "preview.ask": "预演：{text}",
     "read.preview": "只是预演，没有任何动作。{line}",
     "agent.picture.preview": "预演的路径",
