@@ -154,6 +154,21 @@ async def test_previews_count_as_commands_for_the_rate_limit(driver: Driver, tmp
         assert (first.card.state, second.card.state) == ("answered", "refused"), second.raw
 
 
+async def test_previews_of_one_robot_are_made_one_at_a_time(driver: Driver, tmp_path: Path) -> None:
+    scene, most = simulated(driver, tmp_path), 0
+
+    def ended() -> bool:
+        nonlocal most
+        most = max(most, len(rehearsing()))
+        cards = [reply.card for post in posts for reply in scene.replies(post)]
+        return len(cards) == 2 and all(card and card.state == "answered" for card in cards)
+
+    async with scene.agent():
+        posts = [await scene.post("alice", f"@{ROBOT} preview walk {way} 0.3 m") for way in ("forward", "backward")]
+        await scene.until(ended, 120.0)
+    assert most == 1
+
+
 # -------------------------------------------------------------------- approvals
 def asks(driver: Driver, folder: Path, **more: Any) -> Scene:
     return simulated(driver, folder, approval={"classes": ["move"]}, **more)

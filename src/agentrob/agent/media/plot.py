@@ -134,6 +134,10 @@ def path_of(steps: Iterable[Primitive]) -> Iterator[Pose]:
 
 
 # -------------------------------------------------------------------- previews
+#: How much of the room the picture of a preview shows around the paths.
+AROUND_M = 0.6
+
+
 def preview_plot(preview: Preview, room: Mapping[str, Any]) -> bytes | None:
     """Return a PNG of 800x600 pixels with the paths of all runs in the room, or None without a path.
 
@@ -162,7 +166,8 @@ def preview_plot(preview: Preview, room: Mapping[str, Any]) -> bytes | None:
                   **({"label": "end"} if not number else {}))  # fmt: skip
     start = preview.start
     axes.plot([start.x_m], [start.y_m], "o", color=_START, markersize=8, label="start", linestyle="none", zorder=5)
-    shown = [*(pose for path in paths for pose in path), *(Pose(*point) for point in planned)]
+    moved = [*(pose for path in paths for pose in path), *(Pose(*point) for point in planned)]
+    shown = [Pose(p.x_m + side, p.y_m + side, 0.0) for p in moved for side in (-AROUND_M, AROUND_M)]
     span = _frame(axes, [Pose(pose.y_m, -pose.x_m, 0.0) for pose in shown])
     tip = start.x_m + 0.14 * span * math.cos(start.yaw_rad), start.y_m + 0.14 * span * math.sin(start.yaw_rad)
     arrow = {"arrowstyle": "-|>", "color": _START, "linewidth": 2, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}

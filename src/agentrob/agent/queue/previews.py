@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import structlog
 
@@ -33,9 +33,15 @@ class Previews:
     forum: Forum
     driver: DriverClient
     room: RoomMap
+    _turn: asyncio.Lock = field(default_factory=asyncio.Lock)  # one at a time: each takes seconds of a processor
 
     async def make(self, command: Command, plan: Plan) -> Preview:
-        """Return what a plan is expected to do from here. Raises `RobotError` if the driver does not answer."""
+        """Return what a plan is expected to do from here, once earlier previews of this robot are made. Raises
+        `RobotError` if the driver does not answer."""
+        async with self._turn:
+            return await self._made(command, plan)
+
+    async def _made(self, command: Command, plan: Plan) -> Preview:
         capabilities, state = await self.driver.capabilities(), await self.driver.state()
         posture = await self.driver.posture(joints=False) if state.homed else None
         stands = posture.pose if posture is not None else None

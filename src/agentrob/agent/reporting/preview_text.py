@@ -75,6 +75,8 @@ def _result(preview: Preview, language: Language) -> str:
         return say("preview.allowed" if preview.done else "preview.not_allowed", language)
     if preview.done == len(preview.runs):
         return say("preview.done", language, runs=preview.done)
+    if not preview.done:
+        return say("preview.done.none", language, runs=len(preview.runs))
     return say("preview.done.some", language, done=preview.done, runs=len(preview.runs))
 
 
