@@ -17,7 +17,8 @@ from tests.sizes import size
 def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[KillScene]:
     folder = tmp_path_factory.mktemp("kill")
     on_postgres = request.param == "postgresql"
-    made = KillScene(folder, database_for(request.getfixturevalue("postgres"), folder) if on_postgres else "")
+    database = database_for(request.getfixturevalue("postgres"), folder) if on_postgres else ""
+    made = KillScene(folder, database, getattr(request.module, "RECORDING", "auto"))
     yield made
     made.close()
 

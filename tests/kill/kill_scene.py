@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import httpx2
 
@@ -20,7 +20,7 @@ from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.journal import JournalConfig
 from agentrob.config.load import Config
-from agentrob.config.robots import FenceConfig, RatesConfig, RobotConfig
+from agentrob.config.robots import FenceConfig, RatesConfig, RecordingConfig, RobotConfig
 from agentrob.demo import run as demo
 from agentrob.model import AccountKind, Role
 from agentrob.model.lifecycle import FINAL_STATES
@@ -31,6 +31,7 @@ from tests.in_process import Said
 from tests.kill import kill_body
 from tests.kill.kill_process import KillableProcess, agentrob, wait_for
 
+View = Literal["auto", "none"]
 ROBOT, PERSON = "quadruped", "visitor"
 WALK, LONG_WALK, PHOTO = "walk forward 0.3 metres", "walk forward 3 metres", "walk forward 0.3 metres, take a photo"
 #: Final states of a command whose driver was killed before it got a step: nothing moved.
@@ -54,12 +55,13 @@ class PostedCommand:
 
 
 class KillScene:
-    """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent."""
+    """All processes on loopback, in one folder. `kinds` are the processes that may be killed: board, driver, agent.
+    `recording` is the view of the robot's recordings."""
 
     kinds: tuple[str, ...] = ("board", "driver", "agent")
 
-    def __init__(self, folder: Path, database: str = "") -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, database: str = "", recording: View = "auto") -> None:
+        self.folder, self.recording = folder, recording
         self.journal_store = JournalStore(folder, ROBOT, database)
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-kill-"))  # socket paths must be short
         self.ledger_path = folder / "ledger.jsonl"
@@ -108,6 +110,7 @@ class KillScene:
             simulated=True,
             home_on_start=True,
             fence=fence,
+            recording=RecordingConfig(view=self.recording),
             options=options,
         )
 
@@ -266,8 +269,8 @@ class KillScene:
         found = self.journal_store.rows(query, **dict(zip("ab", values, strict=False)))
         return tuple(found[0]) if found else None
 
-    def count_final_versions(self, post: dict[str, Any]) -> int:
-        """Return how many versions of the status posts contain an end, which unlike a status has paragraphs.
+    def final_versions(self, post: dict[str, Any]) -> list[str]:
+        """Return the versions of the status post that contain an end, which unlike a status has paragraphs.
 
         A version that only adds a late recording does not count again.
         """
@@ -277,7 +280,7 @@ class KillScene:
             ).fetchall()
         ends = [raw for raw in (*(row[0] for row in older), post["raw"]) if "\n\n" in raw]
         late = len(ends) > 1 and "a recording" in ends[-1] and "a recording" not in ends[-2]
-        return len(ends) - late
+        return ends[: len(ends) - late]
 
 
 def check(scene: KillScene, command: PostedCommand) -> str:
@@ -288,7 +291,8 @@ def check(scene: KillScene, command: PostedCommand) -> str:
     final = scene.final(command)
     state = str(final["card"]["state"])
     assert len(scene.answers(command)) == 1, "a claim, status or final post is there twice"
-    assert scene.count_final_versions(final) == 1, "the end was reported twice"
+    ends = scene.final_versions(final)
+    assert len(ends) == 1, "the end was reported twice:\n" + "\n---\n".join(ends)
     assert scene.motions(command.began) <= 1, "the motion was begun again"
     assert len(final["images"]) == len({image["id"] for image in final["images"]}) <= 3  # photo, path, recording
     if state == "done":

@@ -15,6 +15,8 @@ import pytest
 from tests.kill.kill_process import wait_for
 from tests.kill.kill_scene import DRIVER_AWAY, DRIVER_DIED, LONG_WALK, PHOTO, WALK, KillScene, check
 
+#: A recording is added to a reply later. It could reach the point that the next test has armed.
+RECORDING = "none"
 #: The requested distance, and what a velocity that is held for a second and then coasts can add to it.
 MOST_M = 0.3 + 0.6
 #: A robot stands still this long after its agent's death: the lease's second, and the time to come to rest.
@@ -211,4 +213,4 @@ def test_law_14_a_driver_killed_in_a_stop_leaves_a_robot_that_stands_and_never_g
     at_rest_s = scene.at_rest_since(command.began)
     assert at_rest_s is not None
     assert at_rest_s - killed_s < STILL_S
-    assert scene.count_final_versions(final) == 1
+    assert len(scene.final_versions(final)) == 1

@@ -41,7 +41,7 @@ def test_law_6_a_robot_that_vanished_is_reported_and_does_nothing_when_it_is_bac
     final = scene.final(command)
     assert final["card"]["state"] in ("failed", "refused", "interrupted"), final["raw"]
     assert len(scene.answers(command)) == 1
-    assert scene.count_final_versions(final) == 1
+    assert len(scene.final_versions(final)) == 1
     assert scene.begun(scene.born) == 0, "the robot that came back was moved by a command of before"
     scene.running["driver"].kill()  # the owner restarts the driver: the robot has a new position and home
     scene.start("driver")
@@ -61,6 +61,6 @@ def test_law_6_a_go2_whose_driver_dies_stands_still_and_the_motion_is_not_repeat
     scene.release()
     assert final["card"]["state"] in DRIVER_DIED, final["raw"]
     assert len(scene.answers(command)) == 1
-    assert scene.count_final_versions(final) == 1
+    assert len(scene.final_versions(final)) == 1
     assert scene.begun(at_death) == 0
     assert not scene.moves(command.began)

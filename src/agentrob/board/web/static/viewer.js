@@ -255,7 +255,7 @@ async function replay(section) {
     const [now, then] = [bodyAt(n), bodyAt(next)];
     view.path(name, null, path.slice(0, n + 1));
     view.place(name, between(poseAt(n), poseAt(next), part), now && now.map((value, k) => value + (then[k] - value) * part));
-    slider.value = at;
+    slider.value = at < end ? at : slider.max;
     clock.textContent = `${(at / 1000).toFixed(1)} / ${(end / 1000).toFixed(1)} s`;
     slider.setAttribute("aria-valuetext", clock.textContent);
     const doing = data.steps.filter(([begun]) => begun <= at).pop();
@@ -277,7 +277,7 @@ async function replay(section) {
     before = performance.now();
     requestAnimationFrame(tick);
   };
-  slider.oninput = () => { at = Number(slider.value); show(); };
+  slider.oninput = () => { at = Math.min(end, Number(slider.value)); show(); };
   fast.onchange = () => { speed = Number(fast.value); };
   share.onclick = async () => {
     const url = new URL(location.href);
