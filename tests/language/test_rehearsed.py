@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agentrob.config.robots import RobotConfig
 from agentrob.language.addressing import part_for
 from agentrob.language.rehearsed import asking_for_preview, rehearsed_part, rehearsed_text, speaks_of_preview
+from agentrob.minds.protocol import Addressee
+from agentrob.minds.rules import RulesMind
+from agentrob.model import Intent
+from agentrob.robots.unitree.go2 import Go2
+from agentrob.wiring.app import plan_text
 
 
 @pytest.mark.parametrize(
@@ -86,3 +94,11 @@ def test_a_request_in_front_asks_every_robot_for_a_preview(text: str) -> None:
         if f"@{name} " in text:
             assert rehearsed_part(part_for(asked, (name,), others), asked)
     assert asking_for_preview(asked) == asked
+
+
+@pytest.mark.parametrize("text", ["walk 3 m, but show me first", "walk 3 m. show me first", "向前走三米，先演示一下"])
+def test_law_18_who_cannot_preview_does_not_move_for_a_preview(text: str) -> None:
+    addressee = Addressee(("go2",), (), Go2.describe(RobotConfig(simulated=True)))
+    understood = asyncio.run(RulesMind().understand(text, addressee))
+    assert understood.intent is Intent.ASK_BACK
+    assert plan_text(text, "go2")["intent"] == "preview"

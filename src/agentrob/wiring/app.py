@@ -545,15 +545,21 @@ async def understand(text: str, name: str, capabilities: Any, mind: str = "rules
 
 def plan_text(text: str, model: str) -> dict[str, Any]:
     """How a robot of this kind would understand a text, as data: intent, steps, notes, question, verdict."""
+    from agentrob.language.addressing import part_for
+    from agentrob.language.rehearsed import rehearsed_part
     from agentrob.language.visible_text import mentions, visible_text
     from agentrob.model import Intent
     from agentrob.screening.screen import screen
 
     capabilities = capabilities_of(model)
     named = mentions(visible_text(text))
-    understood = asyncio.run(understand(text, named[0] if named else model, capabilities))
+    name = named[0] if named else model
+    part = part_for(visible_text(text), (name,), tuple(other for other in named if other != name))
+    rehearsed = rehearsed_part(part, visible_text(text))
+    understood = asyncio.run(understand(rehearsed or text, name, capabilities))
+    previews = bool(rehearsed) and understood.intent is Intent.COMMAND
     facts: dict[str, Any] = {
-        "intent": str(understood.intent),
+        "intent": "preview" if previews else str(understood.intent),
         "language": understood.language,
         "plan": understood.plan.as_data(),
         "notes": list(understood.plan.notes),
