@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
 import json
 import os
@@ -16,6 +17,7 @@ import pytest
 from agentrob.agent.media.pictures import Picture
 from agentrob.board.robots.replays import final_map
 from agentrob.config.robots import RobotConfig
+from agentrob.errors import RobotError
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import PoseViewers
 from agentrob.model import Direction, Op, Primitive, Role
@@ -64,6 +66,18 @@ def driver(told: Path) -> Iterator[Driver]:
     made = Driver(told, robot_settings(), run=run_with_ledger)
     yield made
     made.end()
+
+
+@pytest.fixture(autouse=True)
+async def _at_home(driver: Driver) -> None:
+    """Each test begins at the robot's home, which is in the middle of the room, wherever the last one left it."""
+    async with driver.client() as client, asyncio.timeout(60):
+        while True:
+            try:
+                await client.home("a test")
+                return
+            except RobotError:  # it still moves
+                await asyncio.sleep(0.05)
 
 
 def simulated(driver: Driver, folder: Path, **more: Any) -> Scene:
