@@ -33,7 +33,7 @@ LITTLE = {
     "world.py": ["--seconds", "3"],
 }
 #: Benchmarks with their own test file.
-ELSEWHERE = {"stop.py": "test_stop.py"}
+ELSEWHERE = {"mutants.py": "test_mutants.py", "stop.py": "test_stop.py"}
 
 
 def benchmark(name: str) -> str:

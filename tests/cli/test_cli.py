@@ -17,7 +17,7 @@ import pytest
 
 from agentrob.process.child import Child, terminate_all
 from agentrob.process.host_lock import namespaced
-from agentrob.wiring import app
+from agentrob.wiring import plan as planning
 from tests import forked_process, in_process
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
@@ -205,8 +205,39 @@ def test_plan_shows_the_steps_and_moves_nothing(tmp_path: Path) -> None:
 
 
 def test_plan_reads_the_part_of_the_first_mentioned_robot() -> None:
-    told = app.plan_text("@quadruped walk 1 m @humanoid wave", "go2")
+    told = planning.plan_text("@quadruped walk 1 m @humanoid wave", "go2")
     assert (told["intent"], [step["op"] for step in told["plan"]]) == ("command", ["move"])
+
+
+@pytest.mark.parametrize(
+    ("text", "steps", "runs"),
+    [
+        ("in 10 minutes wave", ["hello"], 1),
+        ("every weekday at 9:00 walk 1 m and wave", ["move", "hello"], 30),
+        ("每个工作日九点挥手", ["hello"], 30),
+    ],
+)
+def test_plan_says_that_a_text_with_a_time_is_a_schedule(
+    tmp_path: Path, text: str, steps: list[str], runs: int
+) -> None:
+    told = json.loads(in_process.agentrob(tmp_path, "plan", text, "--json").stdout)
+    assert [step["op"] for step in told["plan"]] == steps
+    assert (told["schedule"]["runs"], len(told["schedule"]["next_runs"])) == (runs, min(runs, 3))
+    assert told["verdict"]["decision"] == "allow"
+    shown = in_process.agentrob(tmp_path, "plan", text).stdout
+    assert "a schedule: it would not run now, but on " in shown
+    assert told["schedule"]["next_runs"][-1].split()[1] in shown
+    assert "(UTC)" in shown
+
+
+@pytest.mark.parametrize(
+    ("text", "question"), [("tomorrow wave", "not the time"), ("every 31st wave", "when"), ("明天挥手", "几点")]
+)
+def test_plan_asks_about_a_time_that_is_not_understood(text: str, question: str) -> None:
+    told = planning.plan_text(text, "go2")
+    assert (told["intent"], told["plan"]) == ("ask_back", [])
+    assert question in told["question"]
+    assert "schedule" not in told
 
 
 def test_plan_does_not_compile_harm_rules_for_a_plain_command() -> None:

@@ -15,7 +15,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Intent
 from agentrob.robots.unitree.go2 import Go2
-from agentrob.wiring.app import plan_text
+from agentrob.wiring.plan import plan_text
 
 
 @pytest.mark.parametrize(

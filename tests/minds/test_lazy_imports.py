@@ -18,9 +18,9 @@ def imported_by(code: str) -> set[str]:
 def test_the_rules_import_no_model_library() -> None:
     code = """
 import agentrob.cli.main
-from agentrob.wiring import app
+from agentrob.wiring import app, plan
 from agentrob.config.load import parse
-print(app.plan_text("walk forward 1 m", "go2"))
+print(plan.plan_text("walk forward 1 m", "go2"))
 app.make_mind("rules", parse({"minds": {"mm": {"provider": "openai", "model": "x"}}}))
 import agentrob.agent.agent
 """

@@ -88,3 +88,43 @@ def test_law_7_nothing_said_to_another_makes_its_own_part_less_refused() -> None
 @pytest.mark.parametrize("post", ["walk 1 m", "@quadruped walk 1 m", "@alice said hi. @quadruped walk 1 m", ""])
 def test_a_post_to_one_robot_is_judged_whole(post: str) -> None:
     assert text_for_robot(post, ME, ()) == post
+
+
+@pytest.mark.parametrize(
+    ("post", "heard", "beside_a_known_part"),
+    [
+        ("@quadruped walk 1 m. @humanoid you stand near a wall", "walk 1 m.", ""),
+        ("@humanoid you stand near a wall. @quadruped walk 1 m", "walk 1 m", ""),
+        ("@quadruped walk 1 m, @humanoid you see a wall, @quadruped turn left", "walk 1 m, turn left", ""),
+        ("@quadruped walk. @humanoid you look. @humanoid you turn", "walk.", ""),
+        ("@quadruped and @humanoid walk 1 m", "walk 1 m", ""),
+        ("@humanoid do the same. @quadruped walk 1 m", "do the same walk 1 m", "do the same"),
+        ("There is ice. @humanoid you stand there. @quadruped wave", "There is ice. wave", "There is ice."),
+        ("I told @humanoid you walk fast. @quadruped wave", "I told you walk fast. wave", "I told you walk fast."),
+        ("@quadruped wave at @humanoid and walk", "wave at and walk", "and walk"),
+    ],
+)
+def test_a_robot_hears_its_own_part_and_what_is_said_to_nobody_or_to_all(
+    post: str, heard: str, beside_a_known_part: str
+) -> None:
+    for known, expected in ((False, heard), (True, beside_a_known_part)):
+        assert " ".join(text_for_robot(post, ME, OTHER, known=known).split()) == expected, known
+
+
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize(
+    "post",
+    [
+        "@humanoid wave at @quadruped and walk",
+        "@humanoid you wave. @quadruped walk. It is wet. @humanoid you stop",
+        "I saw @quadruped there. @humanoid wave",
+        "@humanoid wave. Then walk with @quadruped",
+    ],
+)
+def test_law_7_where_it_is_unclear_who_is_told_a_robot_hears_the_whole_post(post: str, known: bool) -> None:
+    assert text_for_robot(post, ME, OTHER, known=known) == post
+
+
+def test_a_post_to_one_robot_says_nothing_beside_its_known_part() -> None:
+    assert text_for_robot("@quadruped go to the red ball", ME, (), known=True) == ""
+    assert text_for_robot("@humanoid wave", ME, OTHER) == "@humanoid wave"

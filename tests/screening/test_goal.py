@@ -57,6 +57,25 @@ def test_named_steps_are_in_the_mandate_as_often_as_they_are_named() -> None:
     assert mandate.distance_m == 1.0
 
 
+def test_law_7_turns_and_pictures_of_a_goal_are_those_that_it_names_and_the_owner_allows() -> None:
+    turn = Primitive(Op.TURN, Direction.LEFT, degrees=90.0)
+    named = Goal((Subgoal(Aim.STEP, step=turn), Subgoal(Aim.LOOK)))
+    assert goal_mandate(named, MOST, GO2).degrees == 90.0
+    assert goal_mandate(Goal((Subgoal(Aim.LOOK),)), MOST, GO2).degrees == 0.0
+    hello = Goal((Subgoal(Aim.STEP, step=Primitive(Op.HELLO)),))
+    assert goal_mandate(hello, MOST, GO2).degrees == 0.0
+    assert goal_mandate(hello, Mandate(distance_m=5.0, steps=12), GO2).calls == {Op.HELLO: 1}, "no picture is allowed"
+
+
+def test_law_7_who_is_to_stand_beside_a_thing_walks() -> None:
+    goal = Goal((Subgoal(Aim.APPROACH, "ball", "red", "beside"),))
+    assert set(goal_mandate(goal, MOST, GO2).calls) == {Op.MOVE, Op.TURN, Op.GET_FRONT_IMAGE}
+
+
+def test_law_10_without_a_speed_of_the_owner_the_robot_s_limit_holds() -> None:
+    assert goal_mandate(Goal((BALL,)), Mandate(distance_m=5.0, steps=12), GO2).speed_mps == 0.5
+
+
 def test_law_10_a_mandate_stays_within_the_limits_of_a_command() -> None:
     small = Capabilities("go2", frozenset(Op), Limits(command_m=2.0, command_s=30.0, speed_mps=0.1, command_steps=4))
     mandate = goal_mandate(Goal((BALL,)), MOST, small)

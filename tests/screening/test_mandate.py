@@ -50,13 +50,76 @@ def test_an_amount_that_is_no_number_is_refused() -> None:
 
 
 def test_time_used_up_is_refused() -> None:
-    assert "60 s" in (mandate_violation(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK, seconds=61)], WALK) or "")
+    assert "60 s" in (mandate_violation(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK, seconds=60)], WALK) or "")
+    assert mandate_violation(mandate_of(Plan((WALK, WALK)), GO2), [done(WALK, seconds=59.9)], WALK) is None
 
 
 def test_a_failed_attempt_counts_and_a_skipped_one_does_not() -> None:
     mandate = mandate_of(Plan((WALK,)), GO2)
     assert mandate_violation(mandate, [done(WALK, outcome=Outcome.FAILED)], WALK) is not None
     assert mandate_violation(mandate, [done(WALK, outcome=Outcome.SKIPPED)], WALK) is None
+
+
+@pytest.mark.parametrize(
+    ("step", "allowed"),
+    [
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.00009), True),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.00015), False),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=90.00009), True),
+        (Primitive(Op.TURN, Direction.LEFT, degrees=90.00015), False),
+    ],
+)
+def test_law_7_only_a_rounding_error_is_beyond_a_sum(step: Primitive, allowed: bool) -> None:
+    assert (mandate_violation(mandate_of(Plan((WALK, TURN)), GO2), [], step) is None) is allowed
+
+
+def test_law_7_a_mandate_has_no_amounts_that_its_plan_does_not_name() -> None:
+    assert mandate_of(Plan((WALK, WAVE)), GO2) == Mandate(
+        {Op.MOVE: 1, Op.HELLO: 1}, distance_m=1.0, degrees=0.0, seconds=60.0, steps=2
+    )
+
+
+@pytest.mark.parametrize(
+    ("step", "why"),
+    [
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, speed_mps=0.3), None),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, speed_mps=0.31), "0.3 m/s at most"),
+        (Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5), "0.3 m/s at most"),
+        (TURN, None),
+    ],
+)
+def test_law_7_each_walk_of_a_mandate_with_a_speed_states_one_within_it(step: Primitive, why: str | None) -> None:
+    mandate = Mandate({Op.MOVE: 1, Op.TURN: 1}, distance_m=1.0, degrees=90.0, steps=2, speed_mps=0.3)
+    violation = mandate_violation(mandate, [], step)
+    assert violation is None if why is None else why in (violation or "")
+
+
+def test_law_7_motions_are_counted_and_pictures_are_none() -> None:
+    picture = Primitive(Op.GET_FRONT_IMAGE)
+    mandate = Mandate(dict.fromkeys(Op, 9), distance_m=9.0, degrees=900.0, steps=9, motions=2)
+    assert mandate_violation(mandate, [done(WALK), done(picture)], TURN) is None
+    assert "2 motions" in (mandate_violation(mandate, [done(WALK), done(TURN)], WALK) or "")
+    assert mandate_violation(mandate, [done(WALK), done(TURN)], picture) is None
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        Primitive(Op.MOVE, Direction.FORWARD),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.0),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=-1.0),
+        Primitive(Op.TURN, Direction.LEFT),
+        Primitive(Op.MOVE, None, distance_m=0.5),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, degrees=9.0),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5, speed_mps=float("inf")),
+        Primitive(Op.TURN, Direction.FORWARD, degrees=9.0),
+        Primitive(Op.TURN, Direction.LEFT, degrees=9.0, distance_m=0.5),
+        Primitive(Op.HELLO, degrees=9.0),
+    ],
+)
+def test_law_7_a_step_that_is_no_step_is_within_no_mandate(step: Primitive) -> None:
+    mandate = Mandate(dict.fromkeys(Op, 9), distance_m=9.0, degrees=900.0, steps=9)
+    assert "is not a valid step" in (mandate_violation(mandate, [], step) or "")
 
 
 def test_an_empty_mandate_allows_nothing() -> None:

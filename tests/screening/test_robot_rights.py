@@ -128,6 +128,29 @@ def test_law_2_nobody_approves_their_own_wish_unless_the_robot_s_rights_say_so(o
     assert own or verdict.rule == "rights.approve_own"
 
 
+def test_law_2_without_rights_of_the_robot_nobody_approves_their_own_command() -> None:
+    root = account(Role.ADMIN, "ann")
+    assert may_approve(root, root).rule == "rights.approve_own"
+    member = account(Role.MEMBER)
+    assert may_approve(member, member).rule == "rights.approver", "a right that is missing is told first"
+
+
+@pytest.mark.parametrize(("in_rights", "configured"), [("ann", ""), ("", "ann"), ("ann", "bob")])
+def test_law_2_the_owner_approves_whom_the_forum_names_or_else_the_configuration(
+    in_rights: str, configured: str
+) -> None:
+    rights = RobotRights(in_rights, EVERYTHING, approve="owner")
+    ann, eve = account(Role.OPERATOR, "ann"), account(Role.OPERATOR, "eve")
+    assert may(ann, "approve", owner=configured, rights=rights).decision is Decision.ALLOW
+    refused = may(eve, "approve", owner=configured, rights=rights)
+    assert (refused.rule, "Its owner (`ann`) or an admin can" in refused.reason) == ("rights.approver", True)
+
+
+def test_who_can_change_a_right_is_told_also_when_the_owner_is_not_known() -> None:
+    refused = may(account(Role.OPERATOR), "approve", rights=RobotRights(command=EVERYTHING, approve="owner"))
+    assert "Its owner or an admin can" in refused.reason
+
+
 def test_in_maintenance_nobody_commands_and_everybody_stops() -> None:
     closed = RobotRights("ann", EVERYTHING, closed_s=(2 * 60 + 50) * 60)
     verdict = may(account(Role.ADMIN, "ann"), "command", rights=closed, classes=("move",))

@@ -10,7 +10,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.language.parser.grammar import parse
-from agentrob.model import Account, Capabilities, Decision, Direction, Limits, Op, Plan, Primitive, Role, Verdict
+from agentrob.model import (
+    Account,
+    ActionClass,
+    Capabilities,
+    Decision,
+    Direction,
+    Limits,
+    Op,
+    Plan,
+    Primitive,
+    RobotRights,
+    Role,
+    Verdict,
+)
+from agentrob.model.estimate import step_seconds
 from agentrob.screening.screen import screen
 from agentrob.screening.text.harm import harm_of
 
@@ -80,14 +94,31 @@ def test_what_is_allowed_is_within_the_limits(distances_m: list[float]) -> None:
         walk(math.nan),
         walk(math.inf),
         walk(1, speed_mps=0),
-        Primitive(Op.MOVE, distance_m=1),
+        Primitive(Op.MOVE, Direction.FORWARD),
+        Primitive(Op.MOVE, Direction.FORWARD, distance_m=1, degrees=9),
+        Primitive(Op.TURN, Direction.LEFT, degrees=9, distance_m=1),
+        Primitive(Op.TURN, Direction.LEFT, degrees=9, speed_mps=0.5),
         Primitive(Op.TURN, Direction.FORWARD, degrees=9),
         turn(math.nan),
+        turn(-9),
+        Primitive(Op.TURN, Direction.LEFT),
         Primitive(Op.HELLO, distance_m=3),
     ],
 )
 def test_a_step_that_is_no_step_is_refused(step: Primitive) -> None:
-    assert judged(step).decision is Decision.REFUSE
+    verdict = judged(step)
+    assert (verdict.decision, verdict.rule) == (Decision.REFUSE, "plan.malformed")
+
+
+def test_a_walk_without_a_direction_is_refused() -> None:
+    assert judged(Primitive(Op.MOVE, distance_m=1)).rule == "ops.direction"
+
+
+def test_law_10_only_a_rounding_error_is_beyond_a_limit() -> None:
+    assert judged(walk(5.00009)).decision is Decision.ALLOW
+    assert judged(walk(5.00015)).rule == "limit.step_distance"
+    assert judged(walk(5), walk(4.5), walk(0.50009)).decision is Decision.ALLOW
+    assert judged(walk(5), walk(4.5), walk(0.50015)).rule == "limit.command_distance"
 
 
 def test_an_empty_plan_is_refused() -> None:
@@ -105,9 +136,38 @@ def test_what_the_robot_cannot_do_is_refused_and_what_it_can_is_said() -> None:
 
 def test_a_flip_needs_the_owners_consent_on_real_robots() -> None:
     assert judged(Primitive(Op.BACKFLIP)).rule == "consent.flip"
+    assert judged(Primitive(Op.HELLO), Primitive(Op.BACKFLIP)).rule == "consent.flip"
     assert judged(Primitive(Op.BACKFLIP), allow_flip=True).decision is Decision.ALLOW
     simulated = Capabilities("go2", frozenset(Op), Limits(), simulated=True)
     assert judged(Primitive(Op.BACKFLIP), capabilities=simulated).decision is Decision.ALLOW
+
+
+def test_law_10_without_a_word_of_the_owner_there_is_no_consent_to_flips() -> None:
+    verdict = screen(Plan((Primitive(Op.BACKFLIP),)), text="", author=OPERATOR, capabilities=GO2, language="en")
+    assert verdict.rule == "consent.flip"
+
+
+@pytest.mark.parametrize("steps", [(walk(2),), (walk(0.1), walk(2)), (walk(2), Primitive(Op.HELLO))])
+def test_law_16_where_stops_are_heard_late_no_step_is_long(steps: tuple[Primitive, ...]) -> None:
+    longest_s = max(step_seconds(step, GO2) for step in steps)
+    verdicts = [
+        screen(Plan(steps), text="", author=OPERATOR, capabilities=GO2, language="en", step_s=step_s)
+        for step_s in (longest_s, longest_s - 0.1)
+    ]
+    assert [v.decision for v in verdicts] == [Decision.ALLOW, Decision.REFUSE]
+    assert verdicts[1].rule == "limit.step_time"
+
+
+def test_law_7_a_command_that_passes_and_needs_an_approval_is_not_allowed_yet() -> None:
+    everybody = dict.fromkeys(map(str, ActionClass), "operator")
+    for approval, decision in (((), Decision.ALLOW), (("move",), Decision.NEEDS_APPROVAL)):
+        rights = RobotRights("ann", everybody, approval=approval)
+        verdict = screen(Plan((walk(1),)), text="", author=OPERATOR, capabilities=GO2, language="en", rights=rights)
+        assert verdict.decision is decision
+    verdict = screen(
+        Plan((walk(1),)), text="walk 1 m into the wall", author=OPERATOR, capabilities=GO2, language="en", rights=rights
+    )
+    assert verdict.rule == "harm.collide", "what is refused waits for no approval"
 
 
 def test_rights_come_first() -> None:

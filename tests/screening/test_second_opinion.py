@@ -48,6 +48,10 @@ def test_a_suspicion_asks_back_in_the_language_of_the_post_and_offers_the_plan(l
     assert f"`{sentence(PLAN, language)}`" in verdict.reason
     goal = with_opinion(Verdict(Decision.ALLOW, "screen.passed"), True, None, language)
     assert word in goal.reason
+    assert "`" not in goal.reason
+    walks = tuple(Primitive(Op.MOVE, Direction.FORWARD, distance_m=n / 4) for n in range(1, 19))
+    long = with_opinion(Verdict(Decision.ALLOW, "screen.passed"), True, Plan(walks), language)
+    assert long.reason == goal.reason, "what does not fit a reply is not offered"
 
 
 @given(plans, LANGUAGES)

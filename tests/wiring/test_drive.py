@@ -72,6 +72,22 @@ def test_unclear_or_forbidden_commands_move_nothing(lab: tuple[Config, str], tex
     assert driven.results == ()
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("in 10 minutes wave", "moves only now"),
+        ("every weekday at 9:00 walk 1 m", "moves only now"),
+        ("tomorrow wave", "moves only now"),
+        ("明天早上九点挥手", "只能现在运动"),
+    ],
+)
+def test_a_text_with_a_time_is_refused_because_drive_moves_now(lab: tuple[Config, str], text: str, says: str) -> None:
+    config, name = lab
+    driven = robot_command_driver(text, name, config=config)
+    assert (driven.status, driven.results) == ("refused", ())
+    assert says in driven.message
+
+
 def test_law_17_a_stored_halt_applies_to_drive_too(lab: tuple[Config, str]) -> None:
     config, name = lab
     halt = Path(config.data) / "drivers" / f"{name}.halt"

@@ -141,6 +141,7 @@ class RobotAgent:
             name, lambda: self.journal, self.queue,
             lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
             self._settle, self._enqueue, self._decline, self._approve, self._cancel,
+            lambda post, triaged: self.schedules.renew(post, triaged.language, fresh=triaged.fresh),
             lambda post: self.schedules.amended(post),  # noqa: PLW0108 (made later, too)
         )  # fmt: skip
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
@@ -189,7 +190,7 @@ class RobotAgent:
         sees = self.detector.things if self.detector else ()
         return Presence(
             pages, self.driver, self.name, self.settings, lambda: self.queue.posts, self.owner, self.activity, room,
-            self.geometry, sees,
+            self.geometry, sees, lambda: self._schedules.card if self._schedules is not None else {},
         )  # fmt: skip
 
     def _make_recorder(self, pages: RobotPages | None) -> Recorder:
@@ -416,7 +417,7 @@ class RobotAgent:
     def _make_schedules(self) -> Schedules:
         return Schedules(
             self.settings, self.forum, self.journal, self.queue, self.event_stream.now, self.stop_handler.why_not,
-            self._enqueue, self._spawn,
+            self._enqueue, self._spawn, self.presence.changed if self.presence else lambda: None,
         )  # fmt: skip
 
     def _make_pipeline(self) -> Pipeline:
@@ -617,7 +618,7 @@ class RobotAgent:
         if self._clock_set() is None:
             return triaged
         again = self.triage(post)
-        return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY) else triaged
+        return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY, Route.RENEW) else triaged
 
     def triage(self, post: Post, edited: bool = False) -> TriagedPost:
         """Triage a post. An error while reading one never keeps the next posts from being handled."""
@@ -635,9 +636,10 @@ class RobotAgent:
         names = frozenset({self._me.name, *(n.lower().lstrip("@") for n in self.settings.mentions)})
         topics = self.queue.topics() | {post.topic_id for post in self.inbox.coming.values()} | self._claimed_topics
         scheduled = self._schedules.topics if self._schedules is not None else frozenset()
+        renewable = self._schedules.renewable_topics if self._schedules is not None else frozenset()
         return Addressing(
             self._me, names, self.settings.boards, self._watermark_at, self.event_stream.now(),
-            self.settings.max_post_age_s, topics, scheduled,
+            self.settings.max_post_age_s, topics, scheduled, renewable,
             {*self.queue.posts, *self.inbox.coming, *self.inbox.left_open}, self.known_robots.names,
         )  # fmt: skip
 
@@ -697,7 +699,7 @@ class RobotAgent:
     async def _cancel(self, post: Post) -> None:
         """Cancel the schedules of a thread, for an account that may stop the robot."""
         if may(post.author, "stop").decision is Decision.ALLOW:
-            await self.schedules.cancel(post.topic_id)
+            await self.schedules.cancel(post.topic_id, post.reply_to)
 
     def _enqueue(self, job: QueuedCommand) -> None:
         self.stops.new_command()

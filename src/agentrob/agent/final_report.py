@@ -80,7 +80,7 @@ class FinalReport:
         with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.set_plan(command.key, report.plan)
-        public = facts if command.run is None else None  # the page of a command is that of its post
+        page = _page_post(command, job.status.post_id)
         told = False
 
         async def publish_record() -> None:
@@ -89,7 +89,7 @@ class FinalReport:
             if not told:
                 with job.log_errors("record not published"), contextlib.suppress(TimeoutError):
                     async with asyncio.timeout(RECORD_S):
-                        told = await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
+                        told = await publish(self.forum, page, job.status.post_id, facts, pictures)
 
         shown = Shown(text(pictures), card)
         close = partial(job.status.close, shown, images, short, measured=measured, before=publish_record)
@@ -104,9 +104,9 @@ class FinalReport:
             return  # another agent of this account posted the end, and keeps its record and pictures
         if not told:
             with job.log_errors("record not published"):
-                await publish(self.forum, command.post_id, job.status.post_id, public, pictures)
+                await publish(self.forum, page, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(report.command, None if measured else job.preview)
+            await self._publish_replay(command, page, None if measured else job.preview)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -114,7 +114,7 @@ class FinalReport:
                 late = Shown(text((*pictures, recording)), card)
                 added = [recording.data] if recording.attached else []
                 # Again the captions first, so that the reader sees one change.
-                publish_pictures = partial(publish, self.forum, command.post_id, job.status.post_id, public)
+                publish_pictures = partial(publish, self.forum, page, job.status.post_id, facts)
                 if not job.status.limited:
                     await publish_pictures((*pictures, recording))
                 if not await job.status.add(late, added) and told:
@@ -127,10 +127,11 @@ class FinalReport:
             if claim is None:
                 await self.poses.forget(post_id)
             elif claim.final is not None:
-                await self._publish_replay(claim.command)
+                await self._publish_replay(claim.command, _page_post(claim.command, claim.status_post))
 
-    async def _publish_replay(self, command: Command, preview: Preview | None = None) -> None:
-        """Publish how the robot moved, or a run of the preview, if the forum replays commands."""
+    async def _publish_replay(self, command: Command, page: str, preview: Preview | None = None) -> None:
+        """Publish how the robot moved, or a run of the preview, if the forum replays commands. `page` is the post with
+        the command's page."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
         geometry = await self.geometry.publish()
@@ -139,8 +140,8 @@ class FinalReport:
             replay = await asyncio.to_thread(lambda: encoded(preview_log(preview), **head))
         else:
             replay = await self.poses.replay(command.key, geometry)
-        if replay and command.run is None:  # a post has one replay
-            await retry_until_answered(partial(self.forum.publish_replay, command.post_id, replay), TRIES)
+        if replay and page:
+            await retry_until_answered(partial(self.forum.publish_replay, page, replay), TRIES)
         await self.poses.forget(command.key)
 
     async def _composed(
@@ -162,7 +163,7 @@ class FinalReport:
                 report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls, preview=drawn
             )
         with job.log_errors("page of the command not known"):
-            page = await page_of(self.forum, command.post_id, hurry=self.ending()) if command.run is None else ""
+            page = await page_of(self.forum, _page_post(command, job.status.post_id), hurry=self.ending())
         facts: dict[str, Any] | None = None
         with job.log_errors("record not written"):
             kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
@@ -185,3 +186,9 @@ class FinalReport:
             return reply_text.plain(report)
 
         return text, pictures, facts
+
+
+def _page_post(command: Command, status_post: str | None) -> str:
+    """The post that has a command's page, record and replay: its own one, and for a run of a schedule that of the
+    report, since a post has one page. Empty if there is none."""
+    return command.post_id if command.run is None else status_post or ""

@@ -31,15 +31,18 @@ def plan(
     model: RobotKind = "go2",
     config: ConfigFile = None,
 ) -> None:
-    """Show how a text is understood and screened. With --mind also the model and its usage. Nothing moves."""
+    """Show how a text is understood and screened, and when it would run, in UTC. With --mind also the model and its
+    usage. Nothing moves."""
     if mind != "rules":
         if as_json:
             raise ConfigError("--json is available for rules only")
         log_to_stderr()
         typer.echo("\n".join(app.try_mind(app.load(config), mind, text, model)))
         return
-    facts = app.plan_text(text, model)
-    typer.echo(json.dumps(facts, ensure_ascii=False) if as_json else app.describe_plan(facts))
+    from agentrob.wiring import plan as planning
+
+    facts = planning.plan_text(text, model)
+    typer.echo(json.dumps(facts, ensure_ascii=False) if as_json else planning.describe_plan(facts))
 
 
 @cli.command("check")

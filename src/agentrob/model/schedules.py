@@ -43,13 +43,21 @@ class Schedule:
 
 @dataclass(frozen=True, slots=True)
 class ScheduledRun:
-    """Which run of a schedule a command is: the one of `at`. The schedule was posted at `posted_at`. `missed` counts
-    the runs, this one included, that were not begun in time and of which this command tells."""
+    """Which run of a schedule a command is: the one of `at`. The schedule was posted, or renewed, at `posted_at`.
+    `missed` counts the runs, this one included, that were not begun in time and of which this command tells.
+
+    It is run `number` of `of`, counted from 1; both are 0 if that is not known. `limited`: its author did not say how
+    often, so that `of` is the most. `url` is the address of the schedule's post, if it is known.
+    """
 
     at: datetime
     posted_at: datetime
     tz: str
     missed: int = 0
+    number: int = 0
+    of: int = 0
+    limited: bool = False
+    url: str = ""
 
 
 class ScheduleEnd(StrEnum):

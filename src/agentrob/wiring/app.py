@@ -543,51 +543,6 @@ async def understand(text: str, name: str, capabilities: Any, mind: str = "rules
             await made.close()
 
 
-def plan_text(text: str, model: str) -> dict[str, Any]:
-    """How a robot of this kind would understand a text, as data: intent, steps, notes, question, verdict."""
-    from agentrob.language.addressing import part_for
-    from agentrob.language.rehearsed import rehearsed_part
-    from agentrob.language.visible_text import mentions, visible_text
-    from agentrob.model import Intent
-    from agentrob.screening.screen import screen
-
-    capabilities = capabilities_of(model)
-    named = mentions(visible_text(text))
-    name = named[0] if named else model
-    part = part_for(visible_text(text), (name,), tuple(other for other in named if other != name))
-    rehearsed = rehearsed_part(part, visible_text(text))
-    understood = asyncio.run(understand(rehearsed or text, name, capabilities))
-    previews = bool(rehearsed) and understood.intent is Intent.COMMAND
-    facts: dict[str, Any] = {
-        "intent": "preview" if previews else str(understood.intent),
-        "language": understood.language,
-        "plan": understood.plan.as_data(),
-        "notes": list(understood.plan.notes),
-        "question": understood.question,
-    }
-    if understood.intent is Intent.COMMAND:
-        author = Account(id="local", name="local", role=Role.OPERATOR)
-        verdict = screen(
-            understood.plan, text=text, author=author, capabilities=capabilities, language=understood.language
-        )
-        facts["verdict"] = {"decision": str(verdict.decision), "rule": verdict.rule, "reason": verdict.reason}
-    return facts
-
-
-def describe_plan(facts: dict[str, Any]) -> str:
-    """`plan_text` for people."""
-    lines = [f"{facts['intent']}"]
-    for n, step in enumerate(facts["plan"], 1):
-        details = " ".join(f"{k}={v}" for k, v in step.items() if k != "op")
-        lines.append(f"  {n}. {step['op']} {details}".rstrip())
-    lines += [f"  note: {note}" for note in facts["notes"]]
-    if facts["question"]:
-        lines.append(f"  it would answer: {facts['question']}")
-    if verdict := facts.get("verdict"):
-        lines.append(f"  verdict: {verdict['decision']} ({verdict['rule']}) {verdict['reason']}".rstrip())
-    return "\n".join(lines)
-
-
 # ---------------------------------------------------------------------- world
 def serve_world(
     robots: list[str], domains: list[str], world: str, interface: str, http_port: int, ledger: Path | None

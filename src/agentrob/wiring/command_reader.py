@@ -125,6 +125,8 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
             return untimed
     if lists_schedules(part):
         return RobotReading(robot.name, say("read.answer", language_of(part)), "answer")
+    if timed is not None and timed.surely_later:
+        return RobotReading(robot.name, timed.question, "ask_back")
     found = _read_now(visible, author, robot, others)
     if found.outcome in ("would", "needs_approval") and speaks_of_preview(part, visible):
         return RobotReading(robot.name, say("preview.unclear", language_of(part)), "ask_back")

@@ -98,6 +98,8 @@ def _drive(
         settings = settings.model_copy(
             update={"mind": mind, "look": settings.look.model_copy(update={"allowed": True})}
         )
+    if (later := _later(command, name, settings, capabilities)) is not None:
+        return Driven(CommandState.REFUSED, message=later)
     if (goal := _goal(command, name, settings, config, capabilities)) is not None:
         return _look(goal, command, name, settings, config, on_step)
     understood, verdict = _outside_loop(lambda: asyncio.run(_judged(command, name, capabilities, settings, config)))
@@ -114,6 +116,24 @@ def _drive(
         )
     status = CommandState.DONE if all(r.ok for r in results) else CommandState.FAILED
     return Driven(status, understood.plan, results)
+
+
+def _later(text: str, name: str, settings: RobotConfig, capabilities: Capabilities) -> str | None:
+    """Why a text that says when is not carried out now; None if it does not, or if the rules understand every word as
+    a command of now."""
+    from agentrob.language.messages.catalog import say
+    from agentrob.language.registry import language_of
+    from agentrob.minds.rules import RulesMind
+    from agentrob.wiring.plan import when_of
+
+    visible, addressee = _heard(text, name, capabilities, settings)
+    if (timed := when_of(visible, addressee.names, settings.time_zone)) is None:
+        return None
+    if timed.schedule is None and not timed.surely_later:
+        understood = _outside_loop(lambda: asyncio.run(RulesMind().understand(visible, addressee)))
+        if understood.intent is Intent.COMMAND:
+            return None
+    return say("drive.later", language_of(visible))
 
 
 async def _judged(

@@ -181,6 +181,64 @@ def test_law_13_a_photo_without_motion_is_read_at_rest_only(text: str, running: 
     assert triage(post(text), replace(EARS, running_topics=running)).route is route
 
 
+@pytest.mark.parametrize(
+    ("text", "topic", "running", "route"),
+    [
+        ("cancel", "timed", (), Route.CANCEL),
+        ("@quadruped cancel the schedule", "timed", (), Route.CANCEL),
+        ("@quadruped cancel the schedule", "timed", ("running",), Route.CANCEL),
+        ("@quadruped 取消日程", "timed", ("running",), Route.CANCEL),
+        ("cancel this schedule please", "timed", ("running",), Route.CANCEL),
+        ("@quadruped cancel", "timed", ("running",), Route.STOP),
+        ("@quadruped 取消", "timed", ("running",), Route.STOP),
+        ("@quadruped cancel the run", "timed", ("running",), Route.STOP),
+        ("@quadruped stop, cancel the schedule", "timed", ("running",), Route.STOP),
+        ("@quadruped cancel the schedule", "timed", ("running", "timed"), Route.STOP),
+        ("@quadruped cancel the schedule", "elsewhere", ("running",), Route.STOP),
+        ("@humanoid cancel the schedule", "timed", ("running",), Route.NOTHING),
+    ],
+)
+def test_law_13_only_words_that_name_a_schedule_end_it_while_another_thread_moves_the_robot(
+    text: str, topic: str, running: tuple[str, ...], route: Route
+) -> None:
+    heard = triage(post(text, topic=topic), replace(EARS, running_topics=running, schedule_topics={"timed"}))
+    assert heard.route is route
+
+
+@pytest.mark.parametrize(
+    ("text", "topic", "route"),
+    [
+        ("keep on", "ended", Route.RENEW),
+        ("Yes, keep on!", "ended", Route.RENEW),
+        ("please continue the schedule", "ended", Route.RENEW),
+        ("@quadruped renew it", "ended", Route.RENEW),
+        ("继续", "ended", Route.RENEW),
+        ("好的，继续吧", "ended", Route.RENEW),
+        ("keep on", "elsewhere", Route.NOTHING),
+        ("@quadruped keep on", "elsewhere", Route.READ),
+        ("@humanoid keep on", "ended", Route.NOTHING),
+        ("don't keep on", "ended", Route.NOTHING),
+        ("keep on walking", "ended", Route.NOTHING),
+        ("we could continue tomorrow", "ended", Route.NOTHING),
+        ("stop, don't continue", "ended", Route.NOTHING),
+        ("@quadruped stop", "ended", Route.STOP),
+    ],
+)
+def test_a_reply_that_only_renews_is_one_only_where_a_schedule_had_its_last_run(
+    text: str, topic: str, route: Route
+) -> None:
+    heard = triage(post(text, topic=topic), replace(EARS, renewable_topics={"ended"}))
+    assert heard.route is route
+    edited = triage(post(text, topic=topic), replace(EARS, renewable_topics={"ended"}), edited=True)
+    assert edited.route is not Route.RENEW
+
+
+@pytest.mark.parametrize(("age_s", "fresh"), [(1.0, True), (121.0, False)])
+def test_law_5_an_old_renewal_is_not_fresh(age_s: float, fresh: bool) -> None:
+    heard = triage(post("keep on", topic="ended", age_s=age_s), replace(EARS, renewable_topics={"ended"}))
+    assert (heard.route, heard.fresh) == (Route.RENEW, fresh)
+
+
 def test_law_13_a_command_under_way_does_not_stop_itself_but_an_edit_of_it_may() -> None:
     command = replace(post("@quadruped wait for the door, then walk", topic="running"), id="9")
     assert triage(command, BUSY).route is Route.READ

@@ -78,8 +78,12 @@ def runs_done(scene: Scene, post: Post) -> int:
 @pytest.mark.parametrize(
     ("text", "said", "run"),
     [
-        ("in 10 minutes wave", ["Scheduled: wave.", "(Europe/Berlin)", "reply `cancel`"], "Run of"),
-        ("十分钟后挥手", ["已安排：挥手。", "（Europe/Berlin）", "回复“取消”"], "的运行。"),
+        (
+            "in 10 minutes wave",
+            ["Scheduled: wave.", "(Europe/Berlin)", "reply `cancel`"],
+            "Run of this schedule",
+        ),
+        ("十分钟后挥手", ["已安排：挥手。", "（Europe/Berlin）", "回复“取消”"], "的运行，时间是"),
     ],
 )
 async def test_law_6_a_command_for_later_is_echoed_and_runs_once_at_its_time(
@@ -213,7 +217,10 @@ async def test_an_account_has_five_schedules_at_most(scene: Scene) -> None:
         assert len(await agent.journal.schedules()) == 5
 
 
-@pytest.mark.parametrize("text", ["tomorrow wave", "twice a day wave", "walk 1 m, then in 10 minutes wave", "明天挥手"])
+@pytest.mark.parametrize(
+    "text",
+    ["tomorrow wave", "twice a day wave", "walk 1 m, then in 10 minutes wave", "明天挥手", "in a few minutes wave"],
+)
 async def test_law_18_an_unclear_time_is_asked_back_and_nothing_is_scheduled(scene: Scene, text: str) -> None:
     async with scene.agent() as agent:
         await posted(scene, text, state="asks_back")

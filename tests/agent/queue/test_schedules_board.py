@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,12 @@ def board(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoard]:
         yield made
 
 
+def listed(board: RunningBoard) -> list[tuple[str, int, str]]:
+    """Return post, number of runs and author of each schedule that the board lists."""
+    items = board.client("op").get(f"/robots/{ROBOT}/schedules").json()["items"]
+    return [(one["post_id"], len(one["runs"]), one["author"]) for one in items]
+
+
 async def posts(poster: Poster, topic: str, count: int) -> list[dict[str, Any]]:
     """Wait until a topic has this many posts of the robot whose command has ended, or that are no command's."""
     async with asyncio.timeout(60):
@@ -43,6 +49,30 @@ async def posts(poster: Poster, topic: str, count: int) -> list[dict[str, Any]]:
             if len(ended) >= count:
                 return ended
             await asyncio.sleep(0.05)
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition on the board holds."""
+    async with asyncio.timeout(60):
+        while True:
+            if await asyncio.to_thread(condition):
+                return
+            await asyncio.sleep(0.05)
+
+
+async def page_of_run(board: RunningBoard, report: dict[str, Any], schedule: str) -> None:
+    """Check that a run has a page, a record and a replay of its own, which its report links."""
+    address = f"{board.url}/c/{report['id']}"
+    assert f"]({address})" in report["raw"]
+    client = board.client("op")
+    (item,) = client.get(f"/commands/{report['id']}").json()["items"]
+    assert (item["record"]["status"], item["record"]["run"]["number"]) == ("done", 2)
+    assert item["record"]["trace_id"] == report["card"]["trace_id"]
+    await until(lambda: client.get(f"/commands/{report['id']}/replay?robot={ROBOT}").status_code == 200)
+    page = board.browser("op").get(f"/c/{report['id']}").text
+    assert "A run of the schedule that" in page
+    assert f'href="/p/{schedule}"' in page
+    assert "data-replay" in page or "Replay" in page
 
 
 @pytest.mark.parametrize("author", ["op", "guest"])
@@ -59,7 +89,7 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
     try:
         await asyncio.wait_for(agent.ready.wait(), 60)
         with Poster(board, author) as op:
-            topic = await op.post(f"@{ROBOT} every hour wave")
+            topic = await op.post(f"@{ROBOT} every hour walk 3 m")
             (first,) = await posts(op, topic, 1)
             assert "(Asia/Shanghai)" in first["raw"]
             for count in (2, 3):
@@ -69,6 +99,13 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
                 await replace(agent.schedules, now=lambda at=at: at).step()
                 ended = await posts(op, topic, count)
                 assert [item["card"]["state"] for item in ended] == ["answered", *["done"] * (count - 1)]
+            last = ended[-1]
+            first_post = str(first["reply_to"])
+            asked = board.client("op").get(f"/posts/{first_post}").json()
+            assert f"Run 2 of at most 30 of [this schedule]({asked['url']}), due on " in last["raw"]
+            await page_of_run(board, last, first_post)
+            agent.schedules.changed()
+            await until(lambda: listed(board) == [(first_post, 28, author)])
             while len(agent.queue):  # noqa: ASYNC110 (as elsewhere: the queue has no event)
                 await asyncio.sleep(0.02)
             await agent.schedules.load()
@@ -77,6 +114,7 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
             told = (await posts(op, topic, 4))[-1]
             assert (told["card"], "cancelled" in told["raw"]) == (None, True)
             assert await agent.journal.schedules() == []
+            await until(lambda: listed(board) == [])
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)

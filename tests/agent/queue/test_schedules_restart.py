@@ -14,8 +14,10 @@ from pathlib import Path
 import pytest
 
 from agentrob.agent.store.journal import Journal
+from agentrob.agent.store.rows import KeptSchedule
 from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
-from tests.agent.queue.test_schedules import HOUR, finals, next_at, posted, run_of, state
+from tests.agent.queue.test_schedule_renewal import answer, kept_of, limited
+from tests.agent.queue.test_schedules import HOUR, finals, next_at, posted, run_of, runs_done, state
 
 pytestmark = pytest.mark.usefixtures("database")
 
@@ -100,3 +102,40 @@ async def test_law_6_killed_at_any_write_of_a_run_it_is_not_doubled_and_not_sile
     cut_off = (name, when) in {("_begin", "after"), ("_end", "before")}
     assert end == ("interrupted" if cut_off else "done")
     assert len(finals(scene, post)) == 2
+
+
+@pytest.mark.parametrize("when", ["before", "after"])
+async def test_law_6_killed_at_the_write_of_a_renewal_it_is_neither_doubled_nor_silent(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, when: str
+) -> None:
+    async with limited(scene) as (_, post):
+        pass
+    original = Journal.renew_schedule
+    dead, gone = asyncio.Event(), asyncio.Event()
+
+    async def dies(self: Journal, renewed: KeptSchedule) -> bool:
+        if when == "after":
+            await original(self, renewed)
+        dead.set()
+        await gone.wait()  # a dead process writes nothing more
+        raise asyncio.CancelledError
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Journal, "renew_schedule", dies)
+        killed = scene.make()
+        running = asyncio.create_task(killed.run())
+        async with asyncio.timeout(60):
+            await killed.ready.wait()
+            asks = await scene.post("alice", "keep on", topic=post.topic_id)
+            await dead.wait()
+        scene.world.reachable = False
+        running.cancel()
+        gone.set()
+        await asyncio.gather(running, return_exceptions=True)
+        await killed.close()
+        scene.world.reachable = True
+    async with scene.agent() as agent:
+        assert "Renewed: wave." in await answer(scene, asks)
+        kept = await kept_of(agent, post)
+        assert (kept.ended, kept.runs_left, kept.asked.renewed_by) == (None, 30, asks.id)
+        assert runs_done(scene, post) == 0

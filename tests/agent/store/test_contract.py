@@ -15,6 +15,7 @@ from agentrob.model import CommandState, Direction, EndReason, Op, Plan, Primiti
 from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.agent.store.old_journal import write_old_journal
 from tests.agent.store.test_journal import ALICE, command, says, state
+from tests.agent.store.test_schedules import asked as scheduled
 
 pytestmark = pytest.mark.usefixtures("database")
 REX, MAX = "rex", "max"
@@ -68,6 +69,49 @@ async def test_what_was_written_is_there_after_a_restart(tmp_path: Path) -> None
     await journal.close()
 
 
+async def test_law_14_the_first_reason_why_a_command_may_not_move_counts(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+    await journal.end(["1"], EndReason.STOP)
+    await journal.end(["1"], EndReason.STALE)
+    assert [(claim.command.post_id, claim.ended) for claim in await journal.open_claims()] == [
+        ("1", EndReason.STOP),
+        ("2", None),
+    ]
+    await journal.close()
+
+
+async def test_what_is_kept_of_a_post_is_not_taken_for_another_s(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    journal = await open_journal(tmp_path, REX)
+    for post in "12":
+        await journal.claim(command(post))
+        assert await journal.assess(post, says(f"thought {post}")) == f"thought {post}"
+        await journal.ask(post, now, now)
+    assert await journal.decide("1", ApprovalDecision(True, ALICE, "9", "h", now))
+    assert [await journal.has_decision(post) for post in ("9", "1", "2")] == [True, False, False]
+    assert [await state(journal, post) for post in "12"] == ["queued", "waiting"]
+    await journal.finish("1", CommandState.CANCELLED)
+    assert await journal.assess("2", says("another")) == "thought 2"
+    assert await journal.assess("1", says("another")) == "another", "it was told, so its assessment is gone"
+    await journal.close()
+
+
+async def test_claims_come_in_the_order_in_which_they_were_made(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    assert await journal.newest_claim() is None
+    for post in "3142":
+        await journal.claim(command(post))
+    assert [claim.command.post_id for claim in await journal.open_claims()] == ["3", "1", "4", "2"]
+    for post in "413":
+        await journal.set_status_post(post, f"{post}0")
+    newest = await journal.newest_claim()
+    assert newest is not None
+    assert (newest.command.post_id, newest.status_post) == ("4", "40"), "of those whose status is on the forum"
+    await journal.close()
+
+
 async def test_law_6_of_begin_and_cancel_the_first_wins(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     outcomes = set()
@@ -104,8 +148,32 @@ async def test_law_6_what_was_begun_and_not_ended_is_interrupted(tmp_path: Path)
     await journal.close()
     await asyncio.gather(motion, return_exceptions=True)
     journal = await open_journal(tmp_path, REX)
+    assert [await journal.moved("1"), await journal.moved("1", ended=True)] == [True, False]
+    assert await journal.motion_result("1") is None
     assert await journal.move("1", says("again")) == CommandState.INTERRUPTED
+    assert [await journal.moved("2"), await journal.moved("2", ended=True)] == [False, False]
     assert await journal.move("2", says("now")) == "now"
+    await journal.close()
+
+
+async def test_law_6_a_motion_that_is_ended_before_the_robot_moved_may_begin_after_a_restart(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    waits = asyncio.Event()
+
+    async def wait_for_the_robot() -> str:
+        waits.set()
+        try:
+            await asyncio.Event().wait()
+        except asyncio.CancelledError:
+            raise NotBegun from None
+        return "never"
+
+    motion = asyncio.create_task(journal.move("1", wait_for_the_robot))
+    await waits.wait()
+    await journal.close()
+    await asyncio.gather(motion, return_exceptions=True)
+    journal = await open_journal(tmp_path, REX)
+    assert await journal.move("1", says("moved")) == "moved"
     await journal.close()
 
 
@@ -157,8 +225,59 @@ async def test_law_7_the_first_decision_counts_but_a_denial_before_the_motion(tm
     assert await journal.decide("2", approval)
     assert await journal.move("2", says("moved")) == "moved"
     assert not await journal.decide("2", denial), "it moved already"
+    moved = await journal.claimed("2")
+    assert moved is not None
+    assert moved.ended is None
+    assert moved.asked is not None
+    assert moved.asked.decided == approval
     with pytest.raises(JournalError, match="never claimed"):
         await journal.ask("3", now, now)
+    await journal.close()
+
+
+async def test_law_7_no_approval_is_asked_for_what_has_ended(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    await journal.finish("1", CommandState.REFUSED)
+    now = datetime.now(UTC)
+    with pytest.raises(IllegalTransition, match="from 'refused' to 'waiting'"):
+        await journal.ask("1", now, now)
+    await journal.close()
+
+
+async def test_law_11_with_a_lost_robot_nothing_begins_and_ends_are_written(tmp_path: Path) -> None:
+    now = datetime.now(UTC)
+    journal = await open_journal(tmp_path, REX)
+    await journal.claim(command("1"))
+    kept = await journal.add_schedule(scheduled("2"), now)
+    journal._rows.lock.lost.set()  # as when the connection that holds it on PostgreSQL is lost
+    for begins in (
+        journal.claim(command("3")),
+        journal.add_schedule(scheduled("4"), now),
+        journal.begin_run(kept, command("2.1"), None, kept),
+        journal.move("1", says("moved")),
+    ):
+        with pytest.raises(JournalHeld, match="has lost rex"):
+            await begins
+    assert [await journal.knows(post) for post in ("1", "3", "2.1")] == [True, False, False]
+    assert await journal.schedule("4") is None
+    await journal.end(["1"], EndReason.STOP)
+    await journal.finish("1", CommandState.STOPPED)
+    assert await state(journal, "1") is CommandState.STOPPED
+    await journal.close()
+
+
+async def test_the_newest_five_plans_of_a_topic_are_remembered_oldest_first(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    plans = [Plan((Primitive(Op.TURN, Direction.LEFT, degrees=float(n)),)) for n in range(1, 8)]
+    for n, plan in enumerate(plans):
+        await journal.claim(command(str(n)))
+        await journal.set_plan(str(n), plan)
+    await journal.finish("6", CommandState.REFUSED)
+    await journal.claim(command("without a plan"))
+    assert await journal.history("1") == plans[1:6], "and what was refused is not"
+    assert await journal.history("1", 2) == plans[4:6]
+    assert await journal.history("another") == []
     await journal.close()
 
 
@@ -168,13 +287,21 @@ async def test_a_replaced_forum_s_ids_mean_other_posts(tmp_path: Path) -> None:
         await journal.claim(command(post))
     assert await journal.move("1", says("moved")) == "moved"
     await journal.finish("1", CommandState.DONE)
+    now = datetime.now(UTC)
+    await journal.ask("2", now, now)
+    assert await journal.decide("2", ApprovalDecision(True, ALICE, "9", "h", now))
+    assert await journal.assess("2", says("thought")) == "thought"
     await journal.set_aside()
     assert await journal.open_claims() == []
+    assert not await journal.has_decision("9")
+    assert await journal.assess("2", says("another")) == "another"
+    assert (await journal.claim(command("2"))).new
+    assert await state(journal, "2") is CommandState.SEEN, "what was approved before is not"
     assert (await journal.claim(command("1"))).new
     assert await journal.move("1", says("moved again")) == "moved again"
     await journal.set_aside()
     finals = [row[0] for row in JournalStore(tmp_path, REX).rows("SELECT final FROM claim ORDER BY number")]
-    assert finals == ["done", "cancelled", "cancelled"]
+    assert finals == ["done", "cancelled", "cancelled", "cancelled"]
     await journal.close()
 
 
@@ -183,12 +310,41 @@ async def test_robots_do_not_see_each_other_s_rows(tmp_path: Path) -> None:
     assert (await rex.claim(command("1"))).new
     assert (await other.claim(command("1"))).new
     assert await rex.cancel("1")
+    now = datetime.now(UTC)
+    await rex.claim(command("3"))
+    await rex.ask("3", now, now)
+    assert await rex.decide("3", ApprovalDecision(True, ALICE, "9", "h", now))
+    await rex.assess("1", says("thought"))
+    kept = await rex.add_schedule(scheduled("2"), now)
+    assert not await other.has_decision("9")
+    assert await other.schedules() == []
     assert await other.move("1", says("moved")) == "moved"
     await other.finish("1", CommandState.DONE)
     await other.set_aside()
     await other.put("cursor", "1")
-    assert [claim.command.post_id for claim in await rex.open_claims()] == ["1"]
+    assert await rex.move("1", says("moved")) == CommandState.CANCELLED
+    assert await rex.assess("1", says("another")) == "thought"
+    assert await rex.has_decision("9")
+    assert await rex.schedules() == [kept]
+    assert [claim.command.post_id for claim in await rex.open_claims()] == ["1", "3"]
     assert (await rex.get("cursor"), await rex.history("1")) == (None, [])
+    for journal in (rex, other):
+        await journal.close()
+
+
+async def test_law_6_of_how_many_claims_are_kept_each_robot_s_own_count(tmp_path: Path) -> None:
+    rex, other = await open_journal(tmp_path, REX), await open_journal(tmp_path, MAX)
+    for post in "123":
+        await rex.claim(command(post))
+    for post in "12":
+        await other.claim(command(post))
+        await other.finish(post, CommandState.REFUSED)
+    JournalStore(tmp_path, MAX).change("UPDATE claim SET at = at - 200000 WHERE robot = :robot", robot=MAX)
+    await other.prune(30, 2)
+    assert [await other.knows(post) for post in "12"] == [True, True]
+    await other.prune(30, 1)
+    assert [await other.knows(post) for post in "12"] == [False, True]
+    assert len(await rex.open_claims()) == 3
     for journal in (rex, other):
         await journal.close()
 

@@ -76,6 +76,40 @@ async def test_law_6_of_many_claims_the_newest_are_kept_and_all_of_the_last_day(
     await journal.close()
 
 
+async def test_law_6_a_claim_of_the_last_day_is_kept_however_many_there_are(tmp_path: Path) -> None:
+    posts = ("older", "younger", "new")
+    journal = await kept(tmp_path, *posts, reported=posts, aged={"older": 1.1, "younger": 0.9})
+    await journal.prune(30, 1)
+    assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["younger", "new"]
+    await journal.close()
+
+
+async def test_law_6_what_was_cancelled_and_never_claimed_is_let_go_of_when_it_is_old(tmp_path: Path) -> None:
+    journal = await kept(tmp_path, "claimed", reported=(), aged={})
+    for post in ("old", "new"):
+        await journal.cancel(post)
+    at_s = time.time() - 31 * DAY_S
+    for post in ("claimed", "old"):
+        JournalStore(tmp_path, ROBOT).change("UPDATE motion SET at = :at WHERE post = :post", at=at_s, post=post)
+    await journal.prune(30, 5000)
+    assert sorted(rows(tmp_path, "SELECT post FROM motion")) == ["claimed", "new"]
+    await journal.close()
+
+
+async def test_an_approval_goes_with_its_claim(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, ROBOT)
+    now = datetime.now(UTC)
+    for post in ("old", "open"):
+        await journal.claim(Command(post, "1", "h", ALICE, ROBOT, "wave", "en", now, "trace"))
+        await journal.ask(post, now, now)
+    await journal.finish("old", CommandState.REFUSED)
+    for post in ("old", "open"):
+        JournalStore(tmp_path, ROBOT).change("UPDATE claim SET at = 0 WHERE post = :post", post=post)
+    await journal.prune(30, 5000)
+    assert rows(tmp_path, "SELECT post FROM approval") == ["open"]
+    await journal.close()
+
+
 async def test_the_assessment_of_a_told_command_goes_and_of_an_open_one_stays(tmp_path: Path) -> None:
     journal = await kept(tmp_path, "reported", "open", reported=("reported",), aged={})
     assert rows(tmp_path, "SELECT post FROM assessment") == ["open"]

@@ -89,7 +89,8 @@ def test_the_command_page_shows_the_decision_and_the_measurements(site: Site) ->
     assert "Path that was measured" in page
     assert "&lt;b&gt;near&lt;/b&gt;" in page
     assert f'href="/p/{reply}"' in page
-    assert f'href="/c/{command}"' in site.browser("bob").get(f"/p/{reply}").text
+    assert f'href="/c/{reply}"' in site.browser("bob").get(f"/p/{reply}").text
+    assert site.browser("bob").get(f"/c/{reply}").url.path == f"/c/{command}"
     items = site.api("bob").get(f"/commands/{command}").json()["items"]
     assert [(i["robot"], i["reply_id"], i["record"]) for i in items] == [("quadruped", reply, RECORD)]
     assert items[0]["url"] == f"{site.base}/c/{command}"

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
+from zoneinfo import ZoneInfo
 
 from sqlalchemy import update
 
 from agentrob.board.admin import local_admin
 from agentrob.board.db import schema as db
+from agentrob.model import ScheduledRun
 from tests.board.web import sample_reports
 from tests.board.web.forum_site import CARD, Site
 from tests.board.web.sample_reports import IMAGES, ROBOT, send_report
@@ -69,6 +73,9 @@ PAGES = (
     PageEntry("set-home", f"/robots/{ROBOT}/home", "root", quick=False),
     PageEntry("reset-room", f"/robots/{ROBOT}/reset", "root", quick=False),
     PageEntry("robots", "/robots"),
+    PageEntry("schedules", "/schedules"),
+    PageEntry("robot-schedules", f"/robots/{ROBOT}/schedules"),
+    PageEntry("command-run", "/c/{run}"),
     PageEntry("search", "/search?q=walk"),
     PageEntry("search-meaning", "/search?q=stroll to the glass&by=meaning", quick=False),
     PageEntry("search-empty", "/search"),
@@ -140,6 +147,7 @@ def fill(site: Site) -> dict[str, str]:
     robot.post(f"/topics/{topic}/posts", json={"body": "Step 1 of 2.", "reply_to": waiting, "card": card})
     names = {"topic": topic, "walk": walk, "said": said, "look": look, "waiting": waiting, "next": ahead}
     names |= approval_commands(site)
+    names |= scheduled_commands(site)
     send_presence(site, names)
     return names | one_time_links(site)
 
@@ -171,10 +179,41 @@ def approval_commands(site: Site) -> dict[str, str]:
     return names
 
 
+def scheduled_commands(site: Site) -> dict[str, str]:
+    """Post schedules, of which one has run once; return the ids of their posts and of the run's report."""
+    posts = {}
+    for key, who, text in (
+        ("daily", "alice", f"@{ROBOT} every weekday at 9:00 take a photo"),
+        ("later", "bob", f"@{ROBOT} tomorrow at 15:30 walk forward 2 metres, then turn left"),
+        ("hourly", "alice", f"@{ROBOT} 每隔一小时三次挥手"),
+    ):
+        topic = {"board_id": "robots", "title": text.removeprefix(f"@{ROBOT} ").capitalize(), "body": text}
+        made = site.api(who).post("/topics", json=topic).json()
+        posts[key], thread = made["post"]["id"], made["topic"]["id"]
+    report, now = sample_reports.walk(posts["hourly"], thread), datetime.now(UTC)
+    due = ScheduledRun(now, now, "Europe/Berlin", number=1, of=3, url=f"{site.base}/p/{posts['hourly']}")
+    report = replace(report, command=replace(report.command, run=due))
+    return posts | {"run": send_report(site, thread, posts["hourly"], report)}
+
+
+def scheduled_card(names: Mapping[str, str]) -> dict[str, object]:
+    """Return what a robot's card says of these schedules."""
+    morning = datetime.now(ZoneInfo("Europe/Berlin")).replace(hour=9, minute=0, second=0, microsecond=0)
+    days = [morning + timedelta(days=n) for n in range(1, 43)]
+    weekdays = [int(day.timestamp()) for day in days if day.weekday() < 5][:29]
+    soon = int(morning.timestamp()) + 3600 * ((int(time.time()) - int(morning.timestamp())) // 3600 + 1)
+    until = (morning + timedelta(days=60)).isoformat()
+    entry = {"zone": "Europe/Berlin", "until": until, "renewable": False}
+    hourly = {"post": names["hourly"], "text": "挥手", "runs": [soon, soon + 3600]}
+    later = {"post": names["later"], "text": "walk forward 2 m, turn left 90°", "runs": [weekdays[0] + 23400]}
+    daily = {"post": names["daily"], "text": "take a photo", "runs": weekdays, "renewable": True}
+    return {"schedules": [entry | hourly, entry | later, entry | daily], "schedules_more": 0}
+
+
 def send_presence(site: Site, names: Mapping[str, str]) -> None:
     """Send the robot's card and camera frame, as its agent does."""
     robot, jpeg = site.api(ROBOT), (IMAGES / "world-room.jpg").read_bytes()
-    card = CARD_SHOWN | {"line": [names["waiting"], names["next"], names["asks"]]}
+    card = CARD_SHOWN | {"line": [names["waiting"], names["next"], names["asks"]]} | scheduled_card(names)
     robot.put(f"/robots/{ROBOT}", json={"card": card}).raise_for_status()
     robot.put(f"/robots/{ROBOT}/frame", content=jpeg, headers={"Content-Type": "image/jpeg"}).raise_for_status()
 

@@ -119,8 +119,8 @@ def replay_of(report: Report) -> bytes:
 
 def send_report(
     site: Site, topic: str, command: str, report: Report, loop: LoopRecord | None = None, **more: Any
-) -> None:
-    """Post a report in the thread and send its record, as the agent does."""
+) -> str:
+    """Post a report in the thread and send its record, as the agent does; return the id of the report's post."""
     robot = site.api(ROBOT)
     page = robot.get(f"/commands/{command}").json()["url"]
     pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
@@ -137,9 +137,10 @@ def send_report(
         "images": images,
         "card": card,
     }
-    reply = robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"]
+    reply = str(robot.post(f"/topics/{topic}/posts", json=told).json()["post"]["id"])
+    paged = command if report.command.run is None else reply
     if report.results and report.results[0].path:
-        robot.put(f"/commands/{command}/replay", content=replay_of(report)).raise_for_status()
+        robot.put(f"/commands/{paged}/replay", content=replay_of(report)).raise_for_status()
     understood = Understanding(Intent.COMMAND, plan=report.plan)
     thought = Assessment(
         understood, "clever", report.verdict, (USAGE,), screened=SafetyReview("careful", usage=(USAGE,))
@@ -147,7 +148,8 @@ def send_report(
     more |= {"looked": asdict(loop)} if loop else {}
     with TemporaryDirectory() as folder:
         facts = Records(Path(folder)).write(report, thought, **more)
-    robot.put(f"/commands/{command}", json={"reply_id": reply, "record": public(facts, pictures)}).raise_for_status()
+    robot.put(f"/commands/{paged}", json={"reply_id": reply, "record": public(facts, pictures)}).raise_for_status()
+    return reply
 
 
 def upload(robot: Any, picture: Picture) -> str:

@@ -105,7 +105,7 @@ def routes_of(router: APIRouter) -> Iterator[APIRoute]:
 
 def test_the_page_list_covers_every_route(names: dict[str, str]) -> None:
     page_routes = list(routes_of(routes.router))
-    gets = {r.path: r for r in page_routes if "GET" in (r.methods or ()) and not r.path.endswith(".atom")}
+    gets = {r.path: r for r in page_routes if "GET" in (r.methods or ()) and not r.path.endswith((".atom", ".ics"))}
     addresses = [entry.path.format(**names).partition("?")[0] for entry in PAGES]
     unseen = {path for path, route in gets.items() if not any(route.path_regex.match(a) for a in addresses)}
     assert len(gets) > 30

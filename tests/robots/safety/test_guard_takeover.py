@@ -91,9 +91,10 @@ def test_law_12_a_robot_that_was_damped_before_we_came_is_not_moved(make: Make, 
     assert guard.step(primitive, go_on).ok
 
 
-def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change() -> None:
+@pytest.mark.parametrize("mode", ["locked", "damping"])
+def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change(mode: str) -> None:
     detector = TakeoverDetector()
-    for now_s, state in enumerate([RobotState(age_s=math.inf), RobotState(age_s=0.0, mode="locked")]):
+    for now_s, state in enumerate([RobotState(age_s=math.inf), RobotState(age_s=0.0, mode=mode)]):
         assert detector.update(now_s, state, walking=False, gesturing=False) is None
 
 

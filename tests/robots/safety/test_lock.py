@@ -20,7 +20,9 @@ from agentrob.robots.safety.lock import Halt, sentence
 def test_law_17_who_locked_it_why_and_when_outlives_the_process(tmp_path: Path) -> None:
     path = tmp_path / "data" / "rex.halt"
     first = Halt(path)
-    first.set("bob", EMERGENCY_STOP)
+    assert first.save(), "there is nothing to write"
+    assert not path.exists()
+    assert first.set("bob", EMERGENCY_STOP).endswith(": an emergency stop")
     assert first.save()
     lock = Halt(path).lock
     assert lock is not None
@@ -51,10 +53,19 @@ def test_law_17_whatever_is_in_the_file_it_is_locked_and_can_be_released(tmp_pat
     path.write_bytes(kept.encode("latin-1"))
     halt = Halt(path)
     assert halt.why is not None
-    assert said in halt.why
+    assert halt.why == said or (said in halt.why and halt.why.startswith("Halted: "))
     assert halt.release(time.monotonic()) is not None
     assert halt.lock is None
     assert not path.exists()
+
+
+def test_law_17_a_halt_that_is_not_on_the_disk_is_released_as_any_other(tmp_path: Path) -> None:
+    for folder in (tmp_path, tmp_path / "never made"):
+        halt = Halt(folder / "rex.halt")
+        halt.set("bob", EMERGENCY_STOP)
+        assert halt.release() is not None
+        assert halt.lock is None
+        assert halt.release() is None
 
 
 @pytest.mark.parametrize("ahead", [timedelta(days=400), timedelta()], ids=["to come", "now"])

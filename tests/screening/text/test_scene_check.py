@@ -10,6 +10,8 @@ import sys
 
 import pytest
 
+from agentrob.model import Decision
+from agentrob.screening.screen import harm_in_words
 from agentrob.screening.text.scene import harm_in_scene
 from tests.screening.test_shared_eval import EVAL
 
@@ -41,6 +43,14 @@ def test_a_description_of_another_place_refuses_nothing() -> None:
     text = "Put the cup of water on the desk."
     assert harm_in_scene(text, "An office. A laptop is on the desk.", None, "en") is not None
     assert harm_in_scene(text, "A garage. A charger hangs on the wall.", None, "en") is None
+
+
+def test_law_7_a_post_without_a_plan_is_refused_for_what_is_harmful_in_this_place() -> None:
+    text, scene = OWN[0]
+    verdict = harm_in_words(text, scene, "en")
+    assert verdict is not None
+    assert verdict.decision is Decision.REFUSE
+    assert harm_in_words(text, "", "en") is None
 
 
 def test_right_scenes_refuse_thirty_points_more_than_wrong_ones() -> None:

@@ -29,7 +29,7 @@ class Inbox:
     `stopped` returns why a post of a given time may not move: the newest stop is later. `settled` returns the triaged
     post again once the forum's clock is known. `enqueue` starts a command. `decline` reports that a command could not
     be recorded. `approve` handles a post that approves or denies a command, `cancel` one that cancels the schedules of
-    its thread, `amended` the schedule of a post that was edited or removed.
+    its thread, `renew` one that renews them, `amended` the schedule of a post that was edited or removed.
     """
 
     def __init__(
@@ -43,6 +43,7 @@ class Inbox:
         decline: Callable[[Command], None],
         approve: Callable[[Post, TriagedPost], Awaitable[None]],
         cancel: Callable[[Post], Awaitable[None]],
+        renew: Callable[[Post, TriagedPost], Awaitable[None]],
         amended: Callable[[Post], Awaitable[None]],
     ) -> None:
         #: Posts of commands that have been received and are not queued yet.
@@ -59,6 +60,7 @@ class Inbox:
         self._decline = decline
         self._approve = approve
         self._cancel = cancel
+        self._renew = renew
         self._amended = amended
         self._waiting: asyncio.Queue[tuple[Event, TriagedPost]] = asyncio.Queue()
 
@@ -137,7 +139,7 @@ class Inbox:
             self._decline(self._command(post, triaged))
 
     async def accept(self, event: Event, triaged: TriagedPost) -> None:
-        """Claim the post of a command and start it; end a command whose post was edited or removed."""
+        """Start a command, or carry out what else a post says; end a command whose post was edited or removed."""
         post = event.post
         if post is None:
             return
@@ -145,14 +147,20 @@ class Inbox:
             await self._amend(post)
             await self._amended(post)
             return
-        if triaged.route is Route.CANCEL:
-            await self._cancel(post)
-        if triaged.route in (Route.APPROVE, Route.DENY, *_TO_TAKE):
+        if triaged.route not in (Route.CANCEL, Route.STOP, Route.HALT, Route.NOTHING):
             triaged = await self._settled(post, triaged)
-        if triaged.route in (Route.APPROVE, Route.DENY):
-            await self._approve(post, triaged)
-        if triaged.route not in _TO_TAKE:
-            return
+        match triaged.route:
+            case Route.CANCEL:
+                await self._cancel(post)
+            case Route.RENEW:
+                await self._renew(post, triaged)
+            case Route.APPROVE | Route.DENY:
+                await self._approve(post, triaged)
+            case Route.READ | Route.STALE:
+                await self._take_command(post, triaged)
+
+    async def _take_command(self, post: Post, triaged: TriagedPost) -> None:
+        """Claim the post of a command and start it."""
         if triaged.route is Route.STALE or post.version > 1:
             ended: EndReason | None = EndReason.STALE if triaged.route is Route.STALE else EndReason.EDITED
         else:

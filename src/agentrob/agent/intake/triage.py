@@ -11,7 +11,7 @@ from agentrob.language import registry
 from agentrob.language.approval import ApprovalIntent, approval_in
 from agentrob.language.parser.grammar import asks_for_picture_at_rest
 from agentrob.language.rendered_text import text_in
-from agentrob.language.schedule.reading import cancels_schedule
+from agentrob.language.schedule.reading import cancels_named_schedule, cancels_schedule, renews_schedule
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.while_moving import stop_while_moving
 from agentrob.language.visible_text import mentions, without_mentions
@@ -32,6 +32,7 @@ class Route(StrEnum):
     APPROVE = "approve"
     DENY = "deny"
     CANCEL = "cancel"  # the schedules of its thread
+    RENEW = "renew"  # the schedules of its thread that had their last run
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +41,9 @@ class Addressing:
 
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
     `running_topics` are threads in which a command of this robot runs or waits, `schedule_topics` those in which it has
-    a schedule, `commands` the posts of the commands that run or wait, and `robots` the accounts that are known to be
-    robots. `watermark_at` is when its agent first started, `now_at` the forum's clock.
+    a schedule, `renewable_topics` those in which one may be renewed, `commands` the posts of the commands that run or
+    wait, and `robots` the accounts that are known to be robots. `watermark_at` is when its agent first started,
+    `now_at` the forum's clock.
     """
 
     me: Account
@@ -52,6 +54,7 @@ class Addressing:
     max_age_s: float
     running_topics: Collection[str] = ()
     schedule_topics: Collection[str] = ()
+    renewable_topics: Collection[str] = ()
     commands: Collection[str] = ()
     robots: Collection[str] = ()
 
@@ -59,7 +62,8 @@ class Addressing:
 @dataclass(frozen=True, slots=True)
 class TriagedPost:
     """A post with its route. `text` is its visible text, `others` are the other accounts that it mentions. An approval
-    that is not `fresh` is too old to count. `taken_as_stop`: it is a stop only because something moves or waits."""
+    or a renewal that is not `fresh` is too old to count. `taken_as_stop`: it is a stop only because something moves or
+    waits."""
 
     route: Route
     text: str = ""
@@ -91,7 +95,7 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     scheduled = post.topic_id in addressing.schedule_topics
     here = mine or (not robots and (scheduled or post.topic_id in addressing.running_topics))
     # Where nothing moves or waits, "cancel" in the thread of a schedule ends that schedule; elsewhere it is a stop.
-    if here and scheduled and not edited and not addressing.running_topics and cancels_schedule(text):
+    if here and scheduled and not edited and _only_cancels(text, post.topic_id, addressing.running_topics):
         return TriagedPost(Route.CANCEL, text, others)
     at_rest = called and not addressing.running_topics  # then "don't move, just take a photo" takes the photo
     if here and (stop := stop_intent(text)) and not (at_rest and asks_for_picture_at_rest(without_mentions(text))):
@@ -105,12 +109,23 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     )
     if doubted and (stop := stop_while_moving(text, tuple(addressing.names), robots)):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others, taken_as_stop=True)
+    renewable = (mine or not robots) and post.topic_id in addressing.renewable_topics
+    if renewable and not edited and renews_schedule(text):
+        return TriagedPost(Route.RENEW, text, others, _fresh(post, addressing))
     if edited or not called or post.board_id not in addressing.boards:
         return TriagedPost(Route.NOTHING, text, others)
     fresh = _fresh(post, addressing)
     if (approval := approval_in(text)) is not None:
         return TriagedPost(Route.APPROVE if approval is ApprovalIntent.APPROVE else Route.DENY, text, others, fresh)
     return TriagedPost(Route.READ if fresh else Route.STALE, text, others)
+
+
+def _only_cancels(text: str, topic_id: str, running_topics: Collection[str]) -> bool:
+    """Whether a text ends a schedule of its thread and is no stop. While the robot moves or has a command waiting, that
+    is so only in other threads, and only if the text says that it means a schedule (law 13)."""
+    if not running_topics:
+        return cancels_schedule(text)
+    return topic_id not in running_topics and cancels_named_schedule(text)
 
 
 def obeyed(author: Account, me: Account) -> bool:

@@ -3,7 +3,8 @@
 A run is a command of the schedule's author, posted at the time of the run: its rights, freshness, screen, approval and
 limits are checked then, by the same pipeline (laws 2, 4, 5 and 7). Its claim and the next time of its schedule are
 written in one transaction, so that it begins at most once and none is lost in silence (law 6). A stop ends the
-schedules that were posted before it (law 14).
+schedules that were posted before it (law 14). A schedule that ended by the limit of runs or days is renewed by a reply
+of its author.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import asyncio
 import math
 import traceback
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta
 from functools import partial
@@ -21,14 +22,17 @@ from uuid import uuid4
 import structlog
 
 from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
+from agentrob.agent.reporting.schedule_card import schedule_card
+from agentrob.agent.reporting.schedule_text import renewed
 from agentrob.agent.reporting.status_post import retry_until_answered
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import KeptSchedule
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, JournalError
 from agentrob.forums.protocol import Forum
-from agentrob.language.messages.catalog import say
-from agentrob.model import Account, Decision, EndReason, Post, ScheduledRun, ScheduleEnd, Verdict
+from agentrob.language.messages.catalog import quote, say
+from agentrob.language.schedule.compose import MAX_DAYS, MAX_RUNS
+from agentrob.model import Account, Decision, EndReason, Language, Post, ScheduledRun, ScheduleEnd, Verdict
 from agentrob.model.schedules import next_run
 from agentrob.screening.rights import may
 
@@ -44,7 +48,8 @@ _log = structlog.get_logger()
 @dataclass
 class Schedules:
     """The schedules of one robot. `now` is the forum's clock, `why_not` returns why a post of a given time may not move
-    the robot, because of a later stop. `enqueue` starts a command, `spawn` a background task."""
+    the robot, because of a later stop. `enqueue` starts a command, `spawn` a background task. `shown` is called when
+    `card` has changed."""
 
     settings: RobotConfig
     forum: Forum
@@ -54,8 +59,13 @@ class Schedules:
     why_not: Callable[[datetime], EndReason | None]
     enqueue: Callable[[QueuedCommand], None]
     spawn: Callable[[Coroutine[Any, Any, Any]], object]
+    shown: Callable[[], None] = lambda: None
     #: The threads of schedules with further runs, in which "cancel" needs no mention.
     topics: frozenset[str] = frozenset()
+    #: The threads of schedules that may be renewed, or were, in which "keep on" needs no mention.
+    renewable_topics: frozenset[str] = frozenset()
+    #: What the robot's card says of its schedules.
+    card: dict[str, Any] = field(default_factory=dict)
     _telling: set[str] = field(default_factory=set)
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
 
@@ -82,9 +92,21 @@ class Schedules:
         self._changed.set()
 
     async def load(self) -> None:
-        """Read which threads have schedules."""
-        open_ones = [kept for kept in await self.journal.schedules() if kept.ended is None]
-        self.topics = frozenset(kept.asked.command.topic_id for kept in open_ones)
+        """Read which threads have schedules, and tell of renewals again, whose replies may not have been written."""
+        kept = await self.journal.schedules()
+        await self._note(kept)
+        for renewed_one in kept:
+            if renewed_one.ended is None and renewed_one.asked.renewed_by:
+                self.spawn(self._tell_renewed(renewed_one))
+
+    async def _note(self, kept: Sequence[KeptSchedule]) -> None:
+        running = [one for one in kept if one.ended is None]
+        again = [*await self.journal.renewable_schedules(), *(one for one in running if one.asked.renewed_by)]
+        self.topics, self.renewable_topics = _topics(running), _topics(again)
+        card = schedule_card(running)
+        if card != self.card:
+            self.card = card
+            self.shown()
 
     async def step(self) -> float:
         """Begin what is due, and tell what has ended. Return after how many seconds to look again."""
@@ -98,7 +120,7 @@ class Schedules:
                 due.append(kept)
         await asyncio.gather(*map(self._begin, due))
         left = await self.journal.schedules()
-        self.topics = frozenset(kept.asked.command.topic_id for kept in left if kept.ended is None)
+        await self._note(left)
         for kept in left:
             if kept.ended is not None:
                 self._tell_soon(kept)
@@ -128,7 +150,7 @@ class Schedules:
         if (end := _end_of(kept, post, author, simulated=self.settings.simulated)) is not None:
             return await self.journal.end_schedule(kept.post_id, end)
         assert author is not None
-        return await self._enter(kept, author, None)
+        return await self._enter(kept, author, None, url=post.url)
 
     async def _miss(self, kept: KeptSchedule, until: datetime) -> None:
         """Claim the first of the runs that are too late as one that may not move; its reply tells of all of them."""
@@ -142,14 +164,19 @@ class Schedules:
         await self._enter(kept, kept.asked.command.author, EndReason.MISSED, count, last)
 
     async def _enter(
-        self, kept: KeptSchedule, author: Account, ended: EndReason | None, count: int = 1, last: datetime | None = None
-    ) -> None:
+        self, kept: KeptSchedule, author: Account, ended: EndReason | None, count: int = 1,
+        last: datetime | None = None, url: str = "",
+    ) -> None:  # fmt: skip
         """Claim a run and process it. `ended` is why it may not move, `count` how many runs it stands for, up to
-        `last`."""
+        `last`. `url` is the address of the schedule's post."""
         assert kept.next_at is not None
         asked, at = kept.asked.command, kept.next_at
         missed = count if ended is EndReason.MISSED else 0
-        run = ScheduledRun(at, asked.posted_at, kept.asked.schedule.tz, missed)
+        schedule = kept.asked.schedule
+        run = ScheduledRun(
+            at, asked.posted_at, schedule.tz, missed, number=schedule.runs_left - kept.runs_left + 1,
+            of=schedule.runs_left, limited=schedule.limited_runs, url=url,
+        )  # fmt: skip
         command = replace(asked, author=author, text=kept.asked.text, posted_at=at, trace_id=uuid4().hex[:12], run=run)
         claim = await self.journal.begin_run(kept, command, ended, following(kept, last or at, count))
         if claim is None or not claim.new:
@@ -167,27 +194,102 @@ class Schedules:
     async def amended(self, post: Post) -> None:
         """End the schedule of a post that was edited or removed."""
         kept = await self.journal.schedule(post.id)
-        if kept is None or kept.ended is not None:
+        if kept is None or (not post.removed and post.content_hash == kept.asked.command.content_hash):
             return
-        if post.removed:
-            await self.journal.end_schedule(post.id, ScheduleEnd.REMOVED)
-        elif post.content_hash != kept.asked.command.content_hash:
-            await self.journal.end_schedule(post.id, ScheduleEnd.EDITED)
+        end = ScheduleEnd.REMOVED if post.removed else ScheduleEnd.EDITED
+        await self.journal.end_schedule(post.id, end)
+        await self.journal.refuse_renewal(post.id, end)
         self.changed()
 
-    async def cancel(self, topic_id: str) -> int:
-        """End the schedules of a thread; return how many."""
-        ended = [k for k in await self.journal.schedules() if k.ended is None and k.asked.command.topic_id == topic_id]
+    async def cancel(self, topic_id: str, reply_to: str | None = None) -> int:
+        """End the schedule that a post replies to, or all of its thread if it replies to none; return how many."""
+        running = [kept for kept in await self.journal.schedules() if kept.ended is None]
+        ended = await self._meant(running, topic_id, reply_to)
         for kept in ended:
             await self.journal.end_schedule(kept.post_id, ScheduleEnd.CANCELLED)
         self.changed()
         return len(ended)
+
+    async def _meant(
+        self, schedules: Iterable[KeptSchedule], topic_id: str, reply_to: str | None
+    ) -> Sequence[KeptSchedule]:
+        """The schedules of a thread; only one if the post that speaks of them replies to it, or to its first reply."""
+        here = [kept for kept in schedules if kept.asked.command.topic_id == topic_id]
+        claims = [await self.journal.claimed(kept.post_id) for kept in here]
+        replies = [claim.status_post if claim is not None else None for claim in claims]
+        one = [kept for kept, ours in zip(here, replies, strict=True) if reply_to and reply_to in (kept.post_id, ours)]
+        return one or here
 
     async def lose_right(self, post_id: str) -> None:
         """End a schedule whose author may not command the robot any more."""
         await self.journal.end_schedule(post_id, ScheduleEnd.RIGHTS)
         self.changed()
 
+    # ---------------------------------------------------------------- renewal
+    async def renew(self, post: Post, language: Language, *, fresh: bool) -> None:
+        """Renew the schedules of a post's author in its thread that ended by the limit of runs or days, and say so.
+        Receiving the post again changes nothing. `fresh`: it is young enough to move the robot (law 5)."""
+        found = await self._meant(await self.journal.renewable_schedules(), post.topic_id, post.reply_to)
+        mine = [kept for kept in found if kept.asked.command.author.id == post.author.id]
+        answer = await self._why_not_renewed(post, found, mine, language, fresh=fresh)
+        if answer:
+            self.spawn(self._answer(post, answer))
+        else:
+            for kept in mine:
+                await self._renew(kept, post)
+        self.changed()
+
+    async def _why_not_renewed(
+        self,
+        post: Post,
+        found: Sequence[KeptSchedule],
+        mine: Sequence[KeptSchedule],
+        language: Language,
+        *,
+        fresh: bool,
+    ) -> str:
+        """What to answer to a post that renews none of the schedules `found`, of which `mine` are its author's."""
+        kept = [one for one in await self.journal.schedules() if one.ended is None]
+        if not found:
+            known = any(one.asked.renewed_by == post.id for one in kept)
+            return "" if known else say("schedule.renew.running", language)
+        if not mine:
+            who = ", ".join(sorted({quote(one.asked.command.author.name) for one in found}))
+            return say("schedule.renew.others", language, who=who)
+        if not fresh:
+            return say("schedule.renew.late", language)
+        if may(post.author, "command", simulated=self.settings.simulated).decision is Decision.REFUSE:
+            return say("schedule.renew.rights", language)
+        full = sum(one.asked.command.author.id == post.author.id for one in kept) + len(mine) > MOST
+        return say("schedule.renew.full", language, count=MOST) if full else ""
+
+    async def _renew(self, kept: KeptSchedule, post: Post) -> None:
+        again = continued(kept, post, self.now())
+        if again is None:
+            self.spawn(self._answer(post, say("schedule.none", kept.asked.command.language)))
+        elif await self.journal.renew_schedule(again):
+            self.spawn(self._tell_renewed(again))
+
+    async def _tell_renewed(self, kept: KeptSchedule) -> None:
+        command = kept.asked.command
+        text = renewed(kept, command.language)
+        reply = partial(
+            self.forum.reply, command.topic_id, text, key=f"renewed:{kept.post_id}:{kept.asked.renewed_by}",
+            reply_to=kept.asked.renewed_by,
+        )  # fmt: skip
+        await self._reply(reply, kept.post_id)
+
+    async def _answer(self, post: Post, text: str) -> None:
+        reply = partial(self.forum.reply, post.topic_id, text, key=f"renewal:{post.id}", reply_to=post.id)
+        await self._reply(reply, post.id)
+
+    async def _reply(self, reply: Callable[[], Coroutine[Any, Any, Any]], post_id: str) -> None:
+        try:
+            await retry_until_answered(reply, TRIES)
+        except ForumError as e:
+            _log.warning("renewal of a schedule not answered", post=post_id, error=str(e))
+
+    # ---------------------------------------------------------------- telling
     def _tell_soon(self, kept: KeptSchedule) -> None:
         if kept.post_id not in self._telling:
             self._telling.add(kept.post_id)
@@ -199,9 +301,8 @@ class Schedules:
         try:
             if end not in (ScheduleEnd.REMOVED, ScheduleEnd.DONE):
                 text = say(f"schedule.ended.{end}", command.language)
-                reply = partial(
-                    self.forum.reply, command.topic_id, text, key=f"schedule:{kept.post_id}", reply_to=kept.post_id
-                )
+                key = ":".join(filter(None, ("schedule", kept.post_id, kept.asked.renewed_by)))
+                reply = partial(self.forum.reply, command.topic_id, text, key=key, reply_to=kept.post_id)
                 await retry_until_answered(reply, TRIES)
         except (ForumNotFound, ForumDenied) as e:
             _log.warning("end of a schedule not told", post=kept.post_id, error=str(e))
@@ -222,6 +323,27 @@ def following(kept: KeptSchedule, last: datetime, count: int) -> KeptSchedule:
     limited = schedule.limited_runs if left <= 0 else schedule.limited_days
     end = ScheduleEnd.LIMIT if limited else ScheduleEnd.DONE
     return replace(kept, next_at=None, runs_left=left, ended=end, told=end is ScheduleEnd.DONE)
+
+
+def continued(kept: KeptSchedule, post: Post, now: datetime) -> KeptSchedule | None:
+    """Return a schedule as its author renews it by a post: for as many runs and days as any may have, where the author
+    did not say how many. None if it has no further run."""
+    before = kept.asked.schedule
+    left = MAX_RUNS if before.limited_runs else kept.runs_left
+    until_at = now + timedelta(days=MAX_DAYS) if before.limited_days else before.until_at
+    schedule = replace(before, until_at=until_at.replace(microsecond=0), runs_left=left)
+    next_at = next_run(schedule, max(now, post.created_at)) if left > 0 else None
+    if next_at is None:
+        return None
+    command = replace(kept.asked.command, posted_at=post.created_at)
+    asked = replace(
+        kept.asked, command=command, schedule=replace(schedule, start_at=next_at), renewed_by=post.id
+    )  # fmt: skip
+    return KeptSchedule(asked, next_at, left)
+
+
+def _topics(kept: Iterable[KeptSchedule]) -> frozenset[str]:
+    return frozenset(one.asked.command.topic_id for one in kept)
 
 
 def lost_right(verdict: Verdict | None) -> bool:

@@ -50,7 +50,7 @@ async def page_of(forum: object, post_id: str, *, hurry: bool = False) -> str:
 
     Never raises a `ForumError`. With `hurry` (the agent is shutting down) the forum is not asked.
     """
-    if hurry or not isinstance(forum, CommandPages):
+    if hurry or not post_id or not isinstance(forum, CommandPages):
         return ""
     try:
         async with asyncio.timeout(PAGE_S):
@@ -65,7 +65,7 @@ async def publish(
     forum: object, post_id: str, reply_id: str | None, facts: Mapping[str, Any] | None, pictures: Sequence[Picture]
 ) -> bool:
     """Publish the record if the forum keeps records; return whether it is there. Never raises a `ForumError`."""
-    if facts is None or not isinstance(forum, CommandPages):
+    if facts is None or not post_id or not isinstance(forum, CommandPages):
         return False
     try:
         await retry_until_answered(partial(forum.publish_record, post_id, reply_id, public(facts, pictures)), TRIES)

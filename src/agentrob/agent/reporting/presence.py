@@ -40,7 +40,7 @@ _log = structlog.get_logger()
 
 class Presence:
     """Publishes a card every five seconds and on changes. `waiting` returns the queued commands' posts in order, `sees`
-    are the things that the robot's detector knows."""
+    are the things that the robot's detector knows, `scheduled` returns what the card says of schedules."""
 
     def __init__(
         self,
@@ -54,6 +54,7 @@ class Presence:
         room: RoomMap | None = None,
         geometry: Geometry | None = None,
         sees: Collection[str] = (),
+        scheduled: Callable[[], dict[str, Any]] = dict,
     ) -> None:
         self._pages = pages
         self._driver = driver
@@ -64,6 +65,7 @@ class Presence:
         self._activity = activity
         self._room, self._geometry = room, geometry
         self._sees = sorted(sees)
+        self._scheduled = scheduled
         self._stands: Pose | None = None
         self._odometry: Pose | None = None
         self._placed_s = -math.inf
@@ -154,6 +156,7 @@ class Presence:
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,
             **self._map(),
+            **self._scheduled(),
             **(self._activity.card() if self._activity else {}),
         }
 

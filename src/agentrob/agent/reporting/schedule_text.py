@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from datetime import datetime
 
 from agentrob.agent.store.rows import KeptSchedule
 from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.language.messages.durations import duration
+from agentrob.language.messages.moments import local
 from agentrob.model import Language, Schedule, ScheduledRun
-from agentrob.model.schedules import runs, zone_of
+from agentrob.model.schedules import runs
 
 #: How many of the next runs the first reply names.
 SHOWN = 3
-_DAYS = {"zh": "一二三四五六日"}
-_NAMES = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
-
-
-def local(at: datetime, tz: str, language: Language) -> str:
-    """Return a moment as local time of a zone: "Mon 23 Nov 2026 09:00", 2026-11-23 周一 09:00."""
-    there = at.astimezone(zone_of(tz))
-    clock = f"{there:%H:%M:%S}" if there.second else f"{there:%H:%M}"
-    if language == "zh":
-        return f"{there:%Y-%m-%d} 周{_DAYS['zh'][there.weekday()]} {clock}"
-    return f"{_NAMES[there.weekday()]} {there:%Y-%m-%d} {clock}"
+#: An address that needs no escaping in a Markdown link.
+_ADDRESS = re.compile(r"https?://[^\s<>()\[\]\\`*]{1,500}")
 
 
 def scheduled(kept: KeptSchedule, language: Language, *, needs_approval: bool) -> str:
@@ -38,6 +30,19 @@ def scheduled(kept: KeptSchedule, language: Language, *, needs_approval: bool) -
         *([] if once else [_end(schedule, language)]),
         *([say("schedule.approval", language)] if needs_approval else []),
         say("schedule.how", language),
+    ]
+    return join_sentences(sentences, language)
+
+
+def renewed(kept: KeptSchedule, language: Language) -> str:
+    """Say that a schedule was renewed, when it runs next, and when it ends."""
+    schedule = kept.asked.schedule
+    times = [local(at, schedule.tz, language) for _, at in zip(range(SHOWN), runs(schedule), strict=False)]
+    joined = say("schedule.times.joint", language).join(times)
+    sentences = [
+        say("schedule.renewed", language, understood=kept.asked.understood),
+        say("schedule.next", language, times=joined, zone=schedule.tz),
+        _end(schedule, language),
     ]
     return join_sentences(sentences, language)
 
@@ -78,5 +83,10 @@ def missed(run: ScheduledRun, late_s: float, language: Language) -> str:
 
 
 def named(run: ScheduledRun, language: Language) -> str:
-    """Name a run by its time."""
-    return say("schedule.run", language, at=local(run.at, run.tz, language), zone=run.tz)
+    """Name a run by its number, its schedule, with a link to its post, and its time."""
+    name = say("schedule.run.schedule", language)
+    schedule = f"[{name}]({run.url})" if _ADDRESS.fullmatch(run.url) else name
+    key = "schedule.run.once" if run.of <= 1 else "schedule.run.limited" if run.limited else "schedule.run"
+    return say(
+        key, language, number=run.number, of=run.of, schedule=schedule, at=local(run.at, run.tz, language), zone=run.tz
+    )  # fmt: skip

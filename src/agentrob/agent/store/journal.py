@@ -269,8 +269,26 @@ class Journal:
         """End a schedule, if there is one; the first reason counts. `told`: nobody needs to be told."""
         await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(told))
 
+    async def renewable_schedules(self) -> Sequence[KeptSchedule]:
+        """Those that ended by the limit of runs or days."""
+        found = await self._rows.read(lambda db: db.execute(queries.RENEWABLE_SCHEDULES, self._this()).all())
+        return [read_schedule(row) for row in found]
+
+    async def renew_schedule(self, renewed: KeptSchedule) -> bool:
+        """Continue a schedule that ended by the limit of runs or days. False if it is none: then nothing changes."""
+        values = self._this(
+            renewed.post_id, data=SCHEDULED.dump_json(renewed.asked).decode(), runs_left=renewed.runs_left,
+            next_at=renewed.next_at.isoformat() if renewed.next_at else None, ended=None, told=0,
+        )  # fmt: skip
+        return await self._rows.write(lambda db: bool(db.execute(queries.SET_RENEWABLE, values).rowcount), begins=True)
+
+    async def refuse_renewal(self, post_id: str, why: ScheduleEnd) -> None:
+        """Let a schedule that ended by the limit of runs or days not be renewed any more."""
+        await self._do(queries.SET_RENEWABLE, post_id, ended=str(why), told=1)
+
     async def set_schedule_told(self, post_id: str) -> None:
-        await self._do(queries.SET_SCHEDULE, post_id, told=1)
+        """Record that the end of a schedule was told, unless it was renewed meanwhile."""
+        await self._do(queries.SET_ENDED, post_id, told=1)
 
     async def prune(self, days: float, commands: int) -> None:
         """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago.

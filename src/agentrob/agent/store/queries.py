@@ -66,6 +66,8 @@ _SCHEDULES = select(
 THIS_SCHEDULE = _SCHEDULES.where(SCHEDULE.c.post == KEY)
 #: Those with further runs, or whose end must still be told.
 SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, SCHEDULE.c.post)
+#: Those that ended by the limit of runs or days, and may be renewed.
+RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == "limit").order_by(SCHEDULE.c.post)
 #: The newest plans that were done in a topic.
 PLANS = (
     select(CLAIM.c.plan)
@@ -87,6 +89,9 @@ APPROVE = DENY.where(APPROVAL.c.said.is_(None))
 SET_SCHEDULE = update(SCHEDULE).where(_this(SCHEDULE))
 #: The first reason counts.
 END_SCHEDULE = SET_SCHEDULE.where(SCHEDULE.c.ended.is_(None))
+SET_ENDED = SET_SCHEDULE.where(SCHEDULE.c.ended.is_not(None))
+#: Only one that ended by the limit of runs or days.
+SET_RENEWABLE = SET_SCHEDULE.where(SCHEDULE.c.ended == "limit")
 #: Only from the run that was the next one, so that no run is taken twice.
 ADVANCE_SCHEDULE = END_SCHEDULE.where(SCHEDULE.c.next_at == bindparam("was_next", type_=Text))
 FORGET_ASSESSMENT = delete(ASSESSMENT).where(_this(ASSESSMENT))

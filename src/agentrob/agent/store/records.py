@@ -11,7 +11,7 @@ from typing import Any
 from agentrob.agent.media.recorder import prune, safe_name
 from agentrob.agent.store.rows import ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
-from agentrob.model import ActionResult, Report
+from agentrob.model import ActionResult, Report, ScheduledRun
 
 
 class Records:
@@ -78,6 +78,7 @@ class Records:
             "findings": list(report.findings),
             "stop": asdict(report.stop) if report.stop else None,
             "timings_ms": {k: round(v, 1) for k, v in report.timings_ms.items()},
+            **({"run": _run(command.run)} if command.run else {}),
             **_minds(assessment),
             **more,
         }
@@ -115,3 +116,8 @@ def _minds(assessment: Assessment | None) -> dict[str, Any]:
     }
     models = [usage.as_data() for usage in assessment.usage]
     return {"mind": assessment.mind, "fallback": assessment.fallback, "models": models, "screened": looked}
+
+
+def _run(run: ScheduledRun) -> dict[str, Any]:
+    """Which run of a schedule a command is."""
+    return {"at": run.at.isoformat(), "zone": run.tz, "number": run.number, "of": run.of, "limited": run.limited}

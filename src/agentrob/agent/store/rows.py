@@ -53,12 +53,14 @@ class ApprovalRequest:
 @dataclass(frozen=True, slots=True)
 class ScheduledCommand:
     """A command for later times: the post that asked for it, the command without the time, and what that is in our
-    words."""
+    words. `renewed_by` is the post by which its author last renewed it; then the command's `posted_at` is that of this
+    post."""
 
     command: Command
     schedule: Schedule
     text: str
     understood: str
+    renewed_by: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,7 +137,9 @@ class Assessor:
         if lists_schedules(part):
             return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
         timed = timed_text(part, command.posted_at, self.settings.time_zone)
-        if timed is None or (timed.schedule is None and await self._is_command_of_now(command)):
+        if timed is None or (
+            timed.schedule is None and not timed.surely_later and await self._is_command_of_now(command)
+        ):
             return await self._consider(job, command, terms)
         if timed.schedule is not None and command.text.count(part) == 1:
             untimed = replace(command, text=command.text.replace(part, timed.rest))

@@ -252,6 +252,17 @@ class RobotOut(_Out):
     has_frame: bool
 
 
+class ScheduleOut(_Out):
+    post_id: str = Field(description="the post with the schedule; a reply `cancel` to it ends the schedule")
+    url: str
+    author: str
+    text: str = Field(description="the command in the robot's words")
+    time_zone: str
+    runs: tuple[Time, ...] = Field(description="all further runs")
+    until: Time | None = Field(description="when it ends at the latest")
+    renewable: bool = Field(description="whether its author may renew it when it ends by the limit of runs or days")
+
+
 class RightsOut(_Out):
     """The input of `screening.rights`: each right is the lowest role that has it, `owner` or `nobody`."""
 

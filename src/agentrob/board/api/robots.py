@@ -18,17 +18,20 @@ from agentrob.board.api.models import (
     RightsOut,
     RobotIn,
     RobotOut,
+    ScheduleOut,
     Viewers,
     rights_out,
     robot_out,
+    time_out,
 )
 from agentrob.board.auth import rights
 from agentrob.board.content import images, uploads
 from agentrob.board.db.reader import not_found
 from agentrob.board.db.records import THUMB, Image, StoredEvent
 from agentrob.board.events.presence import CameraStream
-from agentrob.board.robots import actions, commands
+from agentrob.board.robots import actions, commands, schedules
 from agentrob.board.robots.actions import check_own_robot
+from agentrob.board.robots.schedules import ScheduleView
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
 from agentrob.model import Account
@@ -39,6 +42,8 @@ files = APIRouter()
 
 #: Bytes of JSON and levels of nesting that a robot's card may have.
 CARD_BYTES, CARD_DEPTH = 16 * 1024, 20
+#: Fields of a card that have rights of their own, and so paths of their own.
+_NOT_IN_CARD = frozenset({"map", "schedules", "schedules_more"})
 _CACHED = {"Cache-Control": "private, max-age=3600"}
 _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "binary"}}}}
 
@@ -63,6 +68,13 @@ async def get_robot_rights(
     """The rights to command this robot on this board now. Its agent asks again before every motion."""
     kept = rights.settings_of(services.store.reader, actions.known_robot(services, name).name)
     return json_response(rights_out(kept, services.store.reader.board(board_id), datetime.now(UTC)))
+
+
+@router.get("/robots/{name}/schedules", response_model=Items[ScheduleOut], tags=["robots"])
+async def list_robot_schedules(services: AppServices, name: str, who: ReadingViewer) -> Response:
+    """The robot's schedules whose posts the caller may read, the next run first, as its agent last published them."""
+    found = schedules.of_robot(services, name, who.account)
+    return json_response(Items(items=tuple(_schedule(one, services.settings.base_url) for one in found)))
 
 
 @router.put("/robots/{name}", response_model=RobotOut, tags=["robots"])
@@ -157,6 +169,14 @@ async def reset_robot(services: AppServices, name: str, by: Member, key: Idempot
     return _event(services, by, await actions.reset(services, name, by, key))
 
 
+def _schedule(one: ScheduleView, base_url: str) -> ScheduleOut:
+    return ScheduleOut(
+        post_id=one.post.id, url=f"{base_url}/p/{one.post.id}", author=one.post.author.name, text=one.text,
+        time_zone=one.zone, runs=tuple(time_out(at) for at in one.runs),
+        until=time_out(one.until) if one.until is not None else None, renewable=one.renewable,
+    )  # fmt: skip
+
+
 def _event(services: Services, by: Account, event: StoredEvent) -> Response:
     return json_response(serializer(services, by).event(event))
 
@@ -165,7 +185,7 @@ def _robot(services: Services, account: Account) -> RobotOut:
     now = services.presence.robot(account.name)
     url = f"{services.settings.base_url}/robots/{now.name}"
     has_frame = services.presence.live_frame(account.name) is not None
-    card = {key: value for key, value in now.card.items() if key != "map"}  # has rights of its own
+    card = {key: value for key, value in now.card.items() if key not in _NOT_IN_CARD}
     return robot_out(now.name, url, card, now.seen_at, now.watched, has_frame)
 
 

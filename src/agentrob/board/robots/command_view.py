@@ -77,7 +77,8 @@ class CallView:
 
 @dataclass(frozen=True, slots=True)
 class CommandView:
-    """One robot's side of a command. `verdict` is (decision, rule, reason); `timeline` (what, when, ms after the post).
+    """One robot's side of a command. `verdict` is (decision, rule, reason); `timeline` (what, when, how much later than
+    the first moment).
 
     `facts` are (name, value): who read the words, who else looked at them, who stopped it. `steps` are those that were
     tried or, when there were none (`planned`), those that were asked for. `links` are pictures kept elsewhere:
@@ -105,7 +106,7 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
     """The view of one record; fields of the wrong type are left out."""
     record = told.record
     verdict = _map(record.get("verdict"))
-    looked = _map(record.get("looked"))
+    looked, run = _map(record.get("looked")), _map(record.get("run"))
     summary = _map(record.get("summary"))
     usage = (*_list(record.get("models")), *_list(looked.get("usage")), *_list(summary.get("models")))
     done, planned = _list(record.get("steps")), _list(record.get("plan"))
@@ -116,7 +117,12 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
         message=_message(record),
         trace_id=_text(record.get("trace_id"), 64),
         verdict=(_text(verdict.get("decision"), 24), _text(verdict.get("rule"), 80), _text(verdict.get("reason"), 600)),
-        timeline=_timeline(post, told.reply, _map(record.get("timings_ms")), _map(record.get("approval"))),
+        timeline=_timeline(
+            _first(post, run),
+            told.reply,
+            _map(record.get("timings_ms")),
+            _map(record.get("approval")),
+        ),
         steps=tuple(_step(_map(step)) for step in done) or tuple(_asked(_map(step)) for step in planned),
         planned=not done,
         facts=tuple(_facts(record, looked, summary)),
@@ -133,23 +139,31 @@ def _message(record: Mapping[str, Any]) -> str:
     return "" if record.get("status") == CommandState.STOPPED else _text(record.get("message"), 600).replace("**", "")
 
 
+def _first(post: StoredPost, run: Mapping[str, Any]) -> tuple[str, datetime]:
+    """The moment from which times are counted: that of the post, or when a run of a schedule was due."""
+    due = from_text(run.get("at"))
+    if due is None or abs(post.created_at - due) > timedelta(days=1):
+        return "posted", post.created_at
+    return "due", due
+
+
 def _timeline(
-    post: StoredPost, reply: StoredPost | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
+    first: tuple[str, datetime], reply: StoredPost | None, timings: Mapping[str, Any], approval: Mapping[str, Any]
 ) -> tuple[tuple[str, datetime, str], ...]:
     ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
     moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
     if reply is not None:
         told_at = reply.edited_at or reply.created_at
-        moments.append(((told_at - post.created_at).total_seconds() * 1000, "reported in the thread"))
+        moments.append(((told_at - first[1]).total_seconds() * 1000, "reported in the thread"))
     if (said_at := from_text(approval.get("at"))) is not None:
         said = "approved" if approval.get("approved") is True else "denied"
-        moments.append(((said_at - post.created_at).total_seconds() * 1000, said))
+        moments.append(((said_at - first[1]).total_seconds() * 1000, said))
     moments.sort(key=lambda moment: moment[0])
     told = tuple(
-        (words, post.created_at + timedelta(milliseconds=max(-1e9, min(at, 1e9))), f"+{at / 1000:.2f}\u00a0s")
+        (words, first[1] + timedelta(milliseconds=max(-1e9, min(at, 1e9))), f"+{at / 1000:.2f}\u00a0s")
         for at, words in moments
     )
-    return (("posted", post.created_at, ""), *told)
+    return ((*first, ""), *told)
 
 
 def _step(step: Mapping[str, Any]) -> StepView:
@@ -214,6 +228,7 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
     approval = _map(record.get("approval"))
     approver = _text(approval.get("by"), 80)
     facts = [
+        ("Run", _run(_map(record.get("run")))),
         ("Read by", _text(record.get("mind"), 80)),
         ("Because", _text(record.get("fallback"), 300)),
         ("Also reviewed by", _text(screened.get("mind"), 80)),
@@ -236,6 +251,14 @@ def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mappin
         ("Shortened", "the record was too long to be sent whole" if record.get("shortened") is True else ""),
     ]
     return [(name, value) for name, value in facts if value]
+
+
+def _run(run: Mapping[str, Any]) -> str:
+    """Which run of its schedule it was."""
+    number, of = _number(run.get("number")), _number(run.get("of"))
+    if not number or not of:
+        return ""
+    return f"{number:.0f} of {'at most ' if run.get('limited') is True else ''}{of:.0f}"
 
 
 def _model(usage: Mapping[str, Any]) -> ModelView:

@@ -58,16 +58,31 @@ def save_record(t: Transaction, by: Account, post_id: str, reply_id: str | None,
 def records_of(reader: Reader, post_id: str) -> tuple[StoredPost, tuple[CommandRecord, ...]]:
     """The post of a command and the robots' records of it, by name of the robot.
 
-    A removed post has no records, since they may repeat its words. 404 if it does not exist or may not be seen.
+    A removed post has no records, since they may repeat its words; nor have the runs of its schedule. 404 if it does
+    not exist or may not be seen.
     """
     post = reader.post(str(row_id(post_id, "post")))
-    if post.removed:
+    if removed(reader, post):
         return post, ()
     c, a = db.commands.c, db.accounts.c
     statement = select(db.commands, a.name).join(db.accounts, a.id == c.robot_id).where(c.post_id == int(post.id))
     rows = reader.rows(statement.order_by(a.name))
     replies = {int(p.id): p for p in reader.posts_by_id([r.reply_id for r in rows if r.reply_id is not None])}
     return post, tuple(CommandRecord(r.name, from_us(r.at_us), replies.get(r.reply_id), r.record) for r in rows)
+
+
+def removed(reader: Reader, post: StoredPost) -> bool:
+    """Whether the post of a command was removed, or the one with the schedule of which it is a run."""
+    asked = schedule_of(reader, post)
+    return post.removed or (asked is not None and asked.removed)
+
+
+def schedule_of(reader: Reader, post: StoredPost) -> StoredPost | None:
+    """The post with the schedule of which the command in this post is a run: the robot's report is the run's own post,
+    and replies to it. None for any other post."""
+    if post.author.kind is not AccountKind.ROBOT_AGENT or post.reply_to is None:
+        return None
+    return next(iter(reader.posts_by_id([int(post.reply_to)])), None)
 
 
 def newest_record_us(reader: Reader, topic_id: str) -> int:

@@ -16,6 +16,7 @@ from agentrob.board.db.reader import Reader, not_found
 from agentrob.board.db.records import now_us
 from agentrob.board.db.writer import Transaction
 from agentrob.board.robots import live
+from agentrob.board.robots.commands import removed
 from agentrob.board.robots.live import MapView
 from agentrob.errors import BoardError
 from agentrob.model import Account
@@ -57,7 +58,7 @@ def save(t: Transaction, by: Account, post_id: str, replay: bytes) -> None:
 def replay_of(reader: Reader, post_id: str, robot: str) -> bytes | None:
     """The gzipped replay of a robot, None if there is none. 404 if the post may not be seen."""
     post = reader.post(post_id)
-    if post.removed:
+    if removed(reader, post):
         return None
     r, a = db.replays.c, db.accounts.c
     wanted = select(r.replay).join(db.accounts, a.id == r.robot_id).where(r.post_id == int(post.id), a.name == robot)

@@ -33,6 +33,8 @@ _KNOWN = {
     "sees",
     "queue",
     "line",
+    "schedules",
+    "schedules_more",
     "owner",
     "consents",
     "approval",

@@ -34,6 +34,7 @@ async def command(
     hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": services.store.reader.topic(post.topic_id), "hidden": hidden}
     data["replays"] = _replays(services, post_id, [view.robot for view in views])
+    data["schedule"] = commands.schedule_of(services.store.reader, post)
     data["board"] = services.store.reader.board(post.board_id)
     data |= {"waiting": approvals.of_post(services, post, viewer.account), "key": forms.nonce()}
     ended = {view.robot for view in views}

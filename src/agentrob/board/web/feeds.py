@@ -1,10 +1,12 @@
-"""Atom feeds of the site, a board, a topic, a tag and a robot: the latest posts that the viewer may read.
+"""Atom feeds of the site, a board, a topic, a tag and a robot: the latest posts that the viewer may read; and the
+calendar of a robot's schedules.
 
 A feed reader signs in with `Authorization: Bearer <token>`, except where the forum is public.
 """
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
@@ -14,7 +16,8 @@ from starlette.responses import Response
 from agentrob.board.access import ReadingViewer
 from agentrob.board.content import tags
 from agentrob.board.db.records import StoredPost
-from agentrob.board.robots import actions
+from agentrob.board.robots import actions, schedules
+from agentrob.board.robots.schedules import schedule_calendar
 from agentrob.board.services import AppServices, get_services
 from agentrob.board.web.templating import render_feed
 
@@ -56,6 +59,15 @@ async def robot(request: Request, services: AppServices, viewer: ReadingViewer, 
     account = actions.known_robot(services, name)
     posts = services.store.reader.posts_by(account, ENTRIES)
     return _feed(request, f"@{account.name}", f"/robots/{account.name}", posts)
+
+
+@router.get("/robots/{name}/schedules.ics")
+async def calendar(services: AppServices, viewer: ReadingViewer, name: str) -> Response:
+    """The further runs of a robot's schedules as a calendar (RFC 5545), one event for each run."""
+    account = actions.known_robot(services, name)
+    found = schedules.of_robot(services, account.name, viewer.account)
+    text = await asyncio.to_thread(schedule_calendar, found, account.name, services.settings.base_url)
+    return Response(text, media_type="text/calendar; charset=utf-8", headers={"Cache-Control": "private, no-cache"})
 
 
 def _feed(request: Request, title: str, path: str, posts: Sequence[StoredPost]) -> Response:

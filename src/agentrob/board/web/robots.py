@@ -16,13 +16,13 @@ from agentrob.board.auth import rights
 from agentrob.board.command_reading import READ_CHARS
 from agentrob.board.content.store import Store
 from agentrob.board.db.records import StoredPost, Topic
-from agentrob.board.robots import actions, approvals, front
+from agentrob.board.robots import actions, approvals, front, schedules
 from agentrob.board.robots import view as robot_view
 from agentrob.board.robots.abilities import ABOUT, abilities_of, example_commands
 from agentrob.board.robots.view import RobotView
 from agentrob.board.services import AppServices, Services, get_services
 from agentrob.board.web import forms
-from agentrob.board.web.forms import ButtonForm, Composed, PageForm
+from agentrob.board.web.forms import ButtonForm, Composed, KeyedForm, Line, PageForm
 from agentrob.board.web.templating import own_path, redirect, render_page, with_receipt
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Role, fleet_robot
@@ -165,6 +165,42 @@ async def reset(services: AppServices, viewer: AnyViewer, name: str, form: SentF
     return redirect(with_receipt(f"/robots/{name}", viewer, "reset", name))
 
 
+@router.get("/schedules")
+async def all_schedules(request: Request, services: AppServices, viewer: ReadingViewer, part: str = "") -> Response:
+    """The schedules of all robots. `part` is `list` for the list alone."""
+    data = {"robot": None, "schedules": schedules.of_all(services, viewer.account), "key": forms.nonce()}
+    template = "schedules_list.html" if part == "list" else "schedules.html"
+    return render_page(request, viewer, template, data, here="robots")
+
+
+@router.get("/robots/{name}/schedules")
+async def robot_schedules(
+    request: Request, services: AppServices, viewer: ReadingViewer, name: str, part: str = ""
+) -> Response:
+    """As `/schedules`, for one robot."""
+    view = robot_view.robot(services, name)[1]
+    data = {"robot": view, "schedules": schedules.of_robot(services, name, viewer.account), "key": forms.nonce()}
+    template = "schedules_list.html" if part == "list" else "schedules.html"
+    return render_page(request, viewer, template, data, here="robots")
+
+
+class CancelForm(KeyedForm):
+    """Cancels the schedule of a robot."""
+
+    robot: Line = ""
+    back: str = ""
+
+
+@router.post("/schedules/{post_id}/cancel")
+async def cancel_schedule(
+    services: AppServices, viewer: AnyViewer, post_id: str, form: Annotated[CancelForm, Form()]
+) -> Response:
+    """Cancel a schedule, by a reply to its post."""
+    by = form.sender(viewer)
+    await schedules.cancel(services, by, post_id, form.robot, form.idempotency_key(post_id, form.robot))
+    return redirect(with_receipt(own_path(form.back, "/schedules"), viewer, "cancel", form.robot))
+
+
 @router.get("/u/{name}")
 async def person(request: Request, services: AppServices, viewer: ReadingViewer, name: str) -> Response:
     store = services.store
@@ -199,6 +235,7 @@ def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any
     about: dict[str, Any] = {
         "owner": actions.owner_of(services, view.name),
         "line": line,
+        "schedules": schedules.of_robot(services, view.name, viewer.account),
         "abilities": abilities_of(view.name, view.can, sees=bool(view.sees)),
     }
     about["moves"] = front.robot_now(services, view, viewer.account, pictures=False).moves

@@ -205,8 +205,8 @@ def render_fragment(template: str, data: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """Confirms on the next page that a button was pressed. `action` is stop, estop, approve, deny, release, home or
-    reset."""
+    """Confirms on the next page that a button was pressed. `action` is stop, estop, approve, deny, cancel, release,
+    home or reset."""
 
     action: str
     robot: str

@@ -20,6 +20,7 @@ from agentrob.language.schedule.parts import (
     Times,
     Until,
     Weekly,
+    hour_within,
 )
 
 _DIGITS = {char: number for number, char in enumerate("零一二三四五六七八九")} | {"〇": 0, "两": 2}
@@ -30,6 +31,18 @@ _UNIT = rf"秒钟?|{_LONG_UNIT}"
 _DURATION = rf"(?:半个?(?:小时|钟头)|{_NUMBER}个?半?(?:{_UNIT}))"
 _LONG_DURATION = rf"(?:半个?(?:小时|钟头)|{_NUMBER}个?半?(?:{_LONG_UNIT}))"
 _PART = r"早上|早晨|清晨|凌晨|上午|中午|下午|傍晚|晚上|夜里"
+#: The hours of each part of the day.
+_HOURS = {
+    **dict.fromkeys(("早上", "早晨"), range(4, 12)),
+    "清晨": range(3, 9),
+    "凌晨": range(1, 6),
+    "上午": range(6, 13),
+    "中午": range(11, 15),
+    "下午": range(12, 19),
+    "傍晚": range(16, 21),
+    "晚上": range(17, 24),
+    "夜里": range(20, 24),
+}
 #: Not the direction of a clock: 三点钟方向.
 _NO_DIRECTION = r"(?!\s*(?:钟|整)?\s*的?(?:方向|方位|位置|米|度|个|步))"
 #: 一点 alone is "a little".
@@ -89,15 +102,14 @@ def _clock(text: str) -> Clock | None:
 
 
 def _in_part_of_day(hour: int, minute: int, part: str, two_digits: bool) -> Clock | None:
+    """The time that is meant; None if it is not clear, such as 晚上两点."""
     if hour > 23 or minute > 59:
         return None
-    if part in ("下午", "傍晚", "晚上") or (part == "夜里" and 6 <= hour <= 11) or (part == "中午" and hour < 4):
-        if hour == 12 and part == "晚上":
-            return None  # midnight, but of which day?
-        return Clock(hour + 12 if hour < 12 else hour, minute)
-    if part in ("早上", "早晨", "清晨", "凌晨", "上午") and hour > 12:
-        return None
-    return Clock(hour, minute, bool(part) or two_digits or hour >= 8 or hour == 0)
+    exact = hour > 12 or hour == 0
+    if part:
+        within = hour_within(hour, _HOURS[part], exact=exact)
+        return Clock(within, minute, exact=True) if within is not None else None
+    return Clock(hour, minute, two_digits or hour >= 8 or hour == 0, exact=exact)
 
 
 def _weekday(char: str) -> int:
@@ -118,9 +130,9 @@ def _date(text: str) -> Day | None:
 
 def _day(text: str) -> Day | None:
     text = text.strip()
-    half = "pm" if text.endswith("晚") else "am" if text.endswith("早") else ""
+    hours = _HOURS["晚上"] if text.endswith("晚") else _HOURS["早上"] if text.endswith("早") else range(0)
     if text[0] in "今明后":
-        return Day(ahead="今明后".index(text[0]), half=half)
+        return Day(ahead="今明后".index(text[0]), hours=hours)
     if re.fullmatch(_DATE, text):
         return _date(text)
     return Day(weekday=_weekday(text[-1]), next_week=text.startswith("下"))
@@ -192,7 +204,10 @@ WORDS = ScheduleWords(
             rf"(?:一?共)?(?P<count>{_NUMBER})次[，,]?{_APART}",
             lambda m: Times(_number(m["count"]), _seconds(m["apart"])),
         ),
-        _form(rf"(?:一共|总共|共)?(?P<count>{_NUMBER})次", lambda m: Times(_number(m["count"]))),
+        _form(
+            rf"(?P<total>一共|总共|共)?(?P<count>{_NUMBER})次",
+            lambda m: Times(_number(m["count"]), total=bool(m["total"])),
+        ),
         _form(
             rf"除了?(?:(?P<date>{_DATE})|(?:每个?)?{_WEEK}{_WEEKDAY}(?:[、和]{_WEEK}{_WEEKDAY})*)(?:以外|之外|外)?",
             _except,
@@ -204,11 +219,17 @@ WORDS = ScheduleWords(
         r"每(?:天|日|晚|早|周|星期|礼拜|月|年|小时|分钟|个(?:工作日|周末|小时|星期|礼拜|月|早|晚))|每隔.{0,4}(?:天|小时|分钟|秒|钟头)"
         r"|每[0-9一二两三四五六七八九十半]{1,3}个?(?:天|小时|分钟|钟头)|工作日|周末|今晚|明天|明早|明晚|后天|明日|下个?(?:周|星期|礼拜|月)"
         rf"|(?:周|星期|礼拜){_WEEKDAY}|(?:^|[，。；,;\s])(?:再?过)?{_LONG_DURATION}(?:之后|以后|后)"
-        rf"|(?:{_PART})\s*(?:\d|{_NUMBER}点)|(?<![\d:])\d{{1,2}}:\d{{2}}(?![\d:])|{_NUMBER}点(?:半|钟(?!的?方)|整|{_NUMBER}分)|晚些时候|待会儿?|一会儿?之?后"
+        rf"|昨[天日晚]|前天|上个?(?:周|星期|礼拜|月)|{_LONG_DURATION}(?:之|以)?前|再?过一会儿?|(?:{_PART})\s*(?:\d|{_NUMBER}点)|(?<![\d:])\d{{1,2}}:\d{{2}}(?![\d:])|{_NUMBER}点(?:半|钟(?!的?方)|整|{_NUMBER}分)|晚些时候|待会儿?|一会儿?之?后"
     ),
+    vague=rf"(?:再?过)?(?:好?几|若干)个?(?:{_UNIT})(?:之?后|以后)?|再?过一会儿?|(?:待|等)?一?会儿(?:之?后|以后)?",
+    qualifies_before=r"(?:大概|大约|差不多|不?晚于|不?早于|最晚|最早|至少|直到|除了|除非|或者?|还是|不|别|不要|从|每|隔|前后)$",
+    qualifies_after=r"(?:左右|前后|上下|许|之前|以前|前(?![进走行跑移方面])|之后|以后|后(?![退面方边转走])|多(?!少)|整?或者?|还是|除非|如果"
+    r"|要是|假如|只要|直到|永远|一直|为止|开始|起(?![立来身])|到)",
     present=r"现在|马上|立刻|立即|首先|先|直到|为止|除了",
     breaks=r"[.;:!?\n。；：！？](?=\s*\S)|[,，、]|然后|接着|再",
     amount=r"\d|米|步|度|圈|公尺",
     lists=r"(?:请)?(?:你的|我的|所有的?|显示|列出|查看|看|有哪些){0,4}(?:日程|日程表|定时任务)(?:有哪些|列表)?",
     cancels=r"(?:请)?(?:取消|撤销)(?:掉|它|这个?|吧|所有|日程|定时任务){0,4}",
+    cancels_by_name=r"(?:请)?(?:取消|撤销)(?:掉|这个?|我的|所有){0,3}(?:日程|定时任务)吧?",
+    renews=r"(?:请|好的?[,，]?)?(?:继续|续期|延期)(?:下去|它|这个?|吧|日程|定时任务){0,3}",
 )

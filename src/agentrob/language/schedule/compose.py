@@ -18,6 +18,7 @@ from agentrob.language.schedule.parts import (
     Times,
     Until,
     Weekly,
+    hour_within,
 )
 from agentrob.model import Schedule
 from agentrob.model.schedules import first_runs, instant_of, zone_of
@@ -79,12 +80,16 @@ class _Composer:
     def _once_after(self) -> Schedule:
         delay = self._one(Delay)
         assert delay is not None
+        if delay.seconds <= 0:
+            raise Unclear
         return self._made(self._asked_at + timedelta(seconds=delay.seconds), runs=1)
 
     def _on_one_day(self) -> Schedule:
         day, at = self._one(Day), self._one(At)
         if at is None:
             raise Unclear("schedule.hour")
+        if any(clock.midnight for clock in at.clocks):
+            raise Unclear("schedule.midnight")
         clocks = tuple(sorted({self._time(clock, day) for clock in at.clocks}))
         on = self._date(day, clocks[0]) if day is not None else self._today
         start = max(self._asked_at, self._begin(on))
@@ -174,12 +179,12 @@ class _Composer:
         return seconds
 
     def _time(self, clock: Clock, beside: object) -> time:
-        half = beside.half if isinstance(beside, Day) else ""
         hour, sure = clock.hour, clock.sure
-        if half == "pm" and not (clock.sure and clock.hour > 12):
-            hour, sure = clock.hour % 12 + 12, True
-        elif half == "am" and clock.hour <= 12:
-            sure = True
+        if isinstance(beside, Day) and beside.hours:
+            within = hour_within(clock.hour, beside.hours, exact=clock.exact)
+            if within is None:
+                raise Unclear
+            hour, sure = within, True
         if clock.bare and beside is None:
             raise Unclear("schedule.day", hour=f"{clock.hour}:00")
         if not sure:

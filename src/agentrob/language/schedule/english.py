@@ -19,6 +19,7 @@ from agentrob.language.schedule.parts import (
     Times,
     Until,
     Weekly,
+    hour_within,
 )
 
 _NAMED = (
@@ -43,6 +44,13 @@ _DATE = (
     rf"|(?:{_MONTH}) \d{{1,2}}(?:st|nd|rd|th)?"
 )
 _HALF = r"(?:a\.?m\b\.?|p\.?m\b\.?|in the (?:morning|afternoon|evening)|at night)"
+#: The hours of a part of the day; what else is said with it is asked about.
+_HOURS = {
+    "morning": range(1, 12),
+    "afternoon": range(12, 19),
+    "evening": range(17, 24),
+    "night": range(18, 24),
+}
 _OCLOCK = r"o['’]?\s?clock"
 _HOUR_WORD = "one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve"
 #: Not the beginning of an amount: "at 0.5 m/s", "at 5 metres".
@@ -54,7 +62,8 @@ _CLOCK = (
     rf"(?:(?:noon|midnight)\b|\d{{1,2}}:\d{{2}}(?:\s?{_HALF})?{_NO_AMOUNT}"
     rf"|(?:\d{{1,2}}|{_HOUR_WORD})(?:\s?{_OCLOCK})?(?:\s?{_HALF})?{_NO_AMOUNT})"
 )
-_AND = r"\s*(?:,\s*and|,|and|or|&)\s+"
+#: Not "or": which of them is meant?
+_AND = r"\s*(?:,\s*and|,|and|&)\s+"
 _DAYS = rf"(?:{_WEEKDAY})(?:{_AND}(?:{_WEEKDAY}))*"
 _PLURALS = rf"(?:(?:mon|tues|wednes|thurs|fri|satur|sun)days)(?:{_AND}(?:mon|tues|wednes|thurs|fri|satur|sun)days)*"
 _RANGE = rf"(?:{_WEEKDAY})s?\s*(?:to|till|until|through|-|–)\s*(?:{_WEEKDAY})s?"
@@ -87,25 +96,27 @@ def _seconds(text: str) -> int:
 def _clock(text: str) -> Clock | None:
     text = text.lower().strip()
     if text in ("noon", "midnight"):
-        return Clock(12 if text == "noon" else 0)
+        return Clock(12) if text == "noon" else Clock(0, midnight=True)
     found = re.match(rf"(\d{{1,2}}|{_HOUR_WORD})(?::(\d{{2}}))?", text)
     assert found is not None
     hour, minute, rest = _number(found[1]), int(found[2] or 0), text[found.end() :]
-    half = (
-        "am"
-        if re.search(r"\ba\.?m|morning", rest)
-        else "pm"
-        if re.search(r"p\.?m|afternoon|evening|night", rest)
-        else ""
-    )
-    if minute > 59 or hour > 24 or (half and not 1 <= hour <= 12):
+    if minute > 59 or hour > 24:
         return None
-    if half:
-        return Clock(hour % 12 + (12 if half == "pm" else 0), minute)
+    if half := re.search(r"\b([ap])\.?m", rest):
+        return Clock(hour % 12 + (12 if half[1] == "p" else 0), minute, exact=True) if 1 <= hour <= 12 else None
+    exact = hour > 12 or hour == 0 or found[1].startswith("0")
+    if hours := _hours(rest):
+        within = hour_within(hour, hours, exact=exact)
+        return Clock(within, minute, exact=True) if within is not None else None
     if hour == 24:
-        return Clock(0) if minute == 0 and found[2] is not None else None
+        return Clock(0, midnight=True) if minute == 0 and found[2] is not None else None
     sure = len(found[1]) == 2 or hour >= 8 or hour == 0
-    return Clock(hour, minute, sure and not re.match(r"\s?o", rest), bare=found[2] is None)
+    return Clock(hour, minute, sure and not re.match(r"\s?o", rest), exact=exact, bare=found[2] is None)
+
+
+def _hours(text: str) -> range:
+    """The hours of the part of the day that a text names; empty if it names none."""
+    return next((hours for word, hours in _HOURS.items() if word in text), range(0))
 
 
 def _day_number(word: str) -> int:
@@ -131,16 +142,16 @@ def _date(text: str) -> Day | None:
 
 def _day(text: str) -> Day | None:
     text = re.sub(r"^(?:on|this) (?!morning|afternoon|evening)", "", text.lower().strip())
-    half = "am" if "morning" in text else "pm" if re.search("afternoon|evening|night", text) else ""
+    hours = _hours(text)
     if "day after tomorrow" in text:
         return Day(ahead=2)
     if text.startswith(("today", "tonight", "this ")):
-        return Day(ahead=0, half=half)
+        return Day(ahead=0, hours=hours)
     if text.startswith("tomorrow"):
-        return Day(ahead=1, half=half)
+        return Day(ahead=1, hours=hours)
     if re.fullmatch(_DATE, text):
         return _date(text)
-    return Day(weekday=_day_number(text), half=half)
+    return Day(weekday=_day_number(text), hours=hours)
 
 
 def _at(found: re.Match[str]) -> Part | None:
@@ -184,7 +195,8 @@ def _until(found: re.Match[str]) -> Part | None:
 def _times(found: re.Match[str]) -> Part | None:
     said = found["count"].lower()
     count = {"once": 1, "twice": 2}.get(said) or _number(re.sub(r"\s*times$", "", said))
-    return Times(count, _seconds(found["apart"]) if found.groupdict().get("apart") else 0)
+    apart_s = _seconds(found["apart"]) if found.groupdict().get("apart") else 0
+    return Times(count, apart_s, total=bool(re.search(r"\bin (?:all|total)$", found[0], re.IGNORECASE)))
 
 
 def _except(found: re.Match[str]) -> Part | None:
@@ -237,11 +249,25 @@ WORDS = ScheduleWords(
         rf"|\b(?:on|next|this|until|till|by|before) (?:{_WEEKDAY})s?\b|\b(?:{_WEEKDAY[: _WEEKDAY.index('|mon')]})s?\b"
         rf"|\b(?:{_COUNTED}) ?(?:{_LONGER_UNIT}) (?:apart|later|from now)\b"
         r"|\bnext (?:week|month|year|hour)\b|\blater today\b"
+        rf"|\b(?:every|each|on the) \d{{1,2}}(?:st|nd|rd|th)\b|\b(?:day before )?yesterday\b"
+        rf"|\b(?:{_COUNTED}|half an|a few) ?(?:{_LONGER_UNIT}) ago\b"
     ),
+    vague=rf"(?:in|after|within) (?:(?:the next )?(?:a )?(?:few|couple(?: of)?|some|several)(?: more)? (?:{_UNIT})"
+    rf"|the next (?:{_UNIT})|a (?:little )?(?:bit|while|moment|jiffy)(?! of\b))\b",
+    qualifies_before=r"\b(?:about|roughly|approximately|circa|before|after|by|until|till|than|between|past|since|except"
+    r"|unless|if|when|every|each|next|last|not|or|from|(?<!turn )(?<!look )(?<!spin )(?<!walk )(?<!go )around)$",
+    qualifies_after=r"(?:or\b|ish\b|sharp\b|at the (?:latest|earliest)\b|not\b|but\b|unless\b|if\b|when(?:ever)?\b"
+    r"|while\b|before\b|after\b|from\b|by\b|to \d|start(?:ing|s)?\b|begin(?:ning|s)?\b|as of\b|provided\b"
+    r"|for ?ever\b|always\b|indefinitely\b|for (?:\w+ ){0,2}(?:day|week|month|year)s?\b"
+    r"|(?:utc|gmt|bst|ist|jst|msk|[pmce][sd]t|[cew]e[ts]t?|a[ce][sd]t)\b|(?:[\w/'’]+ ){1,3}time\b"
+    r"|in (?:the )?(?:[a-z]+ ){0,2}(?:time ?zone|utc|gmt)\b|-?\d+ times\b)",
     present=r"\b(?:now|right away|immediately|at once|already|straight away|first|until|till|except|between)\b",
     breaks=r"[.;:!?\n](?=\s*\S)|,|\bthen\b",
     amount=r"\d|\b(?:met(?:er|re)s?|feet|foot|steps?|degrees?)\b",
     lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all ){0,3}schedules?(?: please)?",
     cancels=r"(?:please )?(?:cancel|cancelled|call it off|unschedule)"
     r"(?: (?:it|this|that|all|(?:the |this |that |all ){0,3}(?:schedules?|runs?)))?(?: please)?",
+    cancels_by_name=r"(?:please )?(?:cancel|unschedule) (?:(?:the|this|that|my|all) ){0,3}schedules?(?: please)?",
+    renews=r"(?:please |yes,? )?(?:keep (?:it |this )?(?:on|going)|(?:renew|continue|extend)"
+    r"(?: (?:it|this|that|(?:(?:the|this|that|my) )?schedule))?)(?: please)?",
 )

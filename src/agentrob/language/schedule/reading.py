@@ -29,11 +29,12 @@ _ENDS = " \t\r\n,.!?;，。！？；、~"
 @dataclass(frozen=True, slots=True)
 class TimedText:
     """A post that says when. `rest` is the command without the time. `schedule` is None if the time is not understood;
-    then `question` asks for it."""
+    then `question` asks for it. Unless the post is `surely_later`, what says when may be a remark ("happy friday")."""
 
     rest: str
     schedule: Schedule | None = None
     question: str = ""
+    surely_later: bool = False
 
 
 def timed_text(part: str, asked_at: datetime, tz: str) -> TimedText | None:
@@ -47,7 +48,9 @@ def timed_text(part: str, asked_at: datetime, tz: str) -> TimedText | None:
         return None
     parts, rest = _split(part, words)
     if not parts:
-        return TimedText(part, question=_question(language)) if _compiled(words.hints).search(part) else None
+        vague = _is_vague(part, words)
+        hinted = vague or _compiled(words.hints).search(part)
+        return TimedText(part, question=_question(language), surely_later=vague) if hinted else None
     try:
         if _contradicts(rest, parts, words):
             raise Unclear
@@ -66,6 +69,16 @@ def lists_schedules(part: str) -> bool:
 def cancels_schedule(text: str) -> bool:
     """Return whether a text only cancels ("cancel", 取消日程), in any language, mentions aside."""
     return _is_only(without_mentions(text), "cancels")
+
+
+def cancels_named_schedule(text: str) -> bool:
+    """Return whether a text only cancels and says that it means a schedule ("cancel the schedule", 取消日程)."""
+    return _is_only(without_mentions(text), "cancels_by_name")
+
+
+def renews_schedule(text: str) -> bool:
+    """Return whether a text only renews a schedule ("keep on", 继续), in any language, mentions aside."""
+    return _is_only(without_mentions(text), "renews")
 
 
 def _is_only(text: str, which: str) -> bool:
@@ -96,7 +109,7 @@ def _split(text: str, words: ScheduleWords) -> tuple[list[Placed], str]:
         part, start = trailing
         behind.insert(0, (part, rest))
         rest = rest[:start]
-    if behind and isinstance(behind[0][0], Times) and not behind[0][0].apart_s:
+    if behind and isinstance(count := behind[0][0], Times) and not count.apart_s and not count.total:
         rest = behind.pop(0)[1]  # "wave three times" says how often to wave
     return found + [(part, True) for part, _ in behind], rest
 
@@ -132,13 +145,25 @@ def _trailing(text: str, words: ScheduleWords) -> tuple[Part, int] | None:
     return None
 
 
+def _is_vague(text: str, words: ScheduleWords) -> bool:
+    """Whether a text begins or ends with a delay that names no number."""
+    plain = text.strip(_ENDS)
+    begins = re.compile(f"(?:{words.begin})(?:{words.vague})", re.IGNORECASE).match(plain)
+    return bool(begins or re.compile(f"(?:{words.vague})$", re.IGNORECASE).search(plain))
+
+
 def _contradicts(rest: str, parts: Sequence[Placed], words: ScheduleWords) -> bool:
-    """Return whether the command says when, too, or it is open how much of it a time behind it is for."""
+    """Return whether the command says when, too, or changes the time beside it, or it is open how much of it a time
+    behind it is for."""
     if _compiled(words.hints).search(rest) or _compiled(words.present).search(rest):
         return True
     behind = [part for part, is_behind in parts if is_behind]
+    if len(behind) < len(parts) and _compiled(words.qualifies_after).match(rest.lstrip(_ENDS)):
+        return True
     if not behind:
         return False
+    if _compiled(words.qualifies_before).search(rest.rstrip(_ENDS)):
+        return True
     if any(isinstance(part, Delay) for part in behind) and _compiled(words.amount).search(rest):
         return True
     return len(behind) == len(parts) and bool(_compiled(words.breaks).search(rest.strip(_ENDS)))

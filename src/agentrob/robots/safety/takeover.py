@@ -55,7 +55,7 @@ class TakeoverDetector:
         changed = bool(before) and state.mode != before and state.mode in FOREIGN_MODES
         damped = bool(before) and state.mode != before and state.mode == DAMPING  # never ours, whatever we do meanwhile
         inherited = now_s < self._gesture_until_s and state.mode in self._gesture_modes
-        if damped or (changed and (walking or not ours) and not (gesturing or inherited)):
+        if damped or (changed and (walking or not ours) and not inherited):
             return f"the robot went from {before} to {state.mode}, which we did not command"
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else 0.0
         if ours or now_s < self._decays_until_s or speed_mps < MOVED_MPS or state.age_s > MOVED_S:

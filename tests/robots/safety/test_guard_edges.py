@@ -1,0 +1,208 @@
+"""Where exactly the guard refuses a step or ends it: the age of the robot's state, and the time that is left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from agentrob.config.robots import RobotConfig
+from agentrob.errors import RobotError
+from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
+from agentrob.robots.contract import go_on
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
+from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.lock import Halt
+from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
+
+#: Needs no range readings, which an old state does not bring.
+HELLO = Primitive(Op.HELLO)
+
+
+def age_states(guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float) -> None:
+    """Let every state be this old from now on."""
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), age_s=age_s))
+
+
+@pytest.fixture
+def guard(make: Make, monkeypatch: pytest.MonkeyPatch) -> Guard:
+    """A guard that is homed and does not wait for readings that will not come."""
+    monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
+    made = make()
+    until(lambda: made.state().homed)
+    return made
+
+
+@pytest.mark.parametrize(("age_s", "done"), [(0.49, True), (0.5, False)])
+def test_law_8_a_step_begins_only_with_a_state_younger_than_half_a_second(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float, done: bool
+) -> None:
+    age_states(guard, monkeypatch, age_s)
+    result = guard.step(HELLO, go_on)
+    assert result.ok is done, result.message
+    if not done:
+        assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+        assert result.message == "The robot's state is 0.5 s old; it must be younger than 0.5 s."
+
+
+@pytest.mark.parametrize(("age_s", "done"), [(0.49, True), (0.5, False)])
+def test_law_8_a_state_that_becomes_half_a_second_old_ends_the_step(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float, done: bool
+) -> None:
+    def watch(_: RobotState) -> None:
+        age_states(guard, monkeypatch, age_s)
+
+    result = guard.step(HELLO, watch)
+    assert result.ok is done, result.message
+    if not done:
+        assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+        assert "The robot's state was 0.5 s old." in result.message
+
+
+def test_law_8_states_that_come_too_seldom_tell_nothing_about_free_space(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    age_states(guard, monkeypatch, 0.3)
+    until(lambda: not guard._ranges.enough)
+    result = guard.step(move(0.3), go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+    assert "comes too seldom" in result.message
+
+
+def test_law_9_home_is_set_only_by_a_state_younger_than_half_a_second(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    age_states(guard, monkeypatch, 0.5)
+    with pytest.raises(RobotError, match=r"is 0.5 s old; it must be younger than 0.5 s"):
+        guard.home("owner")
+
+
+@pytest.mark.parametrize(
+    ("step", "deadline_s", "begins"),
+    [
+        (move(1.0), 2.0, False),
+        (move(1.0), 2.5, True),
+        (move(0.5, speed_mps=0.1), 5.0, False),
+        (move(0.5, speed_mps=0.1), 6.0, True),
+        (turn(90), 2.0, False),
+        (turn(90), 2.5, True),
+        (move(3.1, speed_mps=0.05), None, False),
+        (move(3.1, speed_mps=0.05), 100.0, False),
+        (HELLO, 0.5, True),
+    ],
+)
+def test_law_10_a_step_begins_only_if_it_may_end_in_time_and_within_the_limit_of_a_command(
+    make: Make, step: Primitive, deadline_s: float | None, begins: bool
+) -> None:
+    guard = make()
+    result = guard.step(step, go_on, deadline_s)
+    assert (result.outcome is not Outcome.REFUSED) is begins, result.message
+    assert begins or result.reason == "deadline"
+
+
+def test_what_the_robot_cannot_do_is_refused_with_what_it_can(make: Make) -> None:
+    guard = make()
+    guard.capabilities = replace(guard.capabilities, ops=frozenset({Op.MOVE, Op.HELLO}))
+    result = guard.step(Primitive(Op.SIT), go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "unsupported")
+    assert result.message == "This robot cannot sit; it can: hello, move."
+
+
+def test_a_robot_without_a_camera_is_not_looked_through(make: Make) -> None:
+    guard = make()
+    assert guard.look()
+    guard.capabilities = replace(guard.capabilities, ops=frozenset({Op.MOVE}))
+    with pytest.raises(RobotError, match="no camera"):
+        guard.look()
+
+
+def test_home_can_be_set_again_after_a_step(make: Make) -> None:
+    guard = make()
+    assert guard.step(move(0.3), go_on).ok
+    until(lambda: can_set_home(guard))
+    at_home = guard.posture().pose
+    assert at_home is not None
+    assert (at_home.x_m, at_home.y_m) == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+def test_law_12_a_mode_right_after_our_own_stop_is_no_takeover(make: Make) -> None:
+    guard = make()
+    until(lambda: guard.state().homed and guard._takeover._mode != "")
+    guard.stop()
+    fake_of(guard).faults.mode = "locked"
+    until(lambda: guard._takeover._mode == "locked")
+    assert not guard.state().halted
+
+
+def test_law_9_without_a_position_no_home_is_set_and_the_reason_is_told(make: Make) -> None:
+    guard = make(home_on_start=False)
+    fake_of(guard).carry(Pose(math.nan, 0.0, 0.0))
+    with pytest.raises(RobotError, match="cannot set home: The robot tells no position"):
+        guard.home("owner")
+
+
+def test_a_closed_guard_closes_its_robot(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard, closed = make(), list[bool]()
+    monkeypatch.setattr(fake_of(guard), "close", lambda: closed.append(True))
+    guard.close()
+    assert closed == [True]
+
+
+def test_law_9_no_home_is_set_while_somebody_moves_the_robot(make: Make) -> None:
+    guard = make({"time_scale": 1}, home_on_start=False)
+    with ExternalController(fake_of(guard)):
+        until(lambda: (guard.state().velocity_mps or (0.0, 0.0))[0] > 0.3)
+        with pytest.raises(RobotError, match="while the robot moves"):
+            guard.home("owner")
+
+
+def test_law_17_a_release_returns_the_lock_that_it_removed(make: Make) -> None:
+    guard = make()
+    guard.halt("bob", "smoke")
+    removed = guard.release("owner")
+    assert removed is not None
+    assert (removed.by, removed.why) == ("bob", "smoke")
+    assert guard.release("owner") is None
+
+
+def test_law_17_a_halt_that_cannot_be_removed_from_the_disk_stays(make: Make, tmp_path: Path) -> None:
+    (tmp_path / "fake.halt").mkdir()
+    guard = make()
+    with pytest.raises(RobotError, match=r"the halt stays: .*fake.halt cannot be removed"):
+        guard.release("owner")
+    assert guard.step(move(0.3), go_on).reason == "halted"
+
+
+def test_law_12_a_step_is_marked_on_the_disk_while_it_runs(tmp_path: Path) -> None:
+    settings = RobotConfig(model="fake", simulated=True, home_on_start=True, options={"time_scale": math.inf})
+    path, marked = tmp_path / "fake.step", list[InterruptedStep | None]()
+    guard = Guard(FakeRobot(settings), settings, Halt(tmp_path / "fake.halt"), CrashMarker(path))
+    try:
+        result = guard.step(move(0.3), lambda _: marked.append(CrashMarker(path).interrupted_step()))
+        assert result.ok, result.message
+        assert {mark.op for mark in marked if mark is not None} == {Op.MOVE}
+        assert None not in marked
+        assert not path.exists()
+    finally:
+        guard.close()
+
+
+def test_law_8_a_step_that_sees_its_way_does_not_say_that_it_did_not(make: Make) -> None:
+    result = make().step(move(0.3), go_on)
+    assert result.ok
+    assert "range" not in result.message
+
+
+@pytest.mark.parametrize(("asked_mps", "at_most_mps"), [(0.1, 0.1), (0.3, 0.2), (None, 0.2)])
+def test_law_8_a_step_without_readings_is_no_faster_than_it_was_asked_for(
+    make: Make, asked_mps: float | None, at_most_mps: float
+) -> None:
+    guard = make({"faults": {"ranges": "missing"}}, allow_unknown_ranges=True)
+    assert guard.step(move(0.3, speed_mps=asked_mps), go_on).ok
+    assert fake_of(guard).commanded.forward_mps == pytest.approx(at_most_mps)
