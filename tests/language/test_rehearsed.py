@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from agentrob.config.robots import RobotConfig
 from agentrob.language.addressing import part_for
-from agentrob.language.rehearsed import asking_for_preview, rehearsed_part, rehearsed_text, speaks_of_preview
+from agentrob.language.previews.reading import asking_for_preview, rehearsed_part, rehearsed_text, speaks_of_preview
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Intent

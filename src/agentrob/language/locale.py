@@ -11,7 +11,7 @@ from typing import Literal
 from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
-from agentrob.language.rehearsed_words import PreviewWords
+from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms

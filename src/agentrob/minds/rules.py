@@ -10,7 +10,7 @@ from agentrob.language.messages.catalog import say
 from agentrob.language.parser.grammar import parse, small_talk_of, talk_topic_of
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.small_talk import SmallTalk
-from agentrob.language.rehearsed import speaks_of_preview
+from agentrob.language.previews.reading import speaks_of_preview
 from agentrob.minds.protocol import Addressee
 from agentrob.model import Intent, Language, Op, Plan, Understanding
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from agentrob.language.addressing import part_for
 from agentrob.language.messages.moments import local
-from agentrob.language.rehearsed import rehearsed_part
+from agentrob.language.previews.reading import rehearsed_part
 from agentrob.language.schedule.reading import TimedText, timed_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Intent, Role, Schedule, Understanding

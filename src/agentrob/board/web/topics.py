@@ -28,7 +28,7 @@ from agentrob.board.web.forms import Composed, PageForm, Text
 from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
 from agentrob.board.web.templating import error_page, error_text, redirect, render_fragment, render_page
 from agentrob.errors import BoardError
-from agentrob.language.rehearsed import asking_for_preview
+from agentrob.language.previews.reading import asking_for_preview
 from agentrob.model import Page, Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)

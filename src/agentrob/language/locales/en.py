@@ -12,7 +12,7 @@ from agentrob.language.messages.en import PHRASES
 from agentrob.language.messages.play_en import PHRASES as PLAY
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
-from agentrob.language.rehearsed_words import PreviewWords
+from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE

@@ -13,7 +13,7 @@ from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.play_zh import PHRASES as PLAY
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
-from agentrob.language.rehearsed_words import PreviewWords
+from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks import chinese as remarks
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.chinese import WORDS as SCHEDULE

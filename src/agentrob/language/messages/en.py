@@ -1,6 +1,6 @@
 """Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
-from agentrob.language.messages.previews import ENGLISH as PREVIEWS
+from agentrob.language.previews.sentences import ENGLISH as PREVIEWS
 from agentrob.language.messages.schedule_en import SCHEDULE
 
 PHRASES = {

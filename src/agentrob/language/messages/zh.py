@@ -1,6 +1,6 @@
 """Every sentence that robots say in Chinese, with the same keys and placeholders as `en`."""
 
-from agentrob.language.messages.previews import CHINESE as PREVIEWS
+from agentrob.language.previews.sentences import CHINESE as PREVIEWS
 from agentrob.language.messages.schedule_zh import SCHEDULE
 
 PHRASES = {
