@@ -8,6 +8,7 @@ against its true place. Places from which something hides the thing count as mis
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import math
 import time
@@ -20,6 +21,8 @@ from PIL import Image
 from agentrob.eyes.colours import ColourDetector
 from agentrob.eyes.sight import FOV_OF_MODEL_DEG, seen_in
 from agentrob.sim.bodies.go2 import Go2
+from agentrob.sim.rendering.cameras import choose_backend, open_renderer
+from agentrob.sim.rendering.view import front_view
 from agentrob.sim.world.world import World
 
 THINGS = (("red_ball", "red", "ball"), ("blue_box", "blue", "box"), ("green_column", "green", "column"))
@@ -31,11 +34,11 @@ def main() -> None:
     parser.add_argument("--places", type=int, default=60)
     places = parser.parse_args().places
     world, detector, chance = World([Go2()]), ColourDetector({}), np.random.default_rng(3)
-    with mujoco.Renderer(world.model, 480, 640) as renderer:
+    with contextlib.closing(open_renderer(world.model, choose_backend())) as renderer:
         for name, colour, shape in THINGS:
             asked = seen = shaped = 0
             errors, took_ms = [], []
-            for _ in range(places):
+            while asked < places:
                 if (view := put(world, name, chance)) is None:
                     continue
                 asked += 1
@@ -74,9 +77,9 @@ def put(world: World, name: str, chance: Any) -> float | None:
 
 
 def picture(world: World, renderer: Any) -> bytes:
-    renderer.update_scene(world.data, world.model.camera("go2/front").id)
+    pose = np.concatenate([world.data.qpos, world.data.mocap_pos.ravel()])
     out = io.BytesIO()
-    Image.fromarray(renderer.render()).save(out, "JPEG", quality=85)
+    Image.fromarray(renderer.draw(front_view(world.model, "go2"), pose)).save(out, "JPEG", quality=85)
     return out.getvalue()
 
 

@@ -19,8 +19,8 @@ ROWS: list[Row] = [
 ]
 #: How many rows of each set are understood since the rules were corrected by them; the first run had fewer.
 UNDERSTOOD = {
-    "en": 409, "zh": 377, "remark_en": 308, "remark_zh": 292, "talk_en": 242, "talk_zh": 217, "must_ask_en": 56,
-    "must_ask_zh": 54,
+    "en": 443, "zh": 413, "remark_en": 360, "remark_zh": 357, "talk_en": 308, "talk_zh": 285, "must_ask_en": 94,
+    "must_ask_zh": 91,
 }  # fmt: skip
 
 

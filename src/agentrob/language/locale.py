@@ -12,7 +12,7 @@ from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
 from agentrob.language.previews.words import PreviewWords
-from agentrob.language.remarks.classifier import StatementClassifier
+from agentrob.language.remarks.classifier import StatementClassifier, joins_order
 from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
 
@@ -36,7 +36,11 @@ class Locale:
     may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
     out either where the grammar knows the words of the remark, whose danger the screen judges; `private` a
     statement about its speaker or others that names neither the robot nor the command, of which only `grave` words
-    weigh; `noun_after` the words
+    weigh; `own` the same in a wider sense, of which only `heavy` words weigh where the classifier is sure of it;
+    `quotes` what may
+    introduce the words of others before a colon;
+    `after_subject` the words after which a verb says what
+    they do; `noun_after` the words
     before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
     where a statement may begin that follows a command without punctuation; `open_end` words after which it cannot;
     `claims` talk that is always asked about: somebody claims rights, or introduces what another person said.
@@ -71,6 +75,10 @@ class Locale:
     weighty: str = "(?!)"
     private: str = "(?!)"
     grave: str = "(?!)"
+    own: str = "(?!)"
+    quotes: str = ""
+    after_subject: str = "(?!)"
+    heavy: str = "(?!)"
     unsettling: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
@@ -115,6 +123,28 @@ class Locale:
     def surely_states(self, clause: str) -> bool:
         """Return whether the classifier is sure that a clause is a statement."""
         return self.statements is not None and self.statements.is_statement(clause, sure=True)
+
+    def may_be_talk(self, clause: str) -> bool:
+        """Return whether a clause may be talk beside a statement, by the classifier."""
+        return self.statements is not None and self.statements.may_be_talk(clause)
+
+    def tells_of_life(self, clause: str) -> bool:
+        """Return whether a clause states something about its speaker or others, and nothing that weighs."""
+        about = self._own.search(clause) or self._private.search(clause)
+        weighs = self._heavy.search(clause) is not None or joins_order(clause)
+        return bool(about) and not weighs and self.states(clause)
+
+    @cached_property
+    def _own(self) -> re.Pattern[str]:
+        return re.compile(self.own)
+
+    @cached_property
+    def _private(self) -> re.Pattern[str]:
+        return re.compile(self.private)
+
+    @cached_property
+    def _heavy(self) -> re.Pattern[str]:
+        return re.compile(self.heavy)
 
     @cached_property
     def _remarks(self) -> re.Pattern[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
+from functools import lru_cache
 
 from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
 from agentrob.model.estimate import seconds_of
@@ -55,6 +56,7 @@ def usual_size_m(routine: Routine, can: Capabilities, times: int = 1) -> float |
     return usual if steps_of(routine, can, usual, times) else min(usual, largest_size_m(routine, can, times)) or usual
 
 
+@lru_cache(maxsize=256)
 def largest_size_m(routine: Routine, can: Capabilities, times: int = 1) -> float:
     """Return the largest size that fits the limits of one command, 0 if none does."""
     most = round(min(MOST_SIZE_M, can.limits.command_m) / SIZE_STEP_M)
@@ -62,6 +64,7 @@ def largest_size_m(routine: Routine, can: Capabilities, times: int = 1) -> float
     return next((round(size, 1) for size in sizes if steps_of(routine, can, size, times)), 0.0)
 
 
+@lru_cache(maxsize=256)
 def most_times(routine: Routine, can: Capabilities, size_m: float | None = None) -> int:
     """Return how often a routine of this size can be done in one command, 0 if not even once."""
     return next((n for n in range(_MOST_TIMES, 0, -1) if steps_of(routine, can, size_m, n)), 0)

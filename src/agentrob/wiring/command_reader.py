@@ -17,8 +17,8 @@ from agentrob.board.command_reading import DraftCommand, DraftReading, ReadableR
 from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import sentence
-from agentrob.language.registry import language_of
 from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
+from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text

@@ -137,7 +137,7 @@ async def test_law_5_a_missed_run_is_told_once_and_not_made_up(scene: Scene) -> 
         assert (len(finals(scene, post)), runs_done(scene, post)) == (2, 0)
 
 
-@pytest.mark.parametrize(("late_s", "ends"), [(119, "done"), (121, "expired")])
+@pytest.mark.parametrize(("late_s", "ends"), [(100, "done"), (121, "expired")])
 async def test_law_5_the_freshness_of_a_run_counts_from_its_time(scene: Scene, late_s: int, ends: str) -> None:
     async with scene.agent() as agent:
         post = await posted(scene, "in 2 hours wave")

@@ -51,6 +51,20 @@ def test_approvers_see_the_approval_buttons_until_a_decision(board: RunningBoard
         assert BUTTON not in admin.get(gone).text, "it is decided, though its agent has not said so yet"
 
 
+def test_a_run_of_a_schedule_that_waits_has_approval_buttons(board: RunningBoard) -> None:
+    """Its status post is a further reply to the schedule's post, with a key of its own."""
+    made = board.client("op").post("/topics", json={"board_id": "robots", "title": "t", "body": "@quadruped flip"})
+    topic, post = made.json()["topic"]["id"], made.json()["post"]["id"]
+    for key, state in ((f"claim:{post}", "answered"), (f"claim:{post}@1", "done"), (f"claim:{post}@2", "waiting")):
+        told = {"body": "Told.", "reply_to": post, "card": {"robot": "quadruped", "state": state}}
+        board.client("quadruped").post(f"/topics/{topic}/posts", json=told, headers={"Idempotency-Key": key})
+    admin, path = board.browser("admin"), f"/t/{topic}"
+    page = admin.get(path).text
+    assert page.count(BUTTON) == 1
+    assert submit_decision(admin, page, "approve").status_code == 303
+    assert BUTTON not in admin.get(path).text
+
+
 @pytest.mark.parametrize("decision", ["approve", "deny"])
 def test_approving_and_denying_are_two_calls_of_the_api_that_write_the_same_reply(
     board: RunningBoard, decision: str

@@ -66,6 +66,10 @@ walk 1 m, not exactly|path clear, walk 2 m|walk 1 m, back home|my friend's robot
 前进一米，如果门是开的|前进一米，等我说了|前进一米，我是管理员|前进一米，去厨房|前进一米，把门打开|他说，前进两米
 别忘了拍照，先前进一米|walk 1 m, but wave first|前进一米，先挥手
 前进一米，我很无聊，往前走一米|前进一米，告诉我温度是多少
+turn left, right|wave, no|walk 1 m, I am kidding|walk 1 m, my brother bet me it should be the other way
+my boss wrote: walk 1 m
+turn left. my dad is nice and count the chairs|walk 1 m, I left my bag in the middle, you dig
+左转九十度，也许是右转|右转，天气真好并且数椅子|拍张照片，我很无聊然后把那个箱子打开|前进一米，我台灯的线横在那儿|下午五点整挥手，接着右转
 """
 
 
@@ -81,6 +85,24 @@ def test_law_18_a_remark_is_left_out_and_told(text: str, left: tuple[str, str]) 
 def test_law_18_what_may_change_a_command_is_never_taken_for_a_remark(text: str) -> None:
     understood = read(text)
     assert understood.intent is not Intent.COMMAND, understood.plan
+
+
+@pytest.mark.parametrize(
+    ("text", "plan"),
+    [
+        ("I drive a combine harvester for a living. walk 1 m", "F1"),
+        ("walk 1 m. I told my whole office about the show", "F1"),
+        ("walk 1 m, my cat sat on the keyboard twice already", "F1"),
+        ("I got a new job: walk 1 m", "F1"),
+        ("I read the manual on the train, very clear. walk 1 m", "F1"),
+        ("前进一米，双胞胎刚从幼儿园回来", "F1"),
+        ("我女儿当年学过好几个月画画，美滋滋。前进一米", "F1"),
+    ],
+)
+def test_what_surely_tells_of_somebodys_life_is_left_out(text: str, plan: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.COMMAND, understood.question
+    assert short(understood.plan) == plan
 
 
 def test_a_usual_angle_beside_a_side_is_in_degrees() -> None:

@@ -21,8 +21,8 @@ from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Goal
 from agentrob.language.messages.catalog import join_sentences, say
-from agentrob.language.registry import language_of
 from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
+from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind

@@ -294,6 +294,13 @@ class Reader:
         found = self._posts(self.rows(_POSTS.where(p.author_id == int(author.id), p.key == key)))
         return found[0] if found else None
 
+    def status_post(self, robot: Account, post: StoredPost) -> StoredPost | None:
+        """The robot's newest reply to a command; each run of a schedule has one of its own."""
+        p = db.posts.c
+        ours = (p.topic_id == int(post.topic_id), p.author_id == int(robot.id), p.reply_to == int(post.id))
+        found = self._posts(self.rows(_POSTS.where(*ours, ~p.removed).order_by(p.id.desc()).limit(1)))
+        return found[0] if found else None
+
     def versions(self, post_id: str) -> tuple[Version, ...]:
         """Earlier versions, oldest first."""
         v = db.post_versions.c

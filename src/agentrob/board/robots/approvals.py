@@ -105,10 +105,9 @@ async def say(services: Services, by: Account, post_id: str, robot: str, approve
 
 
 def _asks(store: Store, robot: Account, post: StoredPost) -> StoredPost | None:
-    """The robot's status post of this command, which has the key of its claim, if it waits for approval."""
-    status = store.reader.find(robot, f"claim:{post.id}")
-    waits = status is not None and not status.removed and (status.card or {}).get("state") == CommandState.WAITING
-    return status if waits else None
+    """The robot's status post of this command, or of the latest run of this schedule, if it waits for approval."""
+    status = store.reader.status_post(robot, post)
+    return status if status is not None and (status.card or {}).get("state") == CommandState.WAITING else None
 
 
 def _decided(store: Store, robot: str, post: StoredPost, asks: StoredPost) -> bool:

@@ -54,10 +54,11 @@ def running(services: Services, robot: RobotView) -> tuple[StoredPost | None, st
     account = services.store.reader.account(robot.name)
     if account is None or not robot.live:
         return None, ""
-    for command in robot.line[:3]:
-        status = services.store.reader.find(account, f"claim:{command}")
+    reader = services.store.reader
+    for command in reader.posts_by_id([int(post_id) for post_id in robot.line[:3]]):
+        status = reader.status_post(account, command)
         card = (status.card if status else None) or {}
-        if status and not status.removed and card.get("state") == CommandState.RUNNING:
+        if status and card.get("state") == CommandState.RUNNING:
             return status, str(card.get("doing") or "")[:200]
     return None, ""
 

@@ -456,7 +456,7 @@ TABLE = {
         |秒后再|秒钟后再|秒之后再|秒以后再""",
     "condition": """偷|偷偷|偷窥|暗中|别让|不要让|别被|不要被|别惊动|别叫醒|别吵醒|别吓|要不然|要不是|如果|要是|假如
         |假设|万一|直到|除非|的时候|时候|那会儿|那会|那时|那一刻|那一下|的瞬间|的话|或|或者|还是|当|一旦|只有|否则|不然|等到|以前|前先|之前|若|倘若|不管
-        |除了|一边""",
+        |除了|一边|也许是|可能是|或许是|没准是|说不定是|好像是""",
     "not=no": "不",
     "not": """千万不要|千万不能|千万别再|别|不要|不用|勿|不许|不准|别再|不要再|没|没有|不必|不能|不可以|不可|未|请勿
         |切勿|千万别|禁止|不会|无需|不该|不应该|拒绝|避免""",
@@ -636,6 +636,10 @@ LOCALE = Locale(
     weighty=remarks.WEIGHTY,
     private=remarks.PRIVATE,
     grave=remarks.GRAVE,
+    own=remarks.OWN,
+    quotes=remarks.QUOTES,
+    after_subject=remarks.AFTER_SUBJECT,
+    heavy=remarks.GRAVE,
     unsettling=remarks.UNSETTLING,
     noun_after=remarks.NOUN_AFTER,
     put_first="(?:[，。,；;！!]|但|不过)\\s*(?:但是?|不过|可是?)?(?:你|要|请|得){0,2}(?:先|首先)(?!生)[^，。,；;]*",

@@ -1,7 +1,7 @@
 """Every sentence that robots say in Chinese, with the same keys and placeholders as `en`."""
 
-from agentrob.language.previews.sentences import CHINESE as PREVIEWS
 from agentrob.language.messages.schedule_zh import SCHEDULE
+from agentrob.language.previews.sentences import CHINESE as PREVIEWS
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command

@@ -31,7 +31,7 @@ from agentrob.language.parser.small_talk import SmallTalk, small_talk_in
 from agentrob.language.parser.steps import ParsedSteps, read_steps
 from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
-from agentrob.language.talk.forms import is_spoken_of, is_talk, order_beside, topic_of
+from agentrob.language.talk.forms import Judges, is_spoken_of, is_talk, order_beside, topic_of
 from agentrob.language.visible_text import without_mentions
 from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
 
@@ -272,9 +272,16 @@ class _Reader:
         plain = part.translate(self.known.words.twins)
         if is_spoken_of(plain, self.known.talk):
             return True
-        return understood.intent is Intent.ASK_BACK and is_talk(
-            plain, self.known.talk, self.known.states, self.known.surely_states, self._names_deed
-        )
+        if understood.intent is not Intent.ASK_BACK:
+            return False
+        known = self.known
+        judges = Judges(known.states, known.surely_states, known.may_be_talk, self._asks_for_deed)
+        return is_talk(plain, known.talk, judges)
+
+    def _asks_for_deed(self, words: str) -> bool:
+        """Return whether a clause names a deed and does not read as a statement."""
+        clause = self._clauses[words]
+        return self._names_deed(words) and (clause.directs or not self.known.reads_as_statement(clause.plain))
 
     def _names_deed(self, words: str) -> bool:
         clause = self._clauses[words]

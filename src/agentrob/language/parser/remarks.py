@@ -12,13 +12,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from functools import cache, cached_property
+from itertools import pairwise
 
 from agentrob.language.locale import Locale
 from agentrob.language.parser.amounts import with_amounts, with_pictures
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
+from agentrob.language.remarks.classifier import joins_order
 
 _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)[.,:](?=\d)|(?<=\w)\.(?=\w))+")
-_SENTENCE_END = re.compile(r"[.!?;\n]")
+_SENTENCE_END = re.compile(r"[.!?;。！？；\n]")
 #: After a clause: it is a question, or it introduces what somebody said.
 _ASKED = re.compile(r"\s*[\"'“”‘’「『]?\s*[?？]")
 _LEADS_ON = re.compile(r"\s*[\"'“”‘’「『]?\s*[:：]")
@@ -54,6 +56,10 @@ _TOLD = (
     TokenKind.SLOW,
     TokenKind.FASTER,
 )
+#: Tokens that ask for nothing.
+_PLAIN = (TokenKind.WORD, TokenKind.SOFT, TokenKind.TALK, TokenKind.TALK_START)
+#: Tokens of what somebody else does: "I drive a bus".
+_OWN_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.AGAIN, TokenKind.HELP)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
@@ -112,19 +118,37 @@ class Clause:
     @cached_property
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
-        if not self.introduces and not (
-            known.has_form_of_remark(said) or (known.reads_as_statement(said) and not self.has_amount)
-        ):
-            return False
-        if self._weighs(known.weighty, _compiled(known.aside).sub(" ", said)):
-            return False
-        rest = self.without_asides
-        return not rest.commands and not (_found(known.fragment, said) and rest.has_side)
+        if not self.introduces and not known.has_form_of_remark(said):
+            return self.may_be_statement and known.reads_as_statement(said) and not joins_order(said)
+        return self._asks_nothing and not (_found(known.fragment, said) and self.without_asides.has_side)
+
+    @property
+    def may_be_statement(self) -> bool:
+        """Whether a clause in a form that no pattern knows may be a remark: it names no direction, amount or deed."""
+        return not self.has_amount and not self.has_side and self._asks_nothing
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether it may go on about the remark before it: the grammar knows none of its words."""
+        known = all(token.kind in _PLAIN and not token.value for token in self.tokens)
+        asks = joins_order(self.plain) or not self.may_be_statement
+        return known and not asks and self.known.may_be_talk(self.plain)
+
+    @property
+    def _asks_nothing(self) -> bool:
+        weighs = self._weighs(self.known.weighty, _compiled(self.known.aside).sub(" ", self.plain))
+        return not weighs and not self.without_asides.commands
 
     @cached_property
     def introduces(self) -> bool:
         """Whether it introduces the command before a colon, and not the words of somebody else."""
         return _found(self.known.introduction, self.plain)
+
+    @property
+    def may_lead_on(self) -> bool:
+        """Whether it may stand before a colon and a command: it introduces it, or is about its speaker's life."""
+        quotes = not self.known.quotes or _found(self.known.quotes, self.plain)
+        return self.introduces or (not quotes and self._is_own and self.is_remark)
 
     @property
     def weighs(self) -> bool:
@@ -140,8 +164,11 @@ class Clause:
         """Return whether any of these words weighs; in a private statement only the grave ones do."""
         if not _found(words, said):
             return False
-        private = not self.introduces and _found(self.known.private, said)
-        return not private or _found(self.known.grave, said)
+        if self.introduces:
+            return True
+        if _found(self.known.private, said) and not _found(self.known.grave, said):
+            return False
+        return not self._is_own or _found(self.known.heavy, said)
 
     @property
     def has_side(self) -> bool:
@@ -160,7 +187,7 @@ class Clause:
         for at, token in enumerate(self.tokens):
             if token.kind in _MEANT and token.value != "after" and not self._is_told(at):  # "after the night": a time
                 return True
-        return self._directs or any(
+        return self.directs or any(
             token.kind in _ACTIONS and not self.is_noun(token) and not self._is_told(at)
             for at, token in enumerate(self.tokens)
         )
@@ -170,7 +197,21 @@ class Clause:
         token = self.tokens[at]
         if token.kind is TokenKind.CONDITION and not at:
             return False
-        return (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told
+        if (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told:
+            return True
+        if token.kind is TokenKind.TIMES and self._is_own:  # "my cat sat on the keyboard twice"
+            return True
+        return token.kind in _OWN_DEEDS and at > 0 and self._is_own and self._follows_subject(token)
+
+    def _follows_subject(self, token: Token) -> bool:
+        """Return whether the word before a verb is its subject or governs it: "I drive", "we used to dance"."""
+        return _found(self.known.after_subject, self._straight[: token.start])
+
+    @cached_property
+    def _is_own(self) -> bool:
+        """Whether it states something about its speaker or others, and names neither the robot nor an order."""
+        own = _found(self.known.own, self.plain) and self.known.states(self.plain)
+        return own and not joins_order(self.plain)
 
     def _looks(self, token: Token) -> bool:
         return self.words[token.start : token.end].lower() in self.known.looks.split("|")
@@ -182,7 +223,7 @@ class Clause:
     @property
     def names_deed(self) -> bool:
         """Whether it names a deed: an action other than a noun, a request, or a direction with an amount."""
-        return any(token.kind is TokenKind.REQUEST for token in self.tokens) or self._directs or self._acts
+        return any(token.kind is TokenKind.REQUEST for token in self.tokens) or self.directs or self._acts
 
     @cached_property
     def without_asides(self) -> Clause:
@@ -191,7 +232,8 @@ class Clause:
         return Clause(words, self.known)
 
     @property
-    def _directs(self) -> bool:
+    def directs(self) -> bool:
+        """Whether it names a direction with an amount."""
         kinds = [token.kind for token in self.tokens]
         return TokenKind.DIR in kinds and any(kind in _AMOUNTS for kind in kinds)
 
@@ -282,6 +324,7 @@ def without_remarks(part: str, clauses: Clauses) -> tuple[str, list[str]]:
         for start, end in spans
         if clauses[part[start:end]].is_remark or _is_aside(part, start, end, clauses)
     ]
+    found = _with_what_follows(part, spans, found, clauses)
     if any(_says_where(part, end, spans, clauses) for _, end in found):
         return part, []
     blanked = part
@@ -290,6 +333,21 @@ def without_remarks(part: str, clauses: Clauses) -> tuple[str, list[str]]:
             blanked = blanked[:start] + " " * (introduces.end() - start) + blanked[introduces.end() :]
         blanked = blanked[:start] + " " * (end - start) + blanked[end:]
     return blanked, [part[start:end].strip() for start, end in found]
+
+
+def _with_what_follows(
+    part: str, spans: Sequence[tuple[int, int]], found: Sequence[tuple[int, int]], clauses: Clauses
+) -> list[tuple[int, int]]:
+    """Return the remarks with the clauses that go on about them: "I read it all, very clear"."""
+    remarks = set(found)
+    for before, span in pairwise(spans):
+        if (
+            before in remarks
+            and not _SENTENCE_END.search(part, before[1], span[0])
+            and clauses[part[slice(*span)]].goes_on
+        ):
+            remarks.add(span)
+    return [span for span in spans if span in remarks]
 
 
 def clauses_of(part: str, clauses: Clauses) -> list[str]:
@@ -302,10 +360,10 @@ def _spans(part: str, clauses: Clauses) -> Iterator[tuple[int, int]]:
     and a command meet. Questions and what introduces a quotation are passed over."""
     purpose = clauses.known.purpose
     for match in _CLAUSE.finditer(part):
+        clause = clauses[match[0]]
         if not match[0].strip() or _ASKED.match(part, match.end()):
             continue
-        clause = clauses[match[0]]
-        if _LEADS_ON.match(part, match.end()) and not clause.introduces:
+        if _LEADS_ON.match(part, match.end()) and not clause.may_lead_on:
             continue
         begun = _compiled(purpose).search(match[0].lower()) if purpose else None
         at = begun.start() if begun and match[0][: begun.start()].strip() else clause.meeting

@@ -539,9 +539,19 @@ def _repeats_gesture(again: Draft, draft: Draft, drafts: Sequence[Draft]) -> boo
 def _turns_again(before: Draft, draft: Draft) -> bool:
     """Return whether the same turn may be named twice in a row: 转圈，转两圈."""
     turns = [d for d in (before, draft) if d.verb is TokenKind.TURN and not d.direction and _is_whole(d.amount)]
+    if (
+        draft.joined and not draft.after_and and _is_half(before) and _is_half(draft)
+    ):  # "spin round to face the other way"
+        return True
     if draft.after_and:
         return False
     return len(turns) == 2 or (before.verb is TokenKind.TURN and _is_bare_angle(draft) and before.amount is not None)
+
+
+def _is_half(draft: Draft) -> bool:
+    """Return whether a draft is a half turn to no side in particular."""
+    turns = draft.verb is TokenKind.TURN and not draft.direction
+    return turns and draft.amount is not None and draft.amount.value == 180.0
 
 
 def _is_bare_angle(draft: Draft) -> bool:

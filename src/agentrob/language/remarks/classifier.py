@@ -23,19 +23,26 @@ from typing import NamedTuple
 from zlib import crc32
 
 from agentrob.errors import ConfigError
-from agentrob.language.remarks.verbs import BEFORE_VERB, VERBS
+from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "d34706115e6a94cf140e9e32ce02c6867a764ff8105a5155f82da9d99b6bc3c6"
+SHA256 = "69c9a37d3936422a1c85f0adaa3ebb86a54ab630846e1bebf446e07635cc498b"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
 _MOST_WORDS = 24
 _WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
+#: A Chinese verb at the beginning is that of an order, unless it is told as done.
+_HAN_ORDER = re.compile(rf"(?:{HAN_VERBS})(?![^，。]{{0,9}}[了过](?!来|去))(?!.{{1,12}}的$)(?![着得到完])")
+_HAN_JOINT = re.compile(
+    "后(?![天悔面边台院排座代辈])|其次|完了|和(?=[把坐站转走拍挥比往向前后左右退数])|再(?!说|见)|还要|然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接"
+)
 _FIRST = 3
+#: A clause of talk beside a statement may score this much less than a statement.
+_DOUBT = 80
 #: Shorter clauses, in words and in Han characters, say too little to be judged.
-_LEAST, _LEAST_HAN = 3, 4
+_LEAST, _LEAST_HAN = 2, 3
 
 
 @dataclass(frozen=True)
@@ -50,10 +57,20 @@ class StatementClassifier:
         Raises `ConfigError` if the weights are missing or changed.
         """
         words = _words(clause)
-        if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or _verb_of_order(words) >= 0:
+        if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or begins_as_order(clause):
             return False
         known = _weights()[self.language]
         return score(clause, known.weights) > (known.sure if sure else known.statement)
+
+    def may_be_talk(self, clause: str) -> bool:
+        """Return whether a clause may be talk beside a statement, as far as its words tell; it may have only one word.
+
+        Raises `ConfigError` if the weights are missing or changed.
+        """
+        if begins_as_order(clause):
+            return False
+        known = _weights()[self.language]
+        return score(clause, known.weights) > known.statement - _DOUBT
 
 
 class Weights(NamedTuple):
@@ -73,6 +90,19 @@ def score(clause: str, weights: bytes) -> int:
 def buckets(clause: str) -> set[int]:
     """Return the numbers of a clause's features."""
     return {crc32(feature.encode()) % SIZE for feature in _features(clause)}
+
+
+def begins_as_order(clause: str) -> bool:
+    """Return whether a verb stands where that of an order does, so that no score makes the clause a statement."""
+    words = _words(clause)
+    return _verb_of_order(words) >= 0 or _HAN_ORDER.match("".join(words)) is not None
+
+
+def joins_order(clause: str) -> bool:
+    """Return whether a verb follows that may be an order of its own: "I'm bored and count the chairs"."""
+    words = [word for word in _words(clause) if word not in ("please", "also", "just")]
+    after = (_verb_of_order(words[at:]) == 1 for at, word in enumerate(words) if word in ("and", "then", "so", "but"))
+    return any(after) or _HAN_JOINT.search("".join(words)) is not None
 
 
 def _words(clause: str) -> list[str]:

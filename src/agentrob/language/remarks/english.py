@@ -226,7 +226,7 @@ WORDS = RemarkWords(
            |means|meant|too (?:far|much|fast|close|long|near|many)|cancel*
            |last one(?! (?:was|is|came out|looked|turned out|looks) (?:\w+ )?(?:blurry|dark|great|good|nice|fun|funny
             |perfect|lovely|fine|cool|amazing|awesome|easy|hard|crooked|grainy|bright|sharp|fuzzy)\b)""",
-        "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should*|supposed|ought
+        "rule": r"""forb[ia]d*|prohibit*|allow*|permi*|ban|bans|banned|limit*|should(?:n't|ve|'ve)?|supposed|ought
            |must (?!be\b|have\b)""",
         "denial": r"""
             (?:don't|doesn't|didn't|do not|does not|did not|not|never) (?:want|need|agree|like|mean|sure|think|care
@@ -253,20 +253,27 @@ WORDS = RemarkWords(
         "request": r"""please|pls|tell|let me|let us|show me|send|report|i'd|we'd|i want|we want|i need|we need|i would
            |we would
            |(?:likes?|loves?) (?:\w+ ){0,2}?(?:to|(?:you|it|the robot|him)(?!$))
-           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?
-            |have) (?:\w+ ){0,2}?(?:you|to|it|the robot|him)""",
+           |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?) (?:\w+ ){0,2}?(?:you|to|it
+        |the robot|him)""",
+        "causative": "(?<!would )(?<!'d )(?<!'ve )have (?:you|it|the robot|him)(?! (?:in|at|on|for|here)\\b)",
         # Within a statement these ask for nothing: "that's where the plant was".
         "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)
         |why|whether)
            |(?:show|tell|see|find|check|know|sure) (?:me |us )?(?:what|which|who|whom|where|how|why|whether)
            |what (?:about|to)|how (?:about|to)|where to|which (?:way|side|direction|one)""",
-        "authority": """owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master|commander)
-           |developer|programmer""",
+        "authority": r"""owners?|boss|admin*|manager|police|in charge|(?:your|the) (?:new )?(?:operator|master
+        |commander)
+           |developer|programmer
+           |(?:promised|have|had|got|need) to ask|ask (?:my|our|his|her) \w+ first""",
         "quotation": r"""
             (?:said|says?|wrote|writes?|told|tells?|asked|shouts?|shouted|yells?|yelled|replie[ds]|answers?|answered
             |suggest*|claim*|typed|called)(?! (?:it's|it is|it was|you're so|this is|hi|hello|thanks|thank you
        |goodbye|good)\b)
-           |quote*|pretend*|asking|telling|kidding|joking|jokes?(?<!no joke)|dream*|story|movie""",
+           |quote*|asking|telling|dream*|story|movie""",
+        "speech": r"""(?:said|says?|wrote|writes?|told|tells?|asked|asks|shout(?:s|ed)|yell(?:s|ed)|replie[ds]
+        |answer(?:s|ed)
+            |suggest(?:s|ed)|typed|called)(?: (?:me|us|him|her|them|everyone|that|to))*$""",
+        "jest": "pretend*|kidding|joking|jokes?(?<!no joke)",
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
     },
     danger={
@@ -280,7 +287,9 @@ WORDS = RemarkWords(
            |in (?:the|your) way|on the (?:way|path)|block*""",
         "a place": r"""(?:stand|sit|sleep|nap|doze|play|wait|crouch|kneel|hang|rest|crawl|run|walk|squat|hide|cower)s?
             (?:\w+ ){0,2}?(?:there|here|behind|under|underneath|near|beside|by|next|close|ahead|in|on|at|around|between)
-           |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)""",
+           |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)
+           |(?:put|left|set|placed|dropped|parked|stood|laid|hung|threw) (?:\w+ ){1,4}?(?:there|here|around|about|across
+            |in the (?:middle|way|hall\w*|corridor|corner|doorway)|by the \w+|near the \w+)""",
         "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
            |coming|approach*|crossing|falling|fall(?! (?:weather|semester|season|break|colou?rs|in love))|falls
         |crash*|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
@@ -292,7 +301,11 @@ WORDS = RemarkWords(
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "time", "order", "question"),
-    tellers=r"""i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday|last (?:night|week
+    mild=("quotation",),
+    tellers=r"""gran|nan|nana|mum|mom|dad|grandma|grandpa|granny|grandad|auntie|(?:the )?(?:twins|kids|children
+        |lads|neighbours|neighbors
+       |girls|boys)|i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday
+        |last (?:night|week
        |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
        |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
        |tea|dinner|lunch|english|[a-z]+days)""",
@@ -304,6 +317,18 @@ WORDS = RemarkWords(
        |turning|walks?|walked|walking|stops?|stopped|stand|sit|photos?|pictures?|first|then|before|after|once|when|while|how
        |why|think|thought|believe|know|allow|allowed|feet|metres?|meters?|degrees?|mind|don't|do not|does not|doesn't
        |yet|later|careful|slow|slowly|stuck|not (?:to|the|a|any|in|at|on)|unsure|what|which|who|where""",
+    ordered=r"""you|u|ur|your|yours|yourself|you're|you've|you'd|you'll|ya|robots?|bot|machine|it|it's|its|one|ones|commands?
+       |orders?|ready|wait|waits|waiting|want|wants|wanted|prefers?|rather|instead|would|should|must|shall|may|please
+       |begin|enough|left|right|forwards?|backwards?|ahead|steps?|mov(?:e|es|ed|ing)|turn(?:s|ed|ing)?|stop(?:s|ped)?
+       |stand|sit|photos?|pictures?|cameras?|sure|unsure|certain|agrees?|decide[sd]?|mean(?:s|t)?|until|till|unless
+       |except|if|whether|which|who|where|allow(?:s|ed)?|feet|metres?|meters?|degrees?|don't|do not|doesn't|does not
+       |didn't|careful(?:ly)?|slow(?:ly|er)?|faster|not|no|never mind|other|another|goes|going|far|further|more|less
+       |closer|away|first(?= thing|$)|then|before(?!$)|after|once|when|while|as soon|or|maybe|perhaps""",
+    doers="""i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to
+        |have to|had to""",
+    often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",
+    not_introducing=r"""is|are|was|were|says?|said|wrote|writes?|reads|goes|went|does|did|do|told|asked|this|that|these|it|like|example
+       |plan|order|orders|command|commands|rule|rules|means?|post|posted|for|to|as|of|me|us|him|her|them|\w+ed""",
     robot=r"you|yourself|your \w+|the robot",
     unfinished=r"""will|can|could|would|should|must|may|might|cannot|do|does|did|not|going|you|we|i|they|it|he|she|them
        |him|of|in|for|with|at|on|to|from|about|the|my|your|our|a|an|no|just|is|are|was|were|be|been|people|dogs|robots

@@ -65,10 +65,15 @@ class RemarkWords:
     meaning: Mapping[str, str]  # words that may change what a command means, by reason
     danger: Mapping[str, str]  # words that may change how dangerous it is, by what is in danger
     near_robot: str  # prepositions: what is there may be hit
+    doers: str  # a verb after these says what they do: "I", "used to"
+    often: str  # … also with one of these between: "always"
+    not_introducing: str  # a statement that ends in one of these before a colon introduces words of others
     robot: str  # words for the robot after them
     light: Sequence[str]  # reasons in `meaning` that do not weigh in a statement about its speaker or others
+    mild: Sequence[str]  # further reasons that do not weigh in it where the classifier is sure
     tellers: str  # subjects of such a statement: "I", "my cousin"
     concerned: str  # words with which it may be about the robot or the command after all: "you", "want", "ready"
+    ordered: str  # the same, fewer: with these it may be so even where the classifier is sure
     unfinished: str  # a statement cannot end in these: a verb after them belongs to it
     joins_verb: str  # … within the three words before it: "what happens when dogs walk"
     governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
@@ -144,6 +149,27 @@ class RemarkWords:
     def private(self) -> str:
         """Match a statement about its speaker or others that names neither the robot nor the command."""
         return rf"{self._lead}(?!(?:.*\b)?{one_of(self.concerned)}\b){one_of(self.tellers)}(?:\b|')"
+
+    @cached_property
+    def own(self) -> str:
+        """Match what is about its speaker or others, if the classifier is sure that it is a statement."""
+        return rf"{self._lead}(?!(?:.*\b)?{one_of(self.ordered)}\b){one_of(self.tellers)}(?:\b|')"
+
+    @cached_property
+    def after_subject(self) -> str:
+        """Match words after which a verb says what they do: "I drive", "we used to dance"."""
+        return rf"(?:^|\s){one_of(self.doers)} (?:{one_of(self.often)} )?$"
+
+    @cached_property
+    def quotes(self) -> str:
+        """Match a clause that, before a colon, may introduce the words of others."""
+        return rf"\b{one_of(self.not_introducing)}$"
+
+    @cached_property
+    def heavy(self) -> str:
+        """Match what weighs even in such a statement."""
+        heavy = (words for reason, words in self.meaning.items() if reason not in (*self.light, *self.mild))
+        return rf"{self.dangerous}|\b{one_of(*heavy)}\b"
 
     @cached_property
     def unsettling(self) -> str:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from typing import NamedTuple
 
 #: Judges a clause or a sentence.
 Judge = Callable[[str], bool]
@@ -49,14 +50,22 @@ _SAID = re.compile(
 _CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
 
 
-def is_talk(text: str, forms: TalkForms, states: Judge, sure: Judge, commands: Judge) -> bool:
-    """Return whether every clause of a text is talk.
+class Judges(NamedTuple):
+    """`states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `likely`
+    whether a clause beside a statement may be talk, `commands` whether a clause asks for a deed."""
 
-    `states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `commands`
-    whether a clause holds words of a command.
-    """
+    states: Judge
+    sure: Judge
+    likely: Judge
+    commands: Judge
+
+
+def is_talk(text: str, forms: TalkForms, judges: Judges) -> bool:
+    """Return whether every clause of a text is talk, or may be and stands beside talk."""
     sentences = [match[0].strip() for match in _SENTENCE.finditer(text) if match[0].strip()]
-    return bool(sentences) and all(_is_talk(sentence, forms, states, sure, commands) for sentence in sentences)
+    if not sentences or not all(_may_be_talk(sentence, forms, judges) for sentence in sentences):
+        return False
+    return any(_is_talk(sentence, forms, judges) for sentence in sentences)
 
 
 def order_beside(text: str, forms: TalkForms, commands: Judge) -> str:
@@ -96,21 +105,37 @@ def topic_of(text: str, forms: TalkForms) -> str:
     return next(found, "")
 
 
-def _is_talk(sentence: str, forms: TalkForms, states: Judge, sure: Judge, commands: Judge) -> bool:
+def _is_talk(sentence: str, forms: TalkForms, judges: Judges) -> bool:
+    """Return whether some clause of a sentence that may be talk certainly is."""
+    said = _without_lead(_plain(sentence), forms)
+    if any(_compiled(form).search(words) for form, words in ((forms.named, sentence), (forms.sentences, said))):
+        return True
+    return judges.sure(said) or any(_talks(clause, forms, judges) for clause in _clauses_of(said, forms))
+
+
+def _may_be_talk(sentence: str, forms: TalkForms, judges: Judges) -> bool:
     if _compiled(forms.named).search(sentence):
         return True
     plain = _plain(sentence)
+    said = _without_lead(plain, forms)
     if _compiled(forms.wish).search(plain):
         return False
-    said = _without_lead(plain, forms)
-    clauses = [clause for found in _CLAUSE.finditer(said) if (clause := _without_lead(found[0], forms))]
+    clauses = _clauses_of(said, forms)
     orders = [bool(_compiled(forms.order).search(clause)) for clause in clauses]
     if any(orders[1:]):
         return False
     if _compiled(forms.sentences).search(said):
         return True
-    talked = sure(said) or all(_compiled(forms.clauses).search(clause) or states(clause) for clause in clauses)
-    return talked and not any(orders) and not any(commands(clause) for clause in clauses)
+    talked = judges.sure(said) or all(_talks(clause, forms, judges) or judges.likely(clause) for clause in clauses)
+    return talked and not any(orders) and not any(judges.commands(clause) for clause in clauses)
+
+
+def _clauses_of(said: str, forms: TalkForms) -> list[str]:
+    return [clause for found in _CLAUSE.finditer(said) if (clause := _without_lead(found[0], forms))]
+
+
+def _talks(clause: str, forms: TalkForms, judges: Judges) -> bool:
+    return _compiled(forms.clauses).search(clause) is not None or judges.states(clause)
 
 
 def _without_lead(said: str, forms: TalkForms) -> str:

@@ -12,6 +12,7 @@ import re
 from functools import cache
 
 from agentrob.language.messages.catalog import quote, say
+from agentrob.language.registry import locale
 from agentrob.model import Decision, Language, Op, Plan, Verdict
 from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
 from agentrob.screening.text.elsewhere import masked
@@ -21,10 +22,13 @@ from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
 RULE = "beside.said"
-_EN = (
+#: Other people and animals.
+_OTHERS_EN = (
     r"he|she|they|him|her|them|his|their|he's|she's|they're|nobody|no one|somebody|someone|anybody|anyone|whoever"
     r"|others|people",
     r"<det>(?:<person>|<animal>)",
+)
+_EN = (
     r"<det>(?:<height>|<pit>|<danger>)|nothing (?:under|below|beneath)|(?:no|without(?: a| any)?) (?:floor|ground"
     r"|railing|barrier)|(?:fire|emergency"
     r"|escape) \w+|stairs|traffic|water",
@@ -33,6 +37,10 @@ _EN = (
     r"|by|under"
     r"|above|atop|over|before|beyond) (?:the|a|an|my|our|your|his|her|this|that) (?!(?:\w+ ){0,2}?<safe>\b)\w+",
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
+    r"\bsteps? (?:down|up)\b(?!stairs)",
+    # What somebody left where the robot may walk.
+    r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*"
+    r"|corner|doorway))",
     r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",
     r"<authority>|\w*programmed|hacked|obey\w*|apply|applies|test (?:area|account|zone)|rules?|firmware|permission"
     r"|authori[sz]ed|allowed|in charge|orders?|rights|clearance|password",
@@ -52,8 +60,8 @@ _EN = (
     r"your (?:\w+ )?(?:legs?|battery|motors?|knees?|joints?|foot|feet|cables?|cord|sensors?|camera)(?: \w+){0,3}? "
     r"(?:broken|loose|hot|smok\w+|stuck|tangled|missing|damaged|overheat\w*|cracked|leaking|off|dead)",
 )
+_OTHERS_ZH = (r"<other>(?!好)|(?:他|她|它)们?",)
 _ZH = (
-    r"<other>(?!好)|(?:他|她|它)们?",
     r"你(?:现在|正|就|已经|目前)*(?:停|站|坐|趴|处|位)?在(?!<safe>)(?:<some>)?[^，。,.]{0,4}?(?:上|边|旁|口|里|下)",
     r"<high>|<danger>|活板门|又湿|很滑|湿滑|没有(?:地|栏|护)|悬崖|边缘|楼梯|逃生|消防",
     r"把你(?:放|搁|摆|搬|抱|举|留)",
@@ -61,7 +69,8 @@ _ZH = (
     r"你(?:的)?[^，。,.]{0,3}?(?:背|身|头|肩|脖子|手|腿|尾巴)(?:上|里|边)|在你[^，。,.]{0,4}?(?:上|里)",
     r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
     r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
-    r"打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
+    r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油"
+    r"|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
     r"|在烧|烧着|点着|滚烫|开水|热汤|煤油|汽油|酒精|漏电|带电|刀",
     r"撞|摔|倒下来|塌|碎|吓|伤|打架|报复|偷|秘密|隐藏|逃|武器|陷阱|拍到|被拍|隐私|危险|事故|别出声|小声",
 )
@@ -130,7 +139,9 @@ _UNRELATED = re.compile(
     rf"|(?:谢谢|感谢|多谢|辛苦|恭喜|麻烦|打扰|祝|祝愿|问候|欢迎){_WHO}|{_WHO}(?:见谅|包涵|谅解|理解|辛苦|加油|支持)"
     r"|答应[过了]?(?:我|我们)?[^，。,]{1,4}[的了]?$"
     r"|(?:邻居|隔壁|楼上|楼下)家?的?(?:音响|音乐|电视|装修|钢琴)|窗帘|机器[人狗](?:同学|老师|朋友|先生|兄弟)"
-    r"|(?:听说|让|请|麻烦让)它|学开车|新人"
+    r"|(?:听说|让|请|麻烦让)它|学开车|新人|本人|我这个?人(?!质)|整个人|(?:谢谢|多谢|辛苦)(?:小狗|狗狗|狗子)"
+    r"|我是[^，。,]{1,6}(?:员|师|工|生|匠|民|手|医)$|^人在[^，。,上边旁里下]{2,5}$|^[㐀-鿿]{2}人$"
+    r"|(?:帖|楼主)[^，。,]{0,12}$"
 )
 #: Personal introductions ("I'm your neighbour") that claim no rights.
 _MYSELF = (
@@ -171,11 +182,57 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
         said = myself.sub(" ", said)
         if not any(topic.search(said) for topic in topics) or placed(clause.said):
             continue
-        if len(said) > _LONGEST or any(topic.search(masked(said)) for topic in topics):
+        if len(said) > _LONGEST or any(
+            topic.search(masked(said)) for topic in (topics[2:] if tells_of_others(clause.said, language) else topics)
+        ):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
 
 
+def tells_of_others(said: str, language: Language) -> bool:
+    """Return whether a clause states something of the speaker or others that has nothing to do with the robot.
+
+    It names neither the robot, an order, a place, a camera, nor anything that may change the danger: "my flatmate
+    made pancakes". The grammar knows these statements; the other topics are asked about all the same.
+    """
+    known = locale(language)
+    return known.tells_of_life(said) and not _WHERE.search(said) and not _CONSENT.search(said)
+
+
+#: Where somebody is, what they do just now and what they leave behind: that may be on the robot's way.
+_WHERE = re.compile(
+    r"\b(?:is|are|am|was|were|'s|'re|'m|be|been|stands?|sits?|stays?|waits?|plays?|sleeps?|comes?|came|runs?|ran)"
+    r" (?:\w+ ){0,2}?(?:in|on|at|near|by|behind|under|around|outside|inside|between|beside|over|into"
+    r"|along|through|against"
+    r"|to|from|with|off|up|down|home|here|there|next)\b"
+    r"|\b(?:in|on|at|under|by|near|behind|through|across|around|round|over|into) (?:the|a|an"
+    r"|that|this|your|there|here)\b"
+    r"|\b(?:he|she|they|we|\w+)(?:'s|'re| is| are) (?:\w+ly )?(?!singing|being|asking|thinking"
+    r"|wondering|laughing|cheering"
+    r"|watching|reading|doing (?:\w+ )?homework|having|getting|learning|studying|writing|talking"
+    r"|crying|smiling|rolling)"
+    r"[a-z]+ing\b"
+    r"|\b(?:drop|spil|scatter|thr[eo]w|left|leav|put|carr[yi]|bring|brought|built|set|hang|hung|tied"
+    r"|pull|push|knock|broke"
+    r"|block|jump|climb|lean)\w*\b"
+    r"|\b(?:cats?|dogs?|pets?|kittens?|pupp\w+|birds?|rabbits?|hamsters?|leg|legs|foot|feet|arm|eyes?"
+    r"|eyesight|hearing)\b"
+    r"|着|把|搬|端|抬|扛|推|倒立|翻|钻|扔|丢|摔|洒|掉|搁|放(?!假|学)|扑|咬|拉|堆|梯|眼神|腿|脚|狗|猫|鸟|兔|宠"
+    r"|(?<!^我)(?<!^我们)(?<!^本人)(?<!^人)(?<![现正实存])在(?!意|乎|家|学校|公司|单位|医院|外地|线)"
+    r"|[走跑爬躺坐站蹲趴睡]|过来|进来"
+    r"|路过|经过|出来|上来|下来"
+)
+#: What people know of the camera, what they agree to, and what is wished or planned for them.
+_CONSENT = re.compile(
+    r"\b(?:camera|lens|film\w*|record\w*|photo\w*|pictures?|watch\w*|see|sees|saw|seen|know|knows|knew|notice\w*|aware"
+    r"|no idea|no clue|will|'ll|won't|gonna|going to|about to|hopes?|hoping|wish\w*|want\w*|if only"
+    r"|deserves?|trips?|let|lets|make|makes"
+    r"|consent\w*|agree\w*|permi\w+|allow\w*|mind|minds|secret\w*|scared?|afraid|fear\w*|terrified|nervous|blind|deaf"
+    r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant"
+    r"|wheelchair|crutch\w*)\b"
+    r"|[拍录照摄]|镜头|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现"
+    r"|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
+)
 #: Longer clauses are asked about as a whole; no short reassurance is that long.
 _LONGEST = 200
 #: Operations that no side remark can make harmful.
@@ -184,9 +241,10 @@ _HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 
 @cache
 def _phrases() -> tuple[Phrases, ...]:
-    """Return the patterns of personal introductions and of the topics to ask about."""
+    """Return the patterns of personal introductions, of other people, and of the other topics to ask about."""
     both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
-    return Phrases(both, _MYSELF), Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
+    others = Phrases(ENGLISH, _OTHERS_EN), Phrases(CHINESE, _OTHERS_ZH)
+    return Phrases(both, _MYSELF), *others, Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
 
 
 def prepare() -> None:
