@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import time
 import zlib
 from dataclasses import dataclass, field
 
@@ -18,9 +19,12 @@ from agentrob.model import Command, Plan, Pose
 from agentrob.rehearsal.client import rehearse
 from agentrob.rehearsal.preview import OtherRobot, Preview, PreviewRequest
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.safety.guard import PREPARE_S
 
 #: A robot that stands further from where its approved preview begins would do something else than what was approved.
 PLACE_M, PLACE_RAD = 0.3, math.radians(20.0)
+#: How long to wait for the home of a simulated robot, as its guard does before a step, and how often to look.
+LOOK_S = 0.1
 _log = structlog.get_logger()
 
 
@@ -42,7 +46,11 @@ class Previews:
             return await self._made(command, plan)
 
     async def _made(self, command: Command, plan: Plan) -> Preview:
-        capabilities, state = await self.driver.capabilities(), await self.driver.state()
+        capabilities, state, asked_s = await self.driver.capabilities(), await self.driver.state(), time.monotonic()
+        homes_itself = self.settings.simulated and self.settings.home_on_start
+        while homes_itself and not state.homed and time.monotonic() - asked_s < PREPARE_S:  # its driver just began
+            await asyncio.sleep(LOOK_S)
+            state = await self.driver.state()
         posture = await self.driver.posture(joints=False) if state.homed else None
         stands = posture.pose if posture is not None else None
         others = await self._others()
