@@ -170,10 +170,13 @@ ROUTINES = (
 )  # fmt: skip
 FURTHER = {
     "en": (
-        "forward 1 m", "walk forward 1 m", "back 50 cm", "left 90 degrees", "turn right", "1 m", "2 m left", "forward", "wave",
-        "sit down", "walk 1 m so i can see better", "90 degrees", "go left 1 m and wave",
+        "forward 1 m", "walk forward 1 m", "back 50 cm", "left 90 degrees", "turn right", "1 m", "2 m left", "forward",
+        "wave", "sit down", "walk 1 m so i can see better", "90 degrees", "go left 1 m and wave",
     ),
-    "zh": ("前进一米", "向前走一米", "后退50厘米", "左转90度", "右转", "一米", "往左走两米", "向前", "挥手", "坐下", "再前进一米"),
+    "zh": (
+        "前进一米", "向前走一米", "后退50厘米", "左转90度", "右转", "一米", "往左走两米", "向前", "挥手", "坐下",
+        "再前进一米",
+    ),
 }  # fmt: skip
 JOINED = {"en": (", ", " and ", ", then ", " ", ". ", "; "), "zh": ("，", "然后", "，再", "", "。", "并")}
 
