@@ -76,7 +76,7 @@ def fits(steps: Sequence[Primitive], can: Capabilities) -> bool:
     possible = all(s.op in can.ops and (s.op is not Op.MOVE or s.direction in can.move_directions) for s in steps)
     short = all((s.distance_m or 0.0) <= limits.step_m and (s.degrees or 0.0) <= limits.step_deg for s in steps)
     whole = len(steps) <= limits.command_steps and plan.distance_m <= limits.command_m
-    return bool(steps) and possible and short and whole and seconds_of(plan, can) <= limits.command_s
+    return bool(steps) and possible and short and whole and math.ceil(seconds_of(plan, can)) <= limits.command_s
 
 
 def sides_of(steps: Sequence[Primitive]) -> tuple[int, float]:

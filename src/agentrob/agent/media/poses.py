@@ -127,10 +127,13 @@ class PoseSampler:
             self._unwritten = None
 
     async def replay(self, post_id: str, geometry: str) -> bytes:
-        """The gzipped replay of a command; nothing if no poses were known. The same until `forget`."""
+        """The gzipped replay of a command, once its end was sampled; nothing if no poses were known. The same until
+        `forget`."""
         log = self._logs.get(post_id) or await asyncio.to_thread(self._files.read, post_id)
         if log is None:
             return b""
+        if log is self._running and math.isfinite(self._until_s):
+            await asyncio.sleep(max(0.0, self._until_s - time.monotonic()))
         room = self._room.as_data()
         head = {"robot": self._robot, "map": room, "geometry": geometry}
         return await asyncio.to_thread(encoded, log, **head)
