@@ -56,6 +56,7 @@ LEAST = {
     "GET /events": "guest",
     "GET /robots": "guest",
     "GET /robots/{name}": "guest",
+    "GET /robots/{name}/schedules": "guest",
     "PUT /robots/{name}": "robot",
     "PUT /robots/{name}/frame": "robot",
     "GET /robots/{name}/frame.jpg": "guest",

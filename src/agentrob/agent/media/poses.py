@@ -35,6 +35,8 @@ LINGER_S = 0.6
 AGAIN_S = 1.0
 #: How often new poses of a command are written to its file, and how long the end of a motion waits for that.
 WRITE_S, WRITTEN_S = 1.0, 0.5
+#: A replay has at least so many poses.
+FEWEST_POSES = 2
 #: How many commands' poses wait for their reports.
 LOGS = 4
 #: Points of the measured path that a new watcher gets, and the distance between two of them.
@@ -63,6 +65,7 @@ class PoseSampler:
         self._written_s = -math.inf
         self._pages, self._driver, self._robot, self._room = pages, driver, robot, room
         self._watched = self._body = False
+        self._watches = 0
         self._running: PoseLog | None = None
         self._until_s = -math.inf
         self._steps: Sequence[Primitive] = ()
@@ -74,6 +77,7 @@ class PoseSampler:
     def watch(self) -> None:
         """Somebody watches: send poses until the forum says that nobody does."""
         self._watched = True
+        self._watches += 1
         self._sent = None
         self._wanted.set()
 
@@ -127,12 +131,12 @@ class PoseSampler:
             self._unwritten = None
 
     async def replay(self, post_id: str, geometry: str) -> bytes:
-        """The gzipped replay of a command, once its end was sampled; nothing if no poses were known. The same until
-        `forget`."""
+        """The gzipped replay of a command; nothing if no poses were known. The same until `forget`. A command that was
+        as short as one sample is followed until it is at rest."""
         log = self._logs.get(post_id) or await asyncio.to_thread(self._files.read, post_id)
         if log is None:
             return b""
-        if log is self._running and math.isfinite(self._until_s):
+        if log is self._running and len(log.samples) < FEWEST_POSES and math.isfinite(self._until_s):
             await asyncio.sleep(max(0.0, self._until_s - time.monotonic()))
         room = self._room.as_data()
         head = {"robot": self._robot, "map": room, "geometry": geometry}
@@ -202,10 +206,11 @@ class PoseSampler:
             self._fresh.clear()
             if not self._watched or self._newest is None:
                 continue
-            log, begun_s = self._running, time.monotonic()
+            log, begun_s, watches = self._running, time.monotonic(), self._watches
             try:
                 seen = await pages.publish_pose(self._robot, self._frame(self._newest, log))
-                self._watched, self._sent, self._body = seen.viewers > 0, log, seen.viewers > 0 and seen.body
+                if watches == self._watches:  # else somebody came meanwhile, who needs the planned path too
+                    self._watched, self._sent, self._body = seen.viewers > 0, log, seen.viewers > 0 and seen.body
                 await asyncio.sleep(max(0.0, seen.every_s - (time.monotonic() - begun_s)))
             except ForumError as e:
                 if not isinstance(e, ForumUnoffered):

@@ -171,7 +171,8 @@ class Recorder:
                     lambda: self._running is not None,
                 )
             scene = await asyncio.to_thread(_written, results, film, round(1000 * self._settings.max_kb))
-            if scene and (webp := await _drawn(scene)):
+            webp = await _drawn(scene) if scene else None
+            if webp:
                 await asyncio.to_thread(_write, self.file(post_id, "webp"), webp)
             return webp
         except Exception as e:
