@@ -26,7 +26,6 @@ LITTLE = {
     "mcp.py": ["--calls", "5", "--starts", "1"],
     "minds.py": ["--turns", "12"],
     "remote_driver.py": ["--trials", "3", "--hold", "3", "--cuts", "1"],
-    "rehearsal.py": ["--trials", "2"],
     "rpc.py": ["--calls", "50", "--walks", "1"],
     "stop_body.py": ["--only", "body", "--runs", "3"],
     "stop_http.py": ["--trials", "2"],

@@ -41,13 +41,6 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped 向前走一米，然后挥手", "would", "我会向前走1米，然后打个招呼。"),
         ("@quadruped 向前走九米", "refuse", "太远：每步最多 5 米。"),
         ("@quadruped 停", "stop", "我会停下。"),
-        ("@quadruped preview wave", "answer", "Only a preview; nothing moves. I would wave."),
-        ("preview: @quadruped wave", "answer", "Only a preview; nothing moves. I would wave."),
-        ("@quadruped wave, but show me first", "answer", "Only a preview; nothing moves. I would wave."),
-        ("@quadruped 预演 挥手", "answer", "只是预演，没有任何动作。我会打个招呼。"),
-        ("@quadruped preview", "ask_back", "What shall I preview?"),
-        ("@quadruped preview walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
-        ("@quadruped previews are great, wave", "ask_back", "Shall I only preview this?"),
         ("@quadruped every weekday at 9 wave", "would", "I would wave. At the times that my reply will name."),
         (
             "@humanoid in 10 minutes wave",

@@ -36,7 +36,6 @@ from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
-from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import Schedules, lost_right
 from agentrob.agent.reporting import report as reply_text
@@ -421,8 +420,7 @@ class RobotAgent:
         )  # fmt: skip
 
     def _make_pipeline(self) -> Pipeline:
-        names, room = self._addressing().names, RoomMap(self.name, self.settings)
-        previews = Previews(self.name, self.settings, self.forum, self.driver, room)
+        names = self._addressing().names
         approvals = Approvals(
             self.name,
             self._addressing().me.name,
@@ -432,7 +430,6 @@ class RobotAgent:
             self.queue,
             self.event_stream.now,
             self._spawn,
-            previews,
         )
         rate_limiter, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
 
@@ -451,12 +448,12 @@ class RobotAgent:
         )  # fmt: skip
         final_report = FinalReport(
             self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
-            self.owner, self._ended, self.poses, self.geometry, room,
+            self.owner, self._ended, self.poses, self.geometry,
         )  # fmt: skip
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
             self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
-            self._clock_set, self.schedules, previews,
+            self._clock_set, self.schedules,
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:

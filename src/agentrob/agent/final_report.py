@@ -14,17 +14,13 @@ import structlog
 from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
-from agentrob.agent.media.plot import preview_plot
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
-from agentrob.agent.media.replay import encoded, preview_log
-from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import TRIES, page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, summary_text
-from agentrob.agent.reporting.preview_text import beside_measured
 from agentrob.agent.reporting.status_post import DeniedWrites, Shown, retry_until_answered
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
@@ -33,7 +29,6 @@ from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum, PosePages
 from agentrob.model import Command, CommandState, Report, StatusCard
-from agentrob.rehearsal.preview import Preview
 
 #: How long a report waits for its record.
 RECORD_S = 2.0
@@ -58,7 +53,6 @@ class FinalReport:
     on_end: Callable[[Report], None]
     poses: PoseSampler
     geometry: Geometry
-    room: RoomMap
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""
@@ -106,7 +100,7 @@ class FinalReport:
             with job.log_errors("record not published"):
                 await publish(self.forum, page, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(command, page, None if measured else job.preview)
+            await self._publish_replay(command, page)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -129,17 +123,12 @@ class FinalReport:
             elif claim.final is not None:
                 await self._publish_replay(claim.command, _page_post(claim.command, claim.status_post))
 
-    async def _publish_replay(self, command: Command, page: str, preview: Preview | None = None) -> None:
-        """Publish how the robot moved, or a run of the preview, if the forum replays commands. `page` is the post with
-        the command's page."""
+    async def _publish_replay(self, command: Command, page: str) -> None:
+        """Publish how the robot moved, if the forum replays commands. `page` is the post with the command's page."""
         if not isinstance(self.forum, PosePages) or self.ending():
             return
         geometry = await self.geometry.publish()
-        if preview is not None:
-            head = {"robot": self.name, "map": self.room.as_data(), "geometry": geometry}
-            replay = await asyncio.to_thread(lambda: encoded(preview_log(preview), **head))
-        else:
-            replay = await self.poses.replay(command.key, geometry)
+        replay = await self.poses.replay(command.key, geometry)
         if replay and page:
             await retry_until_answered(partial(self.forum.publish_replay, page, replay), TRIES)
         await self.poses.forget(command.key)
@@ -158,10 +147,7 @@ class FinalReport:
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
             once = self.forum.max_edits is not None
-            drawn = partial(preview_plot, job.preview, self.room.as_data()) if job.preview is not None else None
-            pictures = await illustrate(
-                report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls, preview=drawn
-            )
+            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
         with job.log_errors("page of the command not known"):
             page = await page_of(self.forum, _page_post(command, job.status.post_id), hurry=self.ending())
         facts: dict[str, Any] | None = None
@@ -169,13 +155,11 @@ class FinalReport:
             kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
-            more |= {"preview": job.preview.as_data()} if job.preview else {}
             facts = self.records.write(report, job.assessment, **more)
         paragraphs: list[str] = []
         with job.log_errors("notes left out"):
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
-            paragraphs += [beside_measured(job.preview, report.results, language)] if job.preview is not None else []
             paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
             paragraphs += await self.owner.release_hints(report)
 

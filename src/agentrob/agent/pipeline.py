@@ -21,12 +21,10 @@ from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.motion import EXECUTION, Motion
 from agentrob.agent.queue.approvals import Approvals
-from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import MOST, Schedules
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import schedule_text, visual_text
-from agentrob.agent.reporting.preview_text import preview_text
 from agentrob.agent.reporting.status_post import (
     DeniedWrites,
     Shown,
@@ -97,7 +95,6 @@ class Pipeline:
     owner: OwnerActions
     clock_set: Callable[[], timedelta | None]
     schedules: Schedules
-    previews: Previews
 
     @property
     def terms(self) -> CommandTerms:
@@ -191,8 +188,6 @@ class Pipeline:
             job.cancelled_earlier = await self._cancel_earlier(job)
         if assessment.schedule is not None:
             return await self._schedule(job, assessment)
-        if assessment.previews and job.ended is None:
-            return await self._preview(job, assessment)
         if job.ended is None and assessment.understanding.intent is Intent.COMMAND:
             return await self._execute_command(job, assessment)
         return await self._answer(job, assessment)
@@ -340,21 +335,6 @@ class Pipeline:
         text = schedule_text.scheduled(kept, command.language, needs_approval=asks)
         return self._report(job, CommandState.ANSWERED, message=text)
 
-    async def _preview(self, job: QueuedCommand, assessment: Assessment) -> Report:
-        """Rehearse a command; nothing moves. It is judged and rate-limited like one that would. A stop ends it."""
-        command, plan = job.command, assessment.understanding.plan
-        if (refused := self._refusal(job, assessment)) is not None:
-            return refused
-        if (waiting := await self._wait_for_rate_limit(job)) is not None:
-            return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
-        self._show(job, say("preview.running", command.language), CommandState.SEEN)
-        job.preview = await self.previews.unless_ended(job, plan)
-        if job.preview is None:
-            await self.journal.cancel(command.key)
-            return await self._ended(job, plan)
-        text = preview_text(job.preview, command.language)
-        return self._report(job, CommandState.ANSWERED, Plan(notes=plan.notes), message=text)
-
     def _refusal(self, job: QueuedCommand, assessment: Assessment) -> Report | None:
         """The report of a command that the screen refuses or asks about; None if it may run, perhaps with an
         approval."""
@@ -379,15 +359,11 @@ class Pipeline:
         if not job.begun and (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
-            planned = reply_text.planned(plan, command.language, job.goal_text)
-            rehearsable = plan if assessment.goal is None else None
-            await self.approvals.wait(job, planned, verdict.reason, rehearsable)
+            await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
         self.show_place(job)
         if not await self.queue.turn(job, self._expiry_s(job)):
             await self.journal.cancel(command.key)
             return await self._ended(job, plan)
-        if not job.begun and (elsewhere := await self._left_place(job, plan)) is not None:
-            return self._report(job, CommandState.REFUSED, plan, verdict=elsewhere)
         recorded = True
         try:
             text = await self.journal.move(
@@ -408,14 +384,6 @@ class Pipeline:
         return await self._report_execution(
             job, plan, replace(execution, verdict=decisive(execution, verdict)), recorded
         )
-
-    async def _left_place(self, job: QueuedCommand, plan: Plan) -> Verdict | None:
-        """Refuse a walk that was approved by a preview from another place: it would not be what was approved."""
-        start = job.decided.start if job.decided is not None else None
-        if start is None or not plan.distance_m or (metres := await self.previews.moved_since(start)) is None:
-            return None
-        reason = say("agent.approval.moved", job.command.language, metres=metres)
-        return Verdict(Decision.REFUSE, "approval.preview", reason)
 
     async def _report_execution(self, job: QueuedCommand, plan: Plan, execution: Execution, recorded: bool) -> Report:
         """The report of a command whose motion began. `recorded`: the journal has its result."""

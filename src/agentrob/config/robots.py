@@ -147,15 +147,6 @@ class ApprovalConfig(Section):
     wait_s: Annotated[float, Field(gt=0)] = 600.0
 
 
-class RehearsalConfig(Section):
-    """Where previews are simulated ("preview walk 3 m"). `world` is the name of a shipped world or the path of a world
-    file that describes the robot's surroundings, in the frame of its `map`; without one, a preview is made of geometry
-    and limits alone.
-    """
-
-    world: str = ""
-
-
 class RobotConfig(WithMetrics):
     """One robot: the connection of its driver, who may command it and where, and what its agent does.
 
@@ -220,7 +211,6 @@ class RobotConfig(WithMetrics):
     look: LookConfig = Field(default_factory=LookConfig)
     eyes: EyesConfig = Field(default_factory=EyesConfig)
     recording: RecordingConfig = Field(default_factory=RecordingConfig)
-    rehearsal: RehearsalConfig = Field(default_factory=RehearsalConfig)
     retention: RetentionConfig = Field(default_factory=RetentionConfig)
     options: dict[str, Any] = Field(default_factory=dict)
 

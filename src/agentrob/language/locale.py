@@ -11,7 +11,6 @@ from typing import Literal
 from agentrob.language.needed_words import Prefiltered
 from agentrob.language.parser.lexicon import Lexicon, Token
 from agentrob.language.parser.order import Idioms, OrderWords
-from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier, joins_order
 from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
@@ -54,7 +53,7 @@ class Locale:
 
     `statements` estimates whether a clause in words that no pattern knows is a statement or an order.
     `talk` is how posts are recognised that are only talk, and what they are about. `schedule` is how the language says
-    when something is to be done, `previews` how it asks to be shown first.
+    when something is to be done.
     """
 
     words: Lexicon
@@ -91,7 +90,6 @@ class Locale:
     statements: StatementClassifier | None = None
     talk: TalkForms = TalkForms()
     schedule: ScheduleWords = ScheduleWords()
-    previews: PreviewWords = PreviewWords()
     in_order: OrderWords | None = None
     idioms: Sequence[tuple[str, str]] = ()
     called: str = ""

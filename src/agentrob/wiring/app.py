@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from agentrob.config import load as configuration
 from agentrob.config.load import Config
-from agentrob.config.robots import RehearsalConfig, RobotConfig
+from agentrob.config.robots import RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
@@ -519,7 +519,6 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
         return settings
     place = load(world)
     changes: dict[str, Any] = {"scene": place.in_words, "map": map_of(place, model)}
-    changes["rehearsal"] = RehearsalConfig(world=world)
     if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
         changes |= {"allow_unknown_ranges": True, "fence": free.fence}
     return settings.model_copy(update=changes)

@@ -17,7 +17,6 @@ from agentrob.board.command_reading import DraftCommand, DraftReading, ReadableR
 from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import sentence
-from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
 from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
@@ -113,8 +112,6 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     if stop_intent(visible) is not None:
         return RobotReading(robot.name, say("read.stop", language_of(visible)), "stop")
     part = part_for(visible, (robot.name,), others)
-    if (rehearsed := rehearsed_part(part, visible)) is not None:
-        return _preview(robot, author, rehearsed, language_of(part))
     timed = _timed(part)
     if timed is not None and timed.schedule is not None and visible.count(part) == 1:
         untimed = _read_now(visible.replace(part, timed.rest), author, replace(robot, history=()), others)
@@ -128,20 +125,8 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     if timed is not None and timed.surely_later:
         return RobotReading(robot.name, timed.question, "ask_back")
     found = _read_now(visible, author, robot, others)
-    if found.outcome in ("would", "needs_approval") and speaks_of_preview(part, visible):
-        return RobotReading(robot.name, say("preview.unclear", language_of(part)), "ask_back")
     if timed is not None and found.outcome == "ask_back" and not found.rule:
         return replace(found, line=timed.question or found.line)
-    return found
-
-
-def _preview(robot: ReadableRobot, author: Account, rest: str, language: Language) -> RobotReading:
-    """How a robot reads a request for a preview of `rest`."""
-    found = _read_now(f"@{robot.name} {rest}", author, robot, ())
-    if not rest or found.outcome == "nothing":
-        return RobotReading(robot.name, say("preview.what", language), "ask_back")
-    if found.outcome in ("would", "needs_approval"):
-        return RobotReading(robot.name, say("read.preview", language, line=found.line), "answer")
     return found
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 from agentrob.language.addressing import part_for
 from agentrob.language.messages.moments import local
-from agentrob.language.previews.reading import rehearsed_part
 from agentrob.language.schedule.reading import TimedText, timed_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Intent, Role, Schedule, Understanding
@@ -34,10 +33,6 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     capabilities, visible = capabilities_of(model), visible_text(text)
     named = mentions(visible)
     name = named[0] if named else model
-    others = tuple(other for other in named if other != name)
-    rehearsed = rehearsed_part(part_for(visible, (name,), others), visible)
-    if rehearsed:
-        text = visible = f"@{name} {rehearsed}"
     understood: Understanding = asyncio.run(understand(text, name, capabilities))
     schedule: Schedule | None = None
     if (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
@@ -46,7 +41,7 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     elif timed is not None and (timed.surely_later or understood.intent is not Intent.COMMAND):
         understood = Understanding(Intent.ASK_BACK, understood.language, question=timed.question)
     facts: dict[str, Any] = {
-        "intent": "preview" if rehearsed and understood.intent is Intent.COMMAND else str(understood.intent),
+        "intent": str(understood.intent),
         "language": understood.language,
         "plan": understood.plan.as_data(),
         "notes": list(understood.plan.notes),

@@ -113,24 +113,6 @@ def test_any_text_gives_a_title(site: Site, text: str) -> None:
     assert 0 < len(title[1]) <= 80
 
 
-@pytest.mark.parametrize(
-    ("body", "posted"),
-    [
-        ("@quadruped wave", "preview: @quadruped wave"),
-        ("@quadruped 挥手", "预演：@quadruped 挥手"),
-        ("@quadruped preview wave", "@quadruped preview wave"),
-    ],
-)
-def test_the_rehearse_button_posts_a_request_for_a_preview(site: Site, body: str, posted: str) -> None:
-    alice = site.browser("alice")
-    assert '<button type="submit" name="do" value="rehearse"' in alice.get("/").text
-    topic = alice.send("/command", "/", body=body, do="rehearse")
-    topic_id = re.search(r"/t/(\d+)", str(topic.url))
-    assert topic_id
-    (post,) = site.api("alice").get(f"/topics/{topic_id[1]}/posts").json()["items"]
-    assert post["raw"] == posted
-
-
 def test_who_is_not_signed_in_sees_what_this_is_and_cannot_command(site: Site) -> None:
     nobody = site.browser()
     page = nobody.get("/").text

@@ -21,11 +21,6 @@ class RoomMap:
         (x_m, y_m), yaw_rad = self._map.home_at_m, math.radians(self._map.home_facing_deg)
         self._home = Pose(x_m, y_m, yaw_rad)
 
-    @property
-    def name(self) -> str:
-        """The name of the room; robots that share it are in one frame."""
-        return self._map.room or f"@{self._robot}"
-
     def in_room(self, pose: Pose) -> Pose:
         """A pose in the frame of the room."""
         return _placed(self._home, pose)
@@ -45,7 +40,7 @@ class RoomMap:
         at_home = [self.in_room(Pose(x, y, 0.0)) for x, y in corners]
         things = [thing.model_dump(exclude_defaults=True) for thing in self._map.things]
         return {
-            "room": self.name,
+            "room": self._map.room or f"@{self._robot}",
             "size_m": list(self._map.size_m) if self._map.size_m else None,
             "fence": [[round(p.x_m, 3), round(p.y_m, 3)] for p in at_home],
             "home": [round(v, 3) for v in (self._home.x_m, self._home.y_m, self._home.yaw_rad)],

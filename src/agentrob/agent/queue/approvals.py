@@ -19,10 +19,8 @@ import structlog
 
 from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights_on
 from agentrob.agent.intake.triage import Route, TriagedPost
-from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
 from agentrob.agent.reporting import report as reply_text
-from agentrob.agent.reporting.preview_text import approval_preview
 from agentrob.agent.reporting.status_post import SOON_S, Shown, retry_until_answered, retry_while_denied
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import ApprovalDecision
@@ -30,8 +28,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
-from agentrob.model import CommandState, Decision, EndReason, Plan, Post, StatusCard, Verdict
-from agentrob.rehearsal.preview import Preview
+from agentrob.model import CommandState, Decision, EndReason, Post, StatusCard, Verdict
 from agentrob.screening.rights import may_approve
 
 #: For this long after a decision in a thread, an approval must reply to the command that it means, so that two people
@@ -57,7 +54,6 @@ class Approvals:
     queue: CommandQueue
     now: Callable[[], datetime]
     spawn: Callable[[Coroutine[Any, Any, Any]], object]
-    previews: Previews
     _settled_at: dict[str, datetime] = field(default_factory=dict)
 
     # ---------------------------------------------------------------- waiting
@@ -70,65 +66,31 @@ class Approvals:
         """Return how long after its post, or after the time of its run, this command can be approved."""
         return self.wait_s if job.command.run is None else min(self.wait_s, LATE_S)
 
-    async def wait(self, job: QueuedCommand, understood: str, needed: str, plan: Plan | None) -> None:
+    async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
         """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time.
 
         Other commands pass it meanwhile. After a restart it continues to wait.
 
-        `understood` says what it would do and `needed` why it needs an approval. The `plan` is rehearsed meanwhile, and
-        an approval that comes afterwards is bound to that preview.
+        `understood` says what it would do and `needed` why it needs an approval.
         """
         wait_s = self.wait_of(job)
         until_at = job.command.posted_at + timedelta(seconds=wait_s)
         job.asked = await self.journal.ask(job.command.key, self.now(), until_at)
         if job.decided is None:
-            asking = partial(self._post_request, job, understood, needed, job.asked.until_at)
-            once = job.status.limited and plan is not None  # what was asked cannot be edited to show the preview
-            if not once:
-                await job.unless_ended(asking())
-            shown = plan is not None and await self._show_preview(job, plan, asking)
-            if once and not shown:
-                await job.unless_ended(asking())
-        await self.queue.hold(job, self._left_s(job), until=lambda: job.decided)
+            await job.unless_ended(self._post_request(job, understood, needed, job.asked.until_at))
+        left_s = wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
+        await self.queue.hold(job, max(0.0, left_s), until=lambda: job.decided)
         if job.ended is None and job.decided is None:
             job.end(EndReason.LAPSED)
             await self.journal.end([job.command.key], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
-    def _left_s(self, job: QueuedCommand) -> float:
-        """Return how much longer it can be approved."""
-        assert job.asked is not None
-        left_s = self.wait_of(job) - job.waited_s - (time.monotonic() - job.accepted_s)
-        return max(0.0, min(left_s, (job.asked.until_at - self.now()).total_seconds()))
-
-    async def _show_preview(
-        self, job: QueuedCommand, plan: Plan, asking: Callable[[Preview], Coroutine[Any, Any, None]]
-    ) -> bool:
-        """Rehearse the command and ask with what was found, unless it is decided or ended before that; return whether
-        that was shown."""
-        making = asyncio.ensure_future(self.previews.make(job.command, plan))
-        making.add_done_callback(lambda _: job.notify())
-        try:
-            await self.queue.hold(job, self._left_s(job), until=lambda: job.decided or making.done())
-            if job.ended is None and job.decided is None and making.done():
-                with job.log_errors("not rehearsed"):
-                    preview = making.result()
-                    await job.unless_ended(asking(preview))
-                    job.preview = preview
-        finally:
-            making.cancel()
-            await asyncio.gather(making, return_exceptions=True)
-        return job.preview is not None
-
-    async def _post_request(
-        self, job: QueuedCommand, understood: str, needed: str, until_at: datetime, preview: Preview | None = None
-    ) -> None:
-        """Post that the command waits, for what and for whose approval, and what its preview found."""
+    async def _post_request(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
+        """Post that the command waits, for what and for whose approval."""
         rights = await retry_until_answered(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
         text = reply_text.waits(understood, needed, rights, self.called, wait_s, job.command.language)
-        if preview is not None:
-            text = f"{text}\n\n{approval_preview(preview, job.command.language)}"
         card = StatusCard(self.name, CommandState.WAITING, trace_id=job.command.trace_id, until=until_at.isoformat())
         with contextlib.suppress(ForumDenied, ForumNotFound):
             await job.status.ask(Shown(text, card))
@@ -159,11 +121,7 @@ class Approvals:
             self.spawn(self._answer(post, why))
             return
         approved = triaged.route is Route.APPROVE
-        shown = job.preview  # what its readers were shown until now
-        decided = ApprovalDecision(
-            approved, post.author, post.id, post.content_hash, post.created_at,
-            preview=shown.hash if shown is not None else "", start=shown.start if shown is not None else None,
-        )  # fmt: skip
+        decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
         if not await self.journal.decide(job.command.key, decided):
             self.spawn(self._answer(post, say("agent.approval.nothing", triaged.language)))
             return

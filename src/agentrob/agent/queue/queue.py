@@ -19,7 +19,6 @@ from agentrob.agent.understanding.extract import Assessment
 from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.minds.visual_loop.pursuit import in_words
 from agentrob.model import Command, EndReason, StopResult
-from agentrob.rehearsal.preview import Preview
 
 #: No run of a schedule begins later than this after its time.
 LATE_S = 300.0
@@ -38,7 +37,6 @@ class QueuedCommand:
     returns the result of the stop that ended it, `stopped_by` names who stopped it, and `cancelled_earlier` counts the
     commands that it cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered.
     `takes_s` is its estimated duration, None while that is not known; `begun_s` (monotonic) when it began to move.
-    `preview` is what was found when it was rehearsed.
     `run` is its execution in this process with the results so far, `status` its status post, `task` the task that
     processes it.
     """
@@ -62,7 +60,6 @@ class QueuedCommand:
     looked: LoopRecord | None = None
     takes_s: float | None = None
     begun_s: float | None = None
-    preview: Preview | None = None
     run: Run | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
@@ -106,10 +103,6 @@ class QueuedCommand:
         """Record the decision on its approval."""
         assert self.asked is not None
         self.asked = replace(self.asked, decided=decided)
-        self._changed.set()
-
-    def notify(self) -> None:
-        """Let whatever waits for it look again."""
         self._changed.set()
 
     def end(self, why: EndReason) -> None:

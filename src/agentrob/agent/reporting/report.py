@@ -230,7 +230,7 @@ def _why(report: Report) -> str:
     # On the way to a goal, a failed step may be followed by others.
     last = _decisive(report.results[-1:] if report.goal else report.results)
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
-        reason = reason_text(last, language)
+        reason = _reason(last, language)
         sentences = [sentence for sentence in sentences if sentence not in reason]  # say "My agent was ended." once
         sentences.append(reason)
         if can_say(todo := f"agent.todo.{last.reason}"):
@@ -249,7 +249,7 @@ def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
     return next((r for r in results if not r.ok and r.outcome is not Outcome.SKIPPED), None)
 
 
-def reason_text(result: ActionResult, language: Language) -> str:
+def _reason(result: ActionResult, language: Language) -> str:
     """Return the catalogue's sentence for the reason, if any, or the driver's English message if that says more."""
     reason = result.reason
     own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from agentrob.model import Account, Command, CommandState, EndReason, Pose, Schedule, ScheduleEnd
+from agentrob.model import Account, Command, CommandState, EndReason, Schedule, ScheduleEnd
 from agentrob.model.lifecycle import stored_reason, stored_state
 
 
@@ -27,18 +27,13 @@ class MotionState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ApprovalDecision:
-    """An approval or a denial of a command, bound to its post as a command is bound to its own.
-
-    `preview` is the hash of the preview that was shown before, empty if there was none, and `start` where it begins.
-    """
+    """An approval or a denial of a command, bound to its post as a command is bound to its own."""
 
     approved: bool
     by: Account
     post_id: str
     content_hash: str
     at: datetime
-    preview: str = ""
-    start: Pose | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,8 +37,7 @@ class Assessment:
     `ErrorKind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
     failed ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what
     needs eyes, and then the plan has only the steps that it names. `schedule` is when the command is to be carried out,
-    None for at once; `untimed` is then the text of the post without the time. `previews`: the command is only
-    rehearsed, and moves nothing.
+    None for at once; `untimed` is then the text of the post without the time.
     """
 
     understanding: Understanding
@@ -50,7 +49,6 @@ class Assessment:
     goal: Goal | None = None
     schedule: Schedule | None = None
     untimed: str = ""
-    previews: bool = False
 
 
 async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Assessment:

@@ -20,8 +20,7 @@ from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Goal
-from agentrob.language.messages.catalog import join_sentences, say
-from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
+from agentrob.language.messages.catalog import say
 from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
@@ -101,39 +100,12 @@ class Assessor:
         return _ASSESSMENT.dump_json(await self.consider(job, terms)).decode()
 
     async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
-        """Understand and judge a command now, without storing the assessment. Nothing that speaks of a preview moves:
-        it is one, or is asked about."""
-        command = job.command
-        part = part_for(command.text, tuple(self.names), self._others(command))
-        rehearsed = rehearsed_part(part, command.text)
-        if rehearsed is not None and command.run is None:
-            return await self._considered_preview(job, part, rehearsed, terms)
-        assessment = await self._considered_command(job, part, terms)
-        if assessment.understanding.intent is Intent.COMMAND and speaks_of_preview(part, command.text):
-            return _asks(assessment, "preview.unclear")
-        return assessment
-
-    async def _considered_preview(self, job: QueuedCommand, part: str, rest: str, terms: CommandTerms) -> Assessment:
-        """The assessment of a post that asks to preview `rest`."""
-        command = job.command
-        timed = timed_text(rest, command.posted_at, self.settings.time_zone) if rest else None
-        alone = replace(command, text=f"@{next(iter(self.names))} {rest or part}")
-        assessment = await self._consider(job, alone, terms)
-        job.takes_s = None  # it takes no time of the robot
-        if timed is not None and timed.schedule is not None:
-            return _asks(assessment, "preview.later")
-        if not rest or assessment.understanding.intent is Intent.NOTHING:
-            return _asks(assessment, "preview.what")
-        if assessment.goal is not None:
-            return _asks(assessment, "preview.goal")
-        return replace(assessment, previews=assessment.understanding.intent is Intent.COMMAND)
-
-    async def _considered_command(self, job: QueuedCommand, part: str, terms: CommandTerms) -> Assessment:
-        """The assessment of a post that asks for no preview. One that says when is understood and judged without the
-        time."""
+        """Understand and judge a command now, without storing the assessment. One that says when is understood and
+        judged without the time."""
         command = job.command
         if command.run is not None:
             return await self._consider(job, command, terms, alone=True)
+        part = part_for(command.text, tuple(self.names), self._others(command))
         if lists_schedules(part):
             return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
         timed = timed_text(part, command.posted_at, self.settings.time_zone)
@@ -277,14 +249,6 @@ class Assessor:
         usage = (*assessment.usage, *(screened.usage if screened else ()))
         verdict = apply_review(verdict, screened, language, settings.screen == "required")
         return replace(assessment, verdict=verdict, usage=usage, screened=screened)
-
-
-def _asks(assessment: Assessment, key: str) -> Assessment:
-    """The assessment of a post that is asked about instead of being done."""
-    language = assessment.understanding.language
-    question = join_sentences([say(key, language), say("preview.still", language)], language)
-    asked = Understanding(Intent.ASK_BACK, language, question=question)
-    return replace(assessment, understanding=asked, verdict=None, goal=None, schedule=None)
 
 
 def _asks_when(assessment: Assessment, timed: TimedText) -> Assessment:

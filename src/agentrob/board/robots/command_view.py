@@ -30,12 +30,7 @@ _UNITS = {
 #: Hidden if they round to zero.
 _ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
-_PICTURES = {
-    "step": "Photo of step",
-    "path": "Path that was measured",
-    "preview": "Paths of the preview",
-    "recording": "Recording",
-}
+_PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
 MOST = 60
 #: A larger amount is shown as it is.
 MOST_AMOUNT = 1e4
@@ -82,7 +77,7 @@ class CommandView:
 
     `facts` are (name, value): who read the words, who else looked at them, who stopped it. `steps` are those that were
     tried or, when there were none (`planned`), those that were asked for. `links` are pictures kept elsewhere:
-    (what, address, until when it is good). `rehearsed`: it was only a preview.
+    (what, address, until when it is good).
     """
 
     robot: str
@@ -99,7 +94,6 @@ class CommandView:
     calls: tuple[CallView, ...]
     pictures: tuple[tuple[str, Image, str], ...]
     links: tuple[tuple[str, str, datetime | None], ...]
-    rehearsed: bool
 
 
 def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
@@ -130,7 +124,6 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
         calls=tuple(_call(_map(turn)) for turn in _list(looked.get("turns"))),
         pictures=_pictures(told.reply, _list(record.get("pictures"))),
         links=tuple(filter(None, map(_link, _list(record.get("links"))))),
-        rehearsed=bool(_map(record.get("preview"))) and not done,
     )
 
 

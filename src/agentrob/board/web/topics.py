@@ -28,7 +28,6 @@ from agentrob.board.web.forms import Composed, PageForm, Text
 from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
 from agentrob.board.web.templating import error_page, error_text, redirect, render_fragment, render_page
 from agentrob.errors import BoardError
-from agentrob.language.previews.reading import asking_for_preview
 from agentrob.model import Page, Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -75,7 +74,7 @@ async def command(request: Request, services: AppServices, viewer: AnyViewer, fo
         board_id = reading.board_of(services, form.body)
         if form.do == "preview":
             return _home(request, viewer, await previewed(services, typed, author, board_id))
-        text = forms.body(asking_for_preview(form.body) if form.do == "rehearse" else form.body)
+        text = forms.body(form.body)
         title = forms.title(form.title.strip() or forms.title_of(text) or "A command")
         key, pictures = form.idempotency_key(title, text), [image.id for image in typed.pictures]
         written = await services.store.create_topic(author, board_id, title, text, key=key, images=pictures)

@@ -12,7 +12,6 @@ from agentrob.language.messages.en import PHRASES
 from agentrob.language.messages.play_en import PHRASES as PLAY
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
-from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
@@ -757,19 +756,4 @@ LOCALE = Locale(
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
     talk=FORMS,
     schedule=SCHEDULE,
-    previews=PreviewWords(
-        leads=r"(?:(?:please|ok|okay|hi|hey|hello|can you|could you|would you|first|just|only)\b[\s,]*)*"
-        r"(?:(?:preview|rehearse|simulate|dry[- ]?run)\b(?!s)"
-        r"(?:\s+(?:how you|what happens if you|this|that|it|of|first))?"
-        r"|(?:do|run|make|give me|show me|start|try)\s+(?:a|the)\s+(?:preview|rehearsal|simulation|dry[- ]?run)"
-        r"(?:\s+(?:of|for|where you|how you))?"
-        r"|(?:a\s+)?(?:preview|rehearsal|simulation|dry[- ]?run)\s+(?:of|for)"
-        r"|show (?:me|us) first(?:\s+(?:how you|what happens (?:if|when) you))?)(?![\w-])[\s:,.-]*",
-        ends=r"(?:^|[\s,.;:!]+)(?:(?:and|but|then|please|only|just|first|with|as|in)\b[\s,]*)*"
-        r"(?:(?:preview|rehearse|simulate|dry[- ]?run)(?:\s+(?:it|that|this))?(?:\s+(?:first|only|please))*"
-        r"|(?:a|the)\s+(?:preview|rehearsal|simulation|simulator|dry[- ]?run)(?:\s+(?:first|only|please))*"
-        r"|show (?:it to )?(?:me|us)(?:\s+(?:it|that|how))? first(?:\s+please)?)",
-        hints=r"\b(?:previews?|previewed|previewing|rehears\w*|dry[- ]?run\w*|simulat(?:e|es|ion|ions|or|ing)"
-        r"|show (?:it to )?(?:me|us)(?: \w+)? first|first show (?:it to )?(?:me|us))\b",
-    ),
 )

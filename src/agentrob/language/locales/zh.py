@@ -13,7 +13,6 @@ from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.play_zh import PHRASES as PLAY
 from agentrob.language.messages.zh import PHRASES
 from agentrob.language.parser.lexicon import Piece, lexicon
-from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks import chinese as remarks
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.chinese import WORDS as SCHEDULE
@@ -648,13 +647,5 @@ LOCALE = Locale(
     never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
     schedule=SCHEDULE,
-    previews=PreviewWords(
-        leads=r"(?:(?:请|麻烦|你好|你|帮我|能不能|可以)[\s,，、]*)*(?:先|只|仅)?(?:给我)?"
-        r"(?:(?:预演|模拟|彩排|排练|演练|预览|试演)|(?<=先)演示|(?<=先给我)演示|(?<=先)给我看看?)(?:一下|一遍|一次)?[\s,，、:：]*",
-        ends=r"[\s,，、。；;]*(?:(?:请|但|但是|不过|然后|再|你|麻烦|要)[\s,，、]*)*"
-        r"(?:(?:先|只|仅|只是)?(?:给我)?(?:预演|模拟|彩排|排练|演练|预览|试演)|(?:先|只是)(?:给我)?演示|先给我看看?)"
-        r"(?:一下|一遍|一次|看看|给我看看?|吧){0,2}",
-        hints=r"预演|模拟|彩排|排练|演练|预览|试演|先.{0,4}演示|先给我看",
-    ),
     idioms=IDIOMS,
 )

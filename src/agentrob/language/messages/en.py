@@ -1,7 +1,6 @@
 """Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
 from agentrob.language.messages.schedule_en import SCHEDULE
-from agentrob.language.previews.sentences import ENGLISH as PREVIEWS
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
@@ -596,5 +595,4 @@ PHRASES = {
         "Please post it again later."
     ),
     **SCHEDULE,
-    **PREVIEWS,
 }

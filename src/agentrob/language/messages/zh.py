@@ -1,7 +1,6 @@
 """Every sentence that robots say in Chinese, with the same keys and placeholders as `en`."""
 
 from agentrob.language.messages.schedule_zh import SCHEDULE
-from agentrob.language.previews.sentences import CHINESE as PREVIEWS
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
@@ -515,5 +514,4 @@ PHRASES = {
     "minds.screen.other": "它没有说明是哪一种危害。",
     "minds.screen.required": "主人要求每个命令在动作之前由模型检查，而现在没有模型回答。我没有动。请稍后重新发帖。",
     **SCHEDULE,
-    **PREVIEWS,
 }

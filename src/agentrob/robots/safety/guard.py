@@ -45,8 +45,7 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
@@ -91,39 +90,19 @@ _YOUNGER = f"it must be younger than {STATE_AGE_S} s"
 Refusal = tuple[str, str]  # (stable word, sentence)
 
 
-@dataclass(frozen=True, slots=True)
-class SimulatedTime:
-    """The clock of a simulation that does not run in real time. `wait` lets it run for so many seconds."""
-
-    now_s: Callable[[], float]
-    wait: Callable[[float], object]
-
-
 class Guard:
     """See `agentrob.robots.protocol.Robot`. Starts a thread that also watches the robot between steps.
 
     `mark` is written while a step runs. If a previous guard died during a step, call `settle` first.
-
-    A rehearsal gives `simulated_time` and the `home` that the robot has; then no thread is started, and its owner calls
-    `observe` between steps.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        settings: RobotConfig,
-        halt: Halt,
-        mark: CrashMarker | None = None,
-        *,
-        simulated_time: SimulatedTime | None = None,
-        home: Pose | None = None,
-    ) -> None:
+    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: CrashMarker | None = None) -> None:
         self.capabilities: Capabilities = robot.capabilities
         self._robot, self._settings, self._halt = robot, settings, halt
         self._crash_marker = mark or CrashMarker(None)
         self._ranges, self._takeover = RangeMonitor(), TakeoverDetector()
         self._odometry = OdometryMonitor(getattr(robot, "time_scale", 1.0))
-        self._fence = Fence(settings.fence, home) if home is not None else None
+        self._fence: Fence | None = None
         self._homes_itself = settings.simulated and settings.home_on_start
         if settings.home_on_start and not settings.simulated:
             log.warning("%s The owner of this one sets its home.", _HOMES_NOT)
@@ -135,13 +114,11 @@ class Guard:
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
         self._closed = threading.Event()
-        self._now_s = simulated_time.now_s if simulated_time else time.monotonic
-        self._wait = simulated_time.wait if simulated_time else self._closed.wait
         self._left = self._crash_marker.interrupted_step()
         if self._left is not None:
-            self._takeover.inherit(self._now_s(), *self._left)
-        if simulated_time is None:
-            threading.Thread(target=self._observe, name="guard-observer", daemon=True).start()
+            self._takeover.inherit(time.monotonic(), *self._left)
+        self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
+        self._observer.start()
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
@@ -166,7 +143,7 @@ class Guard:
     def stop(self) -> StopResult:
         """Stop the robot; never waits for a lock of the guard."""
         self._stops += 1
-        self._takeover.own_motion(self._now_s())
+        self._takeover.own_motion(time.monotonic())
         return self._robot.stop()
 
     def look(self) -> bytes:
@@ -192,10 +169,6 @@ class Guard:
             log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
         self._crash_marker.clear()
 
-    def observe(self) -> None:
-        """Take in the robot's state between steps: called 20 times a second where the guard has no thread."""
-        self._take_in()
-
     def close(self) -> None:
         self._closed.set()
         self._robot.close()
@@ -209,7 +182,7 @@ class Guard:
             raise RobotError(f"cannot set home: {why}")
         if not state.upright:
             raise RobotError("cannot set home: the robot is not known to stand upright")
-        if self._running is not None or not self._odometry.still(self._now_s()):
+        if self._running is not None or not self._odometry.still(time.monotonic()):
             raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
         self._fence = Fence(self._settings.fence, state.pose)
         log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
@@ -247,7 +220,7 @@ class Guard:
             return _refused(primitive, *refusal)
         if not primitive.moves:
             return fail_blank_picture(self._robot.step(primitive, watch))
-        until_s = self._now_s() + deadline_s
+        until_s = time.monotonic() + deadline_s
         self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
             return _refused(primitive, *refusal)
@@ -262,7 +235,7 @@ class Guard:
             result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, until_s))
         finally:
             self._crash_marker.end()
-        self._takeover.own_motion(self._now_s())
+        self._takeover.own_motion(time.monotonic())
         result = self._seen_throughout(result)
         note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
@@ -349,12 +322,12 @@ class Guard:
 
     def _prepare(self, primitive: Primitive) -> None:
         """Wait briefly for data that is still missing because the driver or the robot has just started."""
-        end_s = self._now_s() + PREPARE_S
-        while self._now_s() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
+        end_s = time.monotonic() + PREPARE_S
+        while time.monotonic() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
             if seen and (self._fence is not None or not self._homes_itself):
                 return
-            self._wait(1 / OBSERVE_HZ)
+            self._closed.wait(1 / OBSERVE_HZ)
 
     # ------------------------------------------------------------ during a step
     def _look(self, primitive: Primitive, until_s: float) -> str | None:
@@ -373,7 +346,7 @@ class Guard:
             return fallen
         if self._fence is None:
             return "odometry_jump", self._lost_home
-        if self._now_s() >= until_s:
+        if time.monotonic() >= until_s:
             return "deadline", "The time for this step was over."
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
@@ -399,8 +372,8 @@ class Guard:
         """Process the newest state and return it. It is read under the lock: states that threads brought along could
         arrive out of order."""
         with self._looking:
-            asked_s = self._now_s()
-            state, now_s = sanitized(self._robot.state()), self._now_s()
+            asked_s = time.monotonic()
+            state, now_s = sanitized(self._robot.state()), time.monotonic()
             self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
             why = self._odometry.update(now_s, state, asked_s)
             self._broken = JUMPED if why else self._broken
