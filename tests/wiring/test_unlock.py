@@ -7,8 +7,10 @@ import asyncio
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -73,7 +75,7 @@ class Machine:
 
 
 def started(folder: Path, homes: bool) -> Machine:
-    name, runtime = f"r{uuid4().hex[:8]}", folder / "run"
+    name, runtime = f"r{uuid4().hex[:8]}", Path(tempfile.mkdtemp(prefix="agentrob-unlock-"))  # socket paths are short
     domain = int(os.environ["AGENTROB_TEST_DOMAIN"])
     text = CONFIG.format(data=folder / "data", name=name, domain=domain, homes=str(homes).lower())
     (folder / "agentrob.toml").write_text(text)
@@ -85,8 +87,10 @@ def started(folder: Path, homes: bool) -> Machine:
 @pytest.fixture
 def machine(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Machine]:
     made = started(tmp_path, getattr(request, "param", True))
+    runtime = made.runtime
     yield made
     end_all([made.driver])
+    shutil.rmtree(runtime, ignore_errors=True)
 
 
 def test_law_17_release_at_the_shell_says_who_had_locked_it(machine: Machine) -> None:

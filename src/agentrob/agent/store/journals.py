@@ -218,8 +218,8 @@ def _open_sqlite(path: Path, files: ExitStack) -> Connection:
     )  # fmt: skip
     try:
         db = files.enter_context(engine.connect())
-        db.exec_driver_sql("PRAGMA journal_mode=wal")
-        db.exec_driver_sql("PRAGMA synchronous=FULL")
+        db.exec_driver_sql("PRAGMA journal_mode=wal").close()  # an open cursor could keep a commit waiting
+        db.exec_driver_sql("PRAGMA synchronous=FULL").close()
     except SQLAlchemyError as e:
         raise _cannot_open(path, e) from None
     return db
