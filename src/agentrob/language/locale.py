@@ -36,14 +36,12 @@ class Locale:
     out either where the grammar knows the words of the remark, whose danger the screen judges; `private` a
     statement about its speaker or others that names neither the robot nor the command, of which only `grave` words
     weigh; `own` the same in a wider sense, of which only `heavy` words weigh where the classifier is sure of it;
-    `quotes` what may
-    introduce the words of others before a colon;
-    `after_subject` the words after which a verb says what
-    they do; `noun_after` the words
-    before a noun or an adjective; `run_on` a whole statement that a command may follow without punctuation; `begins`
-    where a statement may begin that follows a command without punctuation; `open_end` words after which it cannot;
-    `claims` talk that is always asked about: somebody claims rights, or introduces what another person said.
-    `looks` lists words that turn the robot and are also said of looking: "I look at it".
+    `quotes` what may introduce the words of others before a colon; `after_subject` the words after which a verb says
+    what they do; `noun_after` the words before a noun or an adjective; `run_on` a whole statement that a command may
+    follow without punctuation; `begins` where a statement may begin that follows a command without punctuation;
+    `open_end` words after which it cannot; `claims` talk that is always asked about: somebody claims rights, or
+    introduces what another person said. `looks` lists words that turn the robot and are also said of looking: "I look
+    at it".
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 

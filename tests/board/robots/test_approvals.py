@@ -58,6 +58,7 @@ def test_a_run_of_a_schedule_that_waits_has_approval_buttons(board: RunningBoard
     for key, state in ((f"claim:{post}", "answered"), (f"claim:{post}@1", "done"), (f"claim:{post}@2", "waiting")):
         told = {"body": "Told.", "reply_to": post, "card": {"robot": "quadruped", "state": state}}
         board.client("quadruped").post(f"/topics/{topic}/posts", json=told, headers={"Idempotency-Key": key})
+    board.client("quadruped").post(f"/topics/{topic}/posts", json={"body": "That was the last.", "reply_to": post})
     admin, path = board.browser("admin"), f"/t/{topic}"
     page = admin.get(path).text
     assert page.count(BUTTON) == 1

@@ -90,7 +90,7 @@ def test_the_robots_page_links_its_schedules_and_its_card_has_them_not_as_facts(
     assert 'href="/robots/quadruped/schedules.ics"' in site.browser("bob").get("/robots/quadruped/schedules").text
     publish(site)
     assert "/robots/quadruped/schedules" not in site.browser("bob").get("/robots/quadruped").text
-    assert "No schedule that you may see" in site.browser("bob").get("/schedules").text
+    assert "There are no schedules that you may see" in site.browser("bob").get("/schedules").text
 
 
 def test_schedules_of_posts_that_a_viewer_may_not_read_are_not_shown(site: Site) -> None:

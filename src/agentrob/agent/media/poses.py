@@ -131,8 +131,8 @@ class PoseSampler:
             self._unwritten = None
 
     async def replay(self, post_id: str, geometry: str) -> bytes:
-        """The gzipped replay of a command; nothing if no poses were known. The same until `forget`. A command that was
-        as short as one sample is followed until it is at rest."""
+        """The gzipped replay of a command; nothing if no poses were known. The same until `forget`. After a very short
+        command it waits for the poses that are still to come."""
         log = self._logs.get(post_id) or await asyncio.to_thread(self._files.read, post_id)
         if log is None:
             return b""

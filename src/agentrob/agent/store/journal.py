@@ -275,7 +275,8 @@ class Journal:
         return [read_schedule(row) for row in found]
 
     async def renew_schedule(self, renewed: KeptSchedule) -> bool:
-        """Continue a schedule that ended by the limit of runs or days. False if it is none: then nothing changes."""
+        """Continue a schedule that ended by the limit of runs or days. Returns False, and changes nothing, if it did
+        not end so."""
         values = self._this(
             renewed.post_id, data=SCHEDULED.dump_json(renewed.asked).decode(), runs_left=renewed.runs_left,
             next_at=renewed.next_at.isoformat() if renewed.next_at else None, ended=None, told=0,
@@ -283,7 +284,7 @@ class Journal:
         return await self._rows.write(lambda db: bool(db.execute(queries.SET_RENEWABLE, values).rowcount), begins=True)
 
     async def refuse_renewal(self, post_id: str, why: ScheduleEnd) -> None:
-        """Let a schedule that ended by the limit of runs or days not be renewed any more."""
+        """Forbid the renewal of a schedule that ended by the limit of runs or days."""
         await self._do(queries.SET_RENEWABLE, post_id, ended=str(why), told=1)
 
     async def set_schedule_told(self, post_id: str) -> None:

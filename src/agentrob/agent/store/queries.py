@@ -30,6 +30,7 @@ from sqlalchemy import (
 from sqlalchemy.dialects import postgresql, sqlite
 
 from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, HOLDER, META, MOTION, SCHEDULE, now_s
+from agentrob.model import ScheduleEnd
 
 ROBOT, KEY = bindparam("this_robot", type_=Text), bindparam("this_key", type_=Text)
 
@@ -67,7 +68,7 @@ THIS_SCHEDULE = _SCHEDULES.where(SCHEDULE.c.post == KEY)
 #: Those with further runs, or whose end must still be told.
 SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, SCHEDULE.c.post)
 #: Those that ended by the limit of runs or days, and may be renewed.
-RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == "limit").order_by(SCHEDULE.c.post)
+RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value).order_by(SCHEDULE.c.post)
 #: The newest plans that were done in a topic.
 PLANS = (
     select(CLAIM.c.plan)
@@ -91,7 +92,7 @@ SET_SCHEDULE = update(SCHEDULE).where(_this(SCHEDULE))
 END_SCHEDULE = SET_SCHEDULE.where(SCHEDULE.c.ended.is_(None))
 SET_ENDED = SET_SCHEDULE.where(SCHEDULE.c.ended.is_not(None))
 #: Only one that ended by the limit of runs or days.
-SET_RENEWABLE = SET_SCHEDULE.where(SCHEDULE.c.ended == "limit")
+SET_RENEWABLE = SET_SCHEDULE.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value)
 #: Only from the run that was the next one, so that no run is taken twice.
 ADVANCE_SCHEDULE = END_SCHEDULE.where(SCHEDULE.c.next_at == bindparam("was_next", type_=Text))
 FORGET_ASSESSMENT = delete(ASSESSMENT).where(_this(ASSESSMENT))

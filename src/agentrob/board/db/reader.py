@@ -295,10 +295,12 @@ class Reader:
         return found[0] if found else None
 
     def status_post(self, robot: Account, post: StoredPost) -> StoredPost | None:
-        """The robot's newest reply to a command; each run of a schedule has one of its own."""
+        """The robot's newest reply with a card to a command; each run of a schedule has one of its own."""
         p = db.posts.c
         ours = (p.topic_id == int(post.topic_id), p.author_id == int(robot.id), p.reply_to == int(post.id))
-        found = self._posts(self.rows(_POSTS.where(*ours, ~p.removed).order_by(p.id.desc()).limit(1)))
+        found = self._posts(
+            self.rows(_POSTS.where(*ours, p.card.is_not(None), ~p.removed).order_by(p.id.desc()).limit(1))
+        )
         return found[0] if found else None
 
     def versions(self, post_id: str) -> tuple[Version, ...]:

@@ -28,7 +28,7 @@ from agentrob.model.schedules import zone_of
 
 #: How many of the next runs are shown, and the most schedules and runs that are read from a card.
 SHOWN, MOST, MOST_RUNS = 3, 60, 60
-#: Runs further ahead are none: a schedule ends after two months.
+#: Runs further ahead are ignored: a schedule ends after two months.
 FARTHEST = timedelta(days=400)
 #: How long an event of the calendar lasts, since no command takes longer, and how often a program reads it again.
 LASTS, REFRESH = timedelta(minutes=1), timedelta(hours=1)

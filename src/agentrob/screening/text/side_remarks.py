@@ -190,7 +190,7 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
 
 
 def tells_of_others(said: str, language: Language) -> bool:
-    """Return whether a clause states something of the speaker or others that has nothing to do with the robot.
+    """Return whether a clause states something about the speaker or others that has nothing to do with the robot.
 
     It names neither the robot, an order, a place, a camera, nor anything that may change the danger: "my flatmate
     made pancakes". The grammar knows these statements; the other topics are asked about all the same.
