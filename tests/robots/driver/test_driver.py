@@ -175,6 +175,19 @@ async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_l
             driver.close()
 
 
+def test_law_14_a_release_requested_right_after_a_halt_removes_it(tmp_path: Path) -> None:
+    """A client on another host knows only `ended_s` of its halt by the driver's clock."""
+    settings = RobotConfig(model="fake", simulated=True, home_on_start=True)
+    driver = Driver("left", Guard(FakeRobot(settings), settings, Halt(tmp_path / "left.halt")))
+    try:
+        ended_s = driver.halt("olga").ended_s
+        with pytest.raises(RobotError, match="locked after this release was requested"):
+            driver.release("olga", math.nextafter(ended_s, -math.inf))
+        assert driver.release("olga", math.nextafter(ended_s, math.inf)) is not None
+    finally:
+        driver.close()
+
+
 async def test_law_11_a_step_whose_lease_is_given_back_ends(standing: Standing) -> None:
     drivers, name = standing
     async with drivers.client(name) as robot:

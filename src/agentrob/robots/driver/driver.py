@@ -112,8 +112,9 @@ class Driver:
         return replace(result, latency_ms=round(result.latency_ms + late_ms, 3), ended_s=ended_s)
 
     def halt(self, by: str) -> StopResult:
+        """Stop, and refuse all motion until a `release` that was requested after `ended_s` of the result."""
         ended_s = self.leases.end("halt", by)
-        return replace(self.guard.halt(display_name(by)), ended_s=ended_s)
+        return replace(self.guard.halt(display_name(by), asked_s=ended_s), ended_s=ended_s)
 
     def release(self, by: str, since_s: float = math.inf) -> Lock | None:
         """Unlock the robot; return the removed lock, or None if there was none. Commands that were accepted before

@@ -188,9 +188,12 @@ class Guard:
         log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
         return state.pose
 
-    def halt(self, by: str, why: str = EMERGENCY_STOP) -> StopResult:
-        """Stop, and refuse all motion until `release`, also after a restart of the driver."""
-        log.warning("%s", self._halt.set(by, why))
+    def halt(self, by: str, why: str = EMERGENCY_STOP, asked_s: float | None = None) -> StopResult:
+        """Stop, and refuse all motion until `release`, also after a restart of the driver.
+
+        `asked_s` is when the halt was requested (monotonic seconds; default now): a release requested later removes it.
+        """
+        log.warning("%s", self._halt.set(by, why, asked_s))
         kept: list[bool] = []
         writer = threading.Thread(target=lambda: kept.append(self._halt.save()), daemon=True)
         writer.start()  # the disk must not delay the stop

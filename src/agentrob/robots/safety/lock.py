@@ -37,11 +37,15 @@ class Halt:
         """The sentence while locked, else None."""
         return None if (lock := self._lock) is None else sentence(lock)
 
-    def set(self, by: str, why: str) -> str:
-        """Halt in memory at once. The caller stops the robot, then calls `save`."""
+    def set(self, by: str, why: str, asked_s: float | None = None) -> str:
+        """Halt in memory at once. The caller stops the robot, then calls `save`.
+
+        `asked_s` is when the halt was requested (monotonic seconds; default now): a later release removes it.
+        """
+        asked_s = time.monotonic() if asked_s is None else asked_s
         with self._facts:
             self._lock = Lock(by, why, datetime.now(UTC))
-            self._set_s = time.monotonic()
+            self._set_s = max(self._set_s, asked_s)
             return sentence(self._lock)
 
     def save(self) -> bool:
@@ -72,7 +76,7 @@ class Halt:
             if self.path.parent.exists():
                 sync_folder(self.path.parent)
             with self._facts:
-                if self._set_s > set_s:
+                if self._lock is not lock:
                     # That halt waits for `self._disk` to write itself down.
                     raise RobotError("the robot was locked again during the release, so it stays locked")
                 self._lock = None
