@@ -11,7 +11,7 @@ import pytest
 from fastapi import APIRouter
 from fastapi.routing import APIRoute
 from PIL import Image
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from agentrob.board.web import routes
 from tests.board.search.encoder_double import Concepts
@@ -200,6 +200,30 @@ def test_escape_closes_the_name_list_and_an_email_address_does_not_open_it(site:
     text.press_sequentially("me@qua")
     expect(text).to_have_value("Ask @qua\nme@qua")
     expect(page.get_by_role("option")).to_have_count(0)
+
+
+def test_escape_closes_the_name_list_also_while_names_are_being_looked_up(site: Site, windows: Windows) -> None:
+    page = windows.open("alice")
+    page.goto("/b/robots/new")
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page.route("**/names?q=qua", hold)
+    text = page.get_by_label("Post", exact=True)
+    text.press_sequentially("Ask @qu")
+    expect(page.get_by_role("option")).to_have_count(1)
+    with page.expect_request("**/names?q=qua"):
+        text.press("a")
+    text.press("Escape")
+    with page.expect_response("**/names?q=qua"):
+        held[0].continue_()
+    page.unroute("**/names?q=qua")
+    page.evaluate("fetch('/names?q=qua').then((answer) => answer.json())")  # later than the answer that was held
+    expect(page.get_by_role("option")).to_have_count(0)
+    text.press("Enter")
+    expect(text).to_have_value("Ask @qua\n")
 
 
 def test_the_first_tab_skips_to_the_content_and_stop_is_reachable_and_visible(

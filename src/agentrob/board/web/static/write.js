@@ -126,6 +126,7 @@ if (text) {
 
   const begun = () => /(?:^|[^A-Za-z0-9_@/.+-])[@＠]([A-Za-z][A-Za-z0-9_-]{0,31})?$/.exec(text.value.slice(0, text.selectionStart));
   const close = () => {
+    asked += 1; // an answer that arrives later does not open the list again
     if (!offer.hidden) tell("");
     offer.hidden = true;
     text.removeAttribute("aria-activedescendant");
@@ -167,7 +168,8 @@ if (text) {
     } catch { close(); }
   });
   text.addEventListener("keydown", (event) => {
-    if (offer.hidden || event.isComposing) return;
+    if (event.isComposing) return;
+    if (offer.hidden) { if (event.key === "Escape") close(); return; }
     if (event.key === "ArrowDown") choose(at + 1);
     else if (event.key === "ArrowUp") choose(at - 1);
     else if (event.key === "Enter" || event.key === "Tab") accept(offer.children[at].dataset.name);
