@@ -42,6 +42,8 @@ class Locale:
     `open_end` words after which it cannot; `claims` talk that is always asked about: somebody claims rights, or
     introduces what another person said. `looks` lists words that turn the robot and are also said of looking: "I look
     at it".
+    `prohibits` matches the beginning of a prohibition ("do not"), and `reassures` those that limit no command: wishes,
+    and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it").
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -82,6 +84,8 @@ class Locale:
     begins: str = ""
     open_end: str = "(?!)"
     looks: str = ""
+    prohibits: str = "(?!)"
+    reassures: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
@@ -100,6 +104,19 @@ class Locale:
     @cached_property
     def putting_first(self) -> Prefiltered:
         return Prefiltered(self.put_first)
+
+    def limits_command(self, denial: str) -> bool:
+        """Return whether a denial with unknown words, in lower case, may limit what is commanded beside it: "don't go
+        past the door"."""
+        return bool(self._prohibits.match(denial)) and not self._reassures.search(denial)
+
+    @cached_property
+    def _prohibits(self) -> re.Pattern[str]:
+        return re.compile(self.prohibits)
+
+    @cached_property
+    def _reassures(self) -> re.Pattern[str]:
+        return re.compile(self.reassures)
 
     @cached_property
     def calls(self) -> Prefiltered:

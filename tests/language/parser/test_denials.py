@@ -40,8 +40,22 @@ DENIED_BESIDES = {
     "走一米就好，别多走": "F1",
     "左转，不要右转": "l90",
     "左转，不要走": "l90",
+    "move left 0.5 m and don't worry": "L0.5",
+    "往前走一米，别介意错别字": "F1",
+    "走一米，别撞到桌子": "F1",
     "左转90度，不要转180度": "l90",
 }
+#: Limits of a motion that the robot cannot keep to.
+LIMITED = """
+walk forward 2 m but do not go the whole way|turn left but don't turn past the door|walk 1 m, do not swing wide
+wave but don't raise your paw all the way|turn around but never face the window|walk 1 m but don't leave the carpet
+go forward 1 m, never cross the red line|wave but do not leave your spot
+转身，但别转到底|挥挥手，别举过头|前进两米，不要走满|前进两米，但不许踩线|左转，别转过墙角|向前一米，别出地毯
+"""
+ELSEWHERE = """
+take a photo of the cup from above|take a photo from the other side|take a picture of the room from the corner
+show me the view from the window|walk 1 m and take a photo from below
+"""
 
 
 @pytest.mark.parametrize("text", [t for line in CONTRADICTED.strip().splitlines() for t in line.split("|")])
@@ -54,3 +68,24 @@ def test_law_18_what_is_asked_for_and_denied_moves_nothing(text: str) -> None:
 @pytest.mark.parametrize(("text", "plan"), DENIED_BESIDES.items())
 def test_another_motion_than_the_denied_one_is_done(text: str, plan: str) -> None:
     assert short(read(text).plan) == plan
+
+
+@pytest.mark.parametrize("text", [t for line in LIMITED.strip().splitlines() for t in line.split("|")])
+def test_law_18_what_is_limited_in_unknown_words_moves_nothing(text: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK, short(understood.plan)
+    assert not understood.plan.steps
+    last = text.replace(",", "，").split("，")[-1].split(" but ")[-1].removeprefix("但").strip()
+    assert f"`{last}`" in understood.question, "it quotes the limit"
+
+
+@pytest.mark.parametrize("text", [t for line in ELSEWHERE.strip().splitlines() for t in line.split("|")])
+def test_law_18_a_photo_from_another_place_is_asked_back(text: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK, short(understood.plan)
+    assert not understood.plan.steps
+
+
+@pytest.mark.parametrize("place", ["here", "where you stand", "your camera", "this angle", "your position"])
+def test_a_photo_from_where_the_robot_is_is_taken(place: str) -> None:
+    assert short(read(f"take a photo from {place}").plan) == short(read("take a photo").plan)

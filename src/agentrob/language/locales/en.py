@@ -249,10 +249,13 @@ TABLE = {
     "soft=send": """transmit it|relay it|beam it back|forward it to me|send it over|send it back|send it along
         |send that over|send it here|send it|send it to me|send it to us|post it|post it here|show it to me
         |upload it|share it""",
-    "of": """of|showing|in front of|where you|where you are|when you get there|from|from there|from here
-        |from where you are|at your current position|at your current location|at your position|at your location
+    "of": """of|showing|in front of|where you|where you are|when you get there|from there|from here
+        |from where you are|from your camera|from your front camera|from the front camera|from your point of view
+        |from your perspective|from your view|from your side|from the front
+        |at your current position|at your current location|at your position|at your location
         |at this position|at this location|at that position|at that location|at this spot|at that spot
         |in this position|in that position|at your current spot""",
+    "of=from": "from",
     "of=every": """of every|of every single|of each|of each of|of both|of all the|of all these|of all those
         |of all of the|of all my|of all our|of all your|of all four|of all three|of all sides|of every one of""",
     "each": """after each movement|after each|after each step|after every movement|after every step|after every one
@@ -746,6 +749,11 @@ LOCALE = Locale(
     begins=REMARKS.begins,
     open_end=REMARKS.open_end,
     never_where=REMARKS.never_where,
+    prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from)\b(?! been\b)",
+    reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
+        |judge|laugh|hurry|rush|stress|cry|get\ (?:mad|me\ wrong|hurt|scared|lost|excited)|hate|blame|thank|tell
+        |hurt|bump|crash|collide|trip|fall|slip|stumble|knock|(?:walk|run|drive|bang|smash)\ (?:in)?to
+        |hit|touch|break|go\ too\ (?:far|fast)|too\ (?:far|fast|much)|overdo)\b""",
     in_order=_ORDER,
     idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",

@@ -99,6 +99,7 @@ PHRASES = {
     "ask.what": "What shall I do with {words}?",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
+    "ask.limit": "I cannot make sure of {words} on the way; please give the amount itself, or leave this out.",
     "ask.besides": (
         "I do not know what {words} asks of me within this command; please leave it out, or post it by itself."
     ),

@@ -95,6 +95,7 @@ PHRASES = {
     "ask.what": "{words}是要我做什么？",
     "ask.condition": "我不会处理{words}这样的条件或选择，请直接说要做什么。",
     "ask.denial": "我不确定{words}指的是什么。",
+    "ask.limit": "我在路上没法保证{words}；请直接说几米或几度，或者去掉它。",
     "ask.besides": "我不明白{words}在这个命令里要我做什么；请去掉它，或者单独发一帖。",
     "ask.order": "{words}：我会立刻开始，不知道别的机器人什么时候做完；请等轮到哪个机器人时再给它发帖。",
     "ask.question": "这是提问还是命令？",

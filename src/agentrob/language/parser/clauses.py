@@ -82,7 +82,8 @@ class _Reader(SentenceState):
             TokenKind.AGAIN,
         ):
             told = kind is TokenKind.TALK_START and token.value == "question" and self._is_said_of_picture()
-            if told or (self.cur and self.cur.scene and kind in AMOUNTS):  # "show me what you see forward 3 feet"
+            elsewhere = kind is TokenKind.OF and token.value == "from"  # "a photo of the cup from above"
+            if told or elsewhere or (self.cur and self.cur.scene and kind in AMOUNTS):  # "what you see forward 3 feet"
                 self._unknown(token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
@@ -106,6 +107,8 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
+        if self.remark and token.kind is TokenKind.WORD:
+            self.remark.unknown = True
         if token.kind is TokenKind.OP:
             self.sentence.denied_ops.add(deeds_of(token.value)[0])
         if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
@@ -333,7 +336,12 @@ class _Reader(SentenceState):
             self._unknown(token)
             self.mode = Mode.SUBJECT
             return
-        if token.value is not None:
+        pictured = cur.bare_picture or cur.op is Op.GET_FRONT_IMAGE
+        if token.value == "from" and pictured and not cur.closed:  # "a photo from above"
+            self._unknown(token)
+            self.mode = Mode.SUBJECT
+            return
+        if token.value not in (None, "from"):
             cur.watched = True
             if token.value in ("watch", "others") and cur.joined:
                 self._watch(cur, self.sentence.drafts[-2], token)

@@ -121,7 +121,8 @@ class Remark:
     """A stretch of a sentence that is not a step.
 
     `actions`: one of its clauses begins with an action, which may be requested ("so that I can see and turn left");
-    `beyond`: one begins with words that may be part of a request or are beyond the robots' abilities ("… and sing").
+    `beyond`: one begins with words that may be part of a request or are beyond the robots' abilities ("… and sing");
+    `unknown`: a denial has words that the grammar does not know ("don't walk past the door").
     """
 
     kind: RemarkKind
@@ -129,6 +130,7 @@ class Remark:
     end: int
     actions: bool = False
     beyond: bool = False
+    unknown: bool = False
 
 
 @dataclass

@@ -229,6 +229,11 @@ class _StepBuilder:
             if _turns_again(before, draft) or _repeats_gesture(before, draft, drafts):
                 self.reading.object_to(self._say("ask.again_which", self.text[before.start : draft.end]))
 
+    def _may_limit(self, denial: Remark) -> bool:
+        """Return whether a denial in unknown words may limit what is commanded beside it."""
+        words = self.text[denial.start : denial.end].lower()
+        return denial.unknown and locale(self.language).limits_command(words)
+
     def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
         """Note what is left out because "never mind" stands after it."""
         fixes = [draft.fixes for draft in drafts if draft.fixes and draft.fixes.kind is TokenKind.CANCEL]
@@ -253,6 +258,9 @@ class _StepBuilder:
             words = self.text[remark.start : remark.end].rstrip("?？ ")
             if remark.kind is RemarkKind.DENIED and any(d.verb is TokenKind.AGAIN for d in sentence.drafts):
                 self.reading.object_to(self._say("ask.denial", words))  # "again, but not the turn"
+            elif remark.kind is RemarkKind.DENIED and self._may_limit(remark):
+                self.reading.object_to(self._say("ask.limit", words))  # "don't go past the door"
+                continue
             elif remark.kind is RemarkKind.DENIED:
                 self.reading.note(self._say("note.not_done", words))
                 continue
