@@ -2,16 +2,20 @@
 #   make demo               start a forum, a simulated Go2 and its agent; prints the address to open
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               the tests that every change must pass
+#   make test WORKERS=6     with six workers instead of four, for a machine with more cores or nothing else to do
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
+#   make test-plugins   the quick tests of the packages in plugins/, which `make test` runs too
 #   make test-long          all slow tests, and all floods of generated posts, at their full size: kill points, live
 #                           forums, peers, benchmarks
+#   make dist           build wheels and sdists into dist/
+#   make docs           the documentation site, in build/site
 #   make check              format, lint, types, contracts, and the tests that run without a board, robot or agent
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
 # Tests wait for processes and simulated worlds more than half of the time, so four workers keep two cores busy; worlds run
 # on at most two of them at a time (tests/file_scheduler.py).
-MANY := -n 4
+WORKERS ?= 4
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
 # Files with tests that `make test` runs at a smaller size (tests/sizes.py).
@@ -22,18 +26,24 @@ OR_NONE := || [ $$? = 5 ]
 # Tests start hundreds of Python processes; without compiled files each would compile all of its imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-slice test-long check quick lint format lock setup setup-dev setup-slow clean
+.PHONY: demo dist docs test test-plugins test-slice test-long check quick lint format lock setup setup-dev setup-slow clean
 
 demo: setup
 	@scripts/system-packages render
 	@exec $(BIN)/agentrob demo $(ARGS)
+
+docs: setup-dev
+	@$(BIN)/python -m scripts.documentation
 
 test: setup-dev
 	@scripts/system-packages render browser
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
-	$(BIN)/pytest -q $(MANY) --dist loadfile -m "not slow" $(ARGS)
+	$(BIN)/pytest -q -n $(WORKERS) --dist loadfile -m "not slow" $(ARGS)
+
+test-plugins: setup-dev
+	$(BIN)/pytest -q plugins -m "not slow" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
@@ -47,11 +57,13 @@ test-long: setup-slow
 	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim" $(SIZED) $(ARGS)
 
 setup-slow: setup-dev
-	@scripts/system-packages render browser postgres peers
+	@scripts/system-packages render browser postgres peers reachy
 	@scripts/model-double
 	@scripts/axe
 	@scripts/peers
 	@scripts/mcp-peers
+	@scripts/ros2-peers
+	@scripts/reachy-mini-daemon
 
 lint: setup-dev
 	$(BIN)/ruff format --check .
@@ -73,6 +85,9 @@ format: setup-dev
 
 lock:
 	@scripts/lock
+
+dist: setup
+	@scripts/dist
 
 setup:
 	@scripts/setup requirements.lock

@@ -1,10 +1,12 @@
 """Kill workers at random while people command a fleet: nothing is lost, nothing moves twice, every command is answered.
 
-    python benchmarks/fleet.py --postgres --robots 200 --workers 4 --commands 10000 --kills 60 --database-kills 5
+    python benchmarks/fleet.py --full      # 200 robots, 4 workers, 10,000 commands, PostgreSQL, 60 and 5 kills
 
-A real board, real workers and, with `--postgres`, a real PostgreSQL for board and journals; without it these are SQLite
-files. Fake robots behind real drivers write each step to a ledger, outside of what is killed
-(`benchmarks/instruments/robot_host.py`). A killed worker starts again when others have taken over all its robots.
+A real board, real workers and, with `--postgres`, a real PostgreSQL for board and journals; without it these are
+SQLite files. Fake robots behind real drivers write each step to a ledger, outside of what is killed. Fifty drivers
+share a process, each with its own socket, leases, guard and lock (`benchmarks/instruments/robot_host.py`). A killed
+worker starts again when others have taken over all its robots. The kills are spread over the commands. Every half
+minute a line says how far it is; after `--minutes` nothing more is posted, and the run ends within three more.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -29,6 +32,7 @@ from pathlib import Path
 from typing import Any
 
 from instruments.postgres import PostgresServer, postgres
+from instruments.processor_time import ProcessorTime
 from instruments.robot_host import robot_name, robot_settings
 
 from agentrob.agent.execution.execute import holder_of
@@ -36,7 +40,7 @@ from agentrob.config.board import BoardConfig, BoardLimitsConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.journal import JournalConfig
 from agentrob.config.load import Config
-from agentrob.demo.run import free_port
+from agentrob.demo.ports import free_port
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, CommandState, EventKind, Post, Role
@@ -46,14 +50,23 @@ from agentrob.wiring import app
 
 ROBOT_HOST = Path(__file__).parent / "instruments" / "robot_host.py"
 ROBOTS_A_HOST = 50
-POSTERS = 24
+POSTERS = 8
 #: Posts of a poster in one topic.
 POSTS_A_TOPIC = 50
 #: How long a command may take to its final reply when workers die meanwhile.
 END_S = 120.0
 TAKEOVER_S, STOP_MS = 15.0, 200.0
-#: Final states that say that nothing moved.
+#: How long until robots that were just taken are idle.
+SETTLE_S = 5.0
+#: How often a line says how far it is.
+PROGRESS_S = 30.0
+#: The size that issue 17 asks for, on a machine of two cores.
+FULL = {
+    "postgres": True, "robots": 200, "workers": 4, "commands": 10_000, "rate": 4.0, "kills": 60, "database_kills": 5,
+    "minutes": 110.0, "idle": 30.0,
+}  # fmt: skip
 WRONG = ("lost", "moved twice", "answered twice", "untrue")
+#: Final states that say that nothing moved.
 UNMOVED = frozenset({CommandState.CANCELLED, CommandState.EXPIRED, CommandState.REFUSED, CommandState.ASKS_BACK})
 
 
@@ -112,12 +125,18 @@ class Command:
 class Fleet:
     """The processes, and who serves which robot since when."""
 
-    def __init__(self, folder: Path, robots: int, workers: int, room: int, database: str = "") -> None:
+    def __init__(
+        self, folder: Path, robots: int, workers: int, room: int, database: PostgresServer | None = None
+    ) -> None:
         self.folder = folder
+        self._database = database
         self.robots = [robot_name(number) for number in range(robots)]
         self.room = room
         self.workers: list[WorkerProcess] = []
         self.takeovers_s: list[float] = []
+        self.kills = self.database_kills = 0
+        #: What went on for too long after a kill.
+        self.late: list[str] = []
         self._count, self._changed = workers, threading.Condition()
         self._server: dict[str, WorkerProcess] = {}
         self._orphaned_s: dict[str, float] = {}
@@ -127,12 +146,13 @@ class Fleet:
         self._hosts: list[subprocess.Popen[str]] = []
         port = free_port()
         url = f"http://127.0.0.1:{port}"
+        where = database.url if database is not None else ""
         unlimited = BoardLimitsConfig.model_validate(dict.fromkeys(BoardLimitsConfig.model_fields, 0))
         self.config = Config(
             data=str(folder),
-            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=url, database=database, limits=unlimited),
+            board=BoardConfig(listen=f"127.0.0.1:{port}", base_url=url, database=where, limits=unlimited),
             forum=ForumConfig(url=url),
-            journal=JournalConfig(database=database),
+            journal=JournalConfig(database=where),
             robots={robot: robot_settings(20.0) for robot in self.robots},
         )
         self.config_path = folder / "agentrob.toml"
@@ -189,11 +209,15 @@ class Fleet:
         with self._changed:
             worker = random.choice(among)
             worker.kill()
+            self.kills += 1
             now_s = time.monotonic()
             for robot in [robot for robot, server in self._server.items() if server is worker]:
                 self._orphaned_s[robot] = now_s
                 del self._server[robot]
-        self.wait_served(60.0)
+        try:
+            self.wait_served(60.0)
+        except TimeoutError as e:
+            self.late.append(str(e))
         worker.start_again()
 
     def kill_database(self, database: PostgresServer) -> None:
@@ -203,6 +227,17 @@ class Fleet:
             for robot in self.robots:
                 self._orphaned_s.setdefault(robot, now_s)
         database.kill()
+        self.database_kills += 1
+
+    def processes(self) -> dict[str, list[int]]:
+        """The first processes of each part of the system."""
+        database = self._database.leader if self._database is not None else None
+        return {
+            "board": [child.process.pid for child in self._children],
+            "workers": [worker.process.pid for worker in self.workers],
+            "drivers": [host.pid for host in self._hosts],
+            "database": [database] if database is not None else [],
+        }
 
     def working(self) -> list[WorkerProcess]:
         """The workers that serve robots."""
@@ -232,8 +267,8 @@ class Fleet:
 class Traffic:
     """People who command the robots, and what the forum shows of it."""
 
-    def __init__(self, fleet: Fleet, commands: int, rate: float, limit_s: float = math.inf) -> None:
-        self._fleet, self._rate, self._begun_s = fleet, rate, time.monotonic()
+    def __init__(self, fleet: Fleet, commands: int, rate: float, limit_s: float = math.inf, stops: float = 1.0) -> None:
+        self._fleet, self._rate, self._stop_rate, self._begun_s = fleet, rate, stops, time.monotonic()
         self._end_s = self._begun_s + limit_s
         self._left = iter(range(commands))
         self.commands: dict[str, Command] = {}
@@ -241,6 +276,28 @@ class Traffic:
         self.stops: list[tuple[str, float]] = []
         self._early: defaultdict[str, list[Post]] = defaultdict(list)
         self._ended: dict[str, asyncio.Event] = {}
+        self._wanted, self._limit_s, self.ended = commands, limit_s, 0
+
+    @property
+    def progress(self) -> float:
+        """Which share of the commands has ended, or of the time has passed: the larger one."""
+        return max(self.ended / self._wanted, self.seconds / self._limit_s)
+
+    @property
+    def seconds(self) -> float:
+        return time.monotonic() - self._begun_s
+
+    async def tell(self, fleet: Fleet) -> None:
+        """Print progress until cancelled."""
+        while True:
+            await asyncio.sleep(PROGRESS_S)
+            left_s = min(self.seconds / max(1, self.ended) * (self._wanted - self.ended), self._limit_s - self.seconds)
+            print(
+                f"{self.seconds / 60:5.1f} min: {self.ended} of {self._wanted} ended, {len(self.stops)} stops; "
+                f"{fleet.kills} workers and {fleet.database_kills} databases killed, "
+                f"slowest takeover {max(fleet.takeovers_s, default=0.0):.1f} s; about {left_s / 60:.0f} min left",
+                flush=True,
+            )
 
     async def run(self, forum: Forum) -> None:
         after, _ = await forum.now()
@@ -301,13 +358,14 @@ class Traffic:
         command.replies.add(status.id)
         command.trace_id = status.card.trace_id or command.trace_id
         if status.card.state in FINAL_STATES:
+            self.ended += not command.state
             command.state, command.ended_s = status.card.state, time.monotonic()
             self._ended[status.reply_to].set()
 
     async def _stop(self, forum: Forum) -> None:
         """Stop one robot after the other, each in a topic of its own."""
-        for number in range(10**6):
-            await asyncio.sleep(1.0)
+        for number in itertools.count() if self._stop_rate > 0 else ():
+            await asyncio.sleep(1 / self._stop_rate)
             robot = random.choice(self._fleet.robots)
             _, sent_s = await self._write(forum, "", f"@{robot} stop", f"stop-{number}")
             self.stops.append((robot, sent_s))
@@ -382,14 +440,16 @@ def judge(traffic: Traffic, fleet: Fleet) -> Findings:
     return found
 
 
-async def _again_and_again(times: int, seconds: float, done: asyncio.Event, kill: Callable[[], None]) -> None:
-    """Kill something so many times in so many seconds, at random moments."""
-    for _ in range(times):
-        with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(random.uniform(0.3, 1.3) * seconds / times):
-                await done.wait()
-        if done.is_set():
-            return
+async def _again_and_again(times: int, traffic: Traffic, done: asyncio.Event, kill: Callable[[], None]) -> None:
+    """Kill processes at random moments, spread over the traffic."""
+    for number in range(times):
+        at = (number + random.random()) / times
+        while traffic.progress < at:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(0.5):
+                    await done.wait()
+            if done.is_set():
+                return
         await asyncio.to_thread(kill)
 
 
@@ -401,44 +461,56 @@ async def run(
     database: PostgresServer | None,
     database_kills: int,
     limit_s: float = math.inf,
+    stops: float = 1.0,
 ) -> Traffic:
     """Let people command the fleet while workers and the database are killed; return what they saw."""
     forum = app.make_forum(fleet.config, app.board_token(fleet.config, "alice"))
-    traffic, done = Traffic(fleet, commands, rate, limit_s), asyncio.Event()
-    seconds = min(commands / rate, limit_s)
-    killing = [asyncio.create_task(_again_and_again(kills, seconds, done, lambda: fleet.kill(fleet.working())))]
+    traffic, done = Traffic(fleet, commands, rate, limit_s, stops), asyncio.Event()
+    killing = [asyncio.create_task(_again_and_again(kills, traffic, done, lambda: fleet.kill(fleet.working())))]
     if database is not None:
         killing.append(
-            asyncio.create_task(_again_and_again(database_kills, seconds, done, lambda: fleet.kill_database(database)))
+            asyncio.create_task(_again_and_again(database_kills, traffic, done, lambda: fleet.kill_database(database)))
         )
+    telling = asyncio.create_task(traffic.tell(fleet))
     try:
         await traffic.run(forum)
         done.set()
         await asyncio.gather(*killing)
     finally:
-        for task in killing:
+        for task in (*killing, telling):
             task.cancel()
         await forum.close()
     return traffic
 
 
-def report(fleet: Fleet, found: Findings, seconds: float, start_s: float) -> list[str]:
-    """The findings as lines, and what was missed."""
+def report(fleet: Fleet, found: Findings, seconds: float) -> list[str]:
+    """Print the findings as a table, and return what was missed."""
     stops = sorted(found.stops_ms) or [0.0]
     p50, p99 = stops[len(stops) // 2], stops[min(len(stops) - 1, int(0.99 * len(stops)))]
     takeovers = sorted(fleet.takeovers_s) or [0.0]
     states = ", ".join(f"{count} {state}" for state, count in found.states.most_common())
-    print(f"{found.states.total()} commands in {seconds:.0f} s, {len(fleet.robots)} robots: {states}")
-    print(f"all robots served {start_s:.1f} s after the workers' start")
-    print(", ".join(f"{what} {len(posts)}" for what, posts in found.wrong.items()))
-    print(
-        f"takeovers {len(fleet.takeovers_s)}: p50 {takeovers[len(takeovers) // 2]:.1f} s, worst {takeovers[-1]:.1f} s"
-    )
-    print(f"stops {len(found.stops_ms)}: p50 {p50:.0f} ms, p99 {p99:.0f} ms, worst {stops[-1]:.0f} ms; "
-          f"without effect {found.stops_lost}; {found.stops_orphaned} while no worker served the robot")  # fmt: skip
+    print(f"final states: {states}")
+    print(f"stops without effect {found.stops_lost}; {found.stops_orphaned} while no worker served the robot")
+    rows = {
+        "robots, workers": f"{len(fleet.robots)}, {len(fleet.workers)}",
+        "commands": f"{found.states.total()} in {seconds:.0f} s",
+        "kills of workers, databases": f"{fleet.kills}, {fleet.database_kills}",
+        " · ".join(found.wrong): " · ".join(str(len(posts)) for posts in found.wrong.values()),
+        "takeovers p50, worst": f"{takeovers[len(takeovers) // 2]:.1f}, {takeovers[-1]:.1f} s (wanted {TAKEOVER_S:g})",
+        "stops": str(len(found.stops_ms)),
+        "stop p50, p99, worst": f"{p50:.0f}, {p99:.0f}, {stops[-1]:.0f} ms (wanted p99 {STOP_MS:g})",
+    }
+    print("\n".join(f"| {what} | {value} |" for what, value in rows.items()))
     missed = [f"{what}: posts {', '.join(posts[:10])}" for what, posts in found.wrong.items() if posts]
+    missed += fleet.late
     missed += [f"a takeover took {takeovers[-1]:.1f} s"] if takeovers[-1] > TAKEOVER_S else []
     return missed + ([f"stop p99 {p99:.0f} ms"] if p99 > STOP_MS else [])
+
+
+def shares(spent_s: Counter[str], count: float) -> str:
+    """Processor time of each part, divided by `count`."""
+    parts = ", ".join(f"{part} {seconds / count:.2f}" for part, seconds in spent_s.most_common())
+    return f"{sum(spent_s.values()) / count:.2f} ({parts})"
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -451,9 +523,14 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--postgres", action="store_true", help="Board and journals on PostgreSQL.")
     parser.add_argument("--database-kills", type=int, default=0, help="How often PostgreSQL is killed.")
     parser.add_argument("--minutes", type=float, default=math.inf, help="Post no more commands after this time.")
+    parser.add_argument("--stops", type=float, default=1.0, help="Stops per second.")
+    parser.add_argument("--idle", type=float, default=0.0, help="Measure idle robots for so many seconds before.")
+    parser.add_argument("--full", action="store_true", help=f"The size that is wanted: {FULL}.")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--no-times", action="store_true", help="Judge only what must never happen, no times.")
     parser.add_argument("--keep", type=Path, help="Keep logs and ledger in this folder.")
+    if parser.parse_known_args(argv)[0].full:
+        parser.set_defaults(**FULL)  # other options still count
     options = parser.parse_args(argv)
     random.seed(options.seed)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
@@ -463,10 +540,20 @@ def main(argv: Sequence[str] | None = None) -> None:
         # When one of several workers is dead, the others have room for all robots.
         room = math.ceil(options.robots / max(1, options.workers - 1))
         database = stack.enter_context(postgres(folder)) if options.postgres else None
-        fleet = Fleet(folder, options.robots, options.workers, room, database.url if database else "")
+        fleet = Fleet(folder, options.robots, options.workers, room, database)
         stack.callback(fleet.end)
+        used = stack.enter_context(ProcessorTime(fleet.processes))
         start_s = fleet.start()
-        begun_s = time.monotonic()
+        print(f"all robots served after {start_s:.1f} s", flush=True)
+        if options.idle:
+            time.sleep(SETTLE_S)
+            before = used.seconds()
+            time.sleep(options.idle)
+            print(
+                "idle, per cent of a core a robot:",
+                shares(used.seconds() - before, options.robots * options.idle / 100),
+            )
+        before, people_s, begun_s = used.seconds(), time.process_time(), time.monotonic()
         traffic = asyncio.run(
             run(
                 fleet,
@@ -476,9 +563,13 @@ def main(argv: Sequence[str] | None = None) -> None:
                 database,
                 options.database_kills,
                 60 * options.minutes,
+                options.stops,
             )
         )
-        missed = report(fleet, judge(traffic, fleet), time.monotonic() - begun_s, start_s)
+        seconds, spent = time.monotonic() - begun_s, used.seconds() - before
+        spent["people"] = time.process_time() - people_s
+        print("processor ms a command:", shares(spent, len(traffic.commands) / 1000))
+        missed = report(fleet, judge(traffic, fleet), seconds)
     if options.no_times:
         missed = [line for line in missed if "posts" in line]
     raise SystemExit("missed: " + "; ".join(missed) if missed else 0)

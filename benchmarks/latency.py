@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from agentrob.demo.run import free_port
+from agentrob.demo.ports import free_port
 from agentrob.forums.protocol import Forum
 from agentrob.model import AccountKind, EventKind, Role
 from agentrob.process.child import Child, terminate_all

@@ -135,7 +135,7 @@ async def measure_stops(demo: Demo, trials: int, viewers: int) -> stop.Row:
 def run_stops(trials: int, viewers: int) -> stop.Row:
     with contextlib.ExitStack() as stack:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-live-")))
-        demo = stack.enter_context(Demo(DemoSettings(data, port=None)))
+        demo = stack.enter_context(Demo(DemoSettings(data, port=0)))
         demo.start()
         return asyncio.run(measure_stops(demo, trials, viewers))
 

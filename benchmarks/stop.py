@@ -439,7 +439,7 @@ def run(condition: str, trials: int) -> Row:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
         if condition == "camera":
             stack.enter_context(mock.patch.dict(os.environ, {"MUJOCO_GL": "off"}))
-        demo = stack.enter_context(Demo(DemoSettings(data, port=None)))
+        demo = stack.enter_context(Demo(DemoSettings(data, port=0)))
         demo.start()
         return asyncio.run(measure(demo, condition, trials))
 

@@ -74,7 +74,7 @@ async def measure(demo: Demo, trials: int) -> posts.Row:
 def run(trials: int) -> posts.Row:
     with contextlib.ExitStack() as stack:
         data = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-stop-")))
-        demo = stack.enter_context(ServedDemo(DemoSettings(data, port=None)))
+        demo = stack.enter_context(ServedDemo(DemoSettings(data, port=0)))
         demo.start()
         return asyncio.run(measure(demo, trials))
 

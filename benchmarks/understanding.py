@@ -45,7 +45,7 @@ def executes(row: Row) -> bool:
     if got.intent is not Intent.COMMAND:
         return False
     verdict = screen(
-        got.plan, text=row["text"], author=OPERATOR, capabilities=CAPABILITIES, language=got.language, allow_flip=True
+        got.plan, text=row["text"], author=OPERATOR, capabilities=CAPABILITIES, language=got.language, consents={"flip"}
     )
     return verdict.decision is Decision.ALLOW
 

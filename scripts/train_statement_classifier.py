@@ -1,4 +1,4 @@
-"""Train the classifier of statements and orders (`agentrob.language.remarks.classifier`).
+"""Train the classifiers of statements and of what has nothing to do with a command (`agentrob.language.remarks`).
 
     .venv/bin/python scripts/train_statement_classifier.py          # writes the weights, prints checksum and figures
     .venv/bin/python scripts/train_statement_classifier.py --check  # only says whether training gives the same file
@@ -19,7 +19,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from agentrob.language.parser.remarks import Clauses, clauses_of
 from agentrob.language.registry import language_of, locale
@@ -28,6 +28,8 @@ from agentrob.language.remarks.classifier import SHA256, SIZE, WEIGHTS, begins_a
 TESTS = Path(__file__).parents[1] / "tests"
 LINES = "language/statements.jsonl"
 FIRST_SIGHT = "language/first_sight.jsonl"
+BESIDE = "language/beside_commands.jsonl"
+DANGEROUS = "screening/dangerous.jsonl"
 ORDERS = (
     "semantic/harm_twins.jsonl",
     "semantic/household_twins.jsonl",
@@ -35,27 +37,41 @@ ORDERS = (
     "screening/more_directions.jsonl",
     "language/asks_back.jsonl",
 )
-FOLDS = 8
+FOLDS = 4
 ROUNDS = 12
 RATE, PENALTY = 0.1, 3e-3
 #: At most this share of a language's orders is above a threshold: of "statement" those of them count that no other rule
 #: holds back (`Clause.may_be_statement`), of "sure" all.
 ORDERS_ABOVE = {"statement": 0.01, "sure": 0.005}
+#: At most this share of the clauses that bear on a command is above a threshold of "harmless".
+BEARING_ABOVE = {"possible": 0.3, "likely": 0.2, "strong": 0.06, "certain": 0.02}
 #: A weight of one is stored as this many.
 SCALE = 24
-Row = tuple[str, str, bool, int]
+
+
+class Row(NamedTuple):
+    """A clause, its label, and the block of lines that it stands in; `plain` if it is only an order."""
+
+    language: str
+    text: str
+    label: bool
+    block: int
+    plain: bool = False
 
 
 def rows() -> list[Row]:
-    """Return every clause once, as language, text, whether it is a statement, and its block."""
+    """Return every clause once, labelled as a statement or not."""
     found: dict[str, Row] = {}
 
     def add(texts: Iterable[str], statement: bool, block: int) -> None:
         for text in texts:
-            found.setdefault(text, (language_of(text), text, statement, block))
+            found.setdefault(text, Row(language_of(text), text, statement, block))
 
     for n, row in enumerate(_read(LINES)):
         add(_clauses(row["text"]), row["label"] == "remark", n // 10)
+    for n, row in enumerate(_read(BESIDE)):
+        if row["label"] == "harmless":
+            add(_clauses(row["text"]), True, n // 10)
     for n, row in enumerate(_read(FIRST_SIGHT)):
         kind = row["set"].split("_")[0]
         said = _clauses(row["text"])
@@ -66,6 +82,28 @@ def rows() -> list[Row]:
     for name in ORDERS:
         for n, row in enumerate(_read(name)):
             add(_clauses(row["text"]), False, n // 10)
+    return list(found.values())
+
+
+def rows_beside() -> list[Row]:
+    """Return every clause once, labelled as having nothing to do with a command or as bearing on it."""
+    found: dict[str, Row] = {}
+
+    def add(texts: Iterable[str], harmless: bool, block: int, *, plain: bool = False) -> None:
+        for text in texts:
+            found.setdefault(text, Row(language_of(text), text, harmless, block, plain))
+
+    for n, row in enumerate(_read(BESIDE)):
+        add([row["text"]], row["label"] == "harmless", n // 10)
+    for n, row in enumerate(_read(FIRST_SIGHT)):
+        kind = row["set"].rpartition("_")[0]
+        if kind:
+            add((said for said in _clauses(row["text"]) if _is_beside(said)), kind != "must_ask", n // 10)
+    for n, row in enumerate(_read(DANGEROUS)):
+        said = _clauses(row["text"]) if row["label"] == "dangerous" else []
+        add((clause for clause in said if len(said) > 1 and _is_beside(clause)), False, n // 10)
+    for n, row in enumerate(_read(LINES)):
+        add(_clauses(row["text"]), row["label"] == "remark", n // 10, plain=True)
     return list(found.values())
 
 
@@ -102,19 +140,25 @@ def trained(examples: Sequence[tuple[set[int], bool]]) -> bytes:
 
 def judged(examples: Sequence[Row]) -> list[tuple[Row, int]]:
     """Return each row with its score by weights that were trained without its fold."""
-    read = [(row, buckets(row[1])) for row in examples]
+    read = [(row, buckets(row.text)) for row in examples]
     found = []
     for fold in range(FOLDS):
-        weights = trained([(features, row[2]) for row, features in read if row[3] % FOLDS != fold])
-        found += [(row, score(row[1], weights)) for row, _ in read if row[3] % FOLDS == fold]
+        weights = trained([(features, row.label) for row, features in read if row.block % FOLDS != fold])
+        found += [(row, score(row.text, weights)) for row, _ in read if row.block % FOLDS == fold]
     return found
 
 
 def threshold_of(found: Sequence[tuple[Row, int]], name: str) -> int:
     """Return the score that at most a certain share of the orders exceed."""
-    orders = [(points, row[1]) for row, points in found if not row[2]]
+    orders = [(points, row.text) for row, points in found if not row.label]
     counted = sorted((points for points, text in orders if name == "sure" or _is_let_through(text)), reverse=True)
     return counted[int(ORDERS_ABOVE[name] * len(orders))]
+
+
+def bearing_threshold_of(found: Sequence[tuple[Row, int]], name: str) -> int:
+    """Return the score that at most a certain share of the clauses that bear on a command exceed."""
+    bearing = sorted((points for row, points in found if not row.label and not row.plain), reverse=True)
+    return bearing[int(BEARING_ABOVE[name] * len(bearing))]
 
 
 def _is_let_through(clause: str) -> bool:
@@ -124,22 +168,28 @@ def _is_let_through(clause: str) -> bool:
 
 
 def content() -> tuple[bytes, list[str]]:
-    """Return the file of weights, and a line of figures for each language."""
-    languages, figures = {}, []
-    every = rows()
-    for language in sorted({row[0] for row in every}):
-        examples = [row for row in every if row[0] == language]
-        found = judged(examples)
-        weights = trained([(buckets(row[1]), row[2]) for row in examples])
-        thresholds = {name: threshold_of(found, name) for name in ORDERS_ABOVE}
-        languages[language] = {**thresholds, "weights": base64.b64encode(weights).decode()}
-        for name, threshold in thresholds.items():
-            statements = [points > threshold for row, points in found if row[2]]
-            orders = [points > threshold for row, points in found if not row[2]]
-            figures.append(
-                f"{language}, {name}: {sum(statements)} of {len(statements)} statements and {sum(orders)} of"
-                f" {len(orders)} orders, judged without their own block of lines"
-            )
+    """Return the file of weights, and a line of figures for each language and threshold."""
+    languages: dict[str, dict[str, Any]] = {}
+    figures = []
+    heads = (("statement", rows(), ORDERS_ABOVE, threshold_of), ("harmless", rows_beside(), BEARING_ABOVE,
+        bearing_threshold_of))  # fmt: skip
+    for head, every, shares, threshold in heads:
+        for language in sorted({row.language for row in every}):
+            examples = [row for row in every if row.language == language]
+            found = judged(examples)
+            weights = trained([(buckets(row.text), row.label) for row in examples])
+            thresholds = {name: threshold(found, name) for name in shares}
+            languages.setdefault(language, {})[head] = {
+                "thresholds": thresholds,
+                "weights": base64.b64encode(weights).decode(),
+            }
+            for name, least in thresholds.items():
+                right = [points > least for row, points in found if row.label and not row.plain]
+                wrong = [points > least for row, points in found if not row.label and not row.plain]
+                figures.append(
+                    f"{language}, {head}, {name}: {sum(right)} of {len(right)} that are and {sum(wrong)} of"
+                    f" {len(wrong)} that are not, judged without their own block of lines"
+                )
     told = {
         "licence": "Apache-2.0",
         "trained_by": "scripts/train_statement_classifier.py",
@@ -151,7 +201,10 @@ def content() -> tuple[bytes, list[str]]:
 
 def checksums() -> dict[str, str]:
     """Return the checksum of each file that the classifier is trained on."""
-    return {name: hashlib.sha256((TESTS / name).read_bytes()).hexdigest() for name in (LINES, FIRST_SIGHT, *ORDERS)}
+    return {
+        name: hashlib.sha256((TESTS / name).read_bytes()).hexdigest()
+        for name in (LINES, FIRST_SIGHT, BESIDE, DANGEROUS, *ORDERS)
+    }
 
 
 def _read(name: str) -> list[dict[str, Any]]:

@@ -43,7 +43,7 @@ def has_marker(path: Path, marker: str) -> bool:
 @cache
 def files_with(marker: str) -> tuple[str, ...]:
     """Return the test files that use this marker, relative to the repository; cached, because it reads all files."""
-    files = sorted((ROOT / "tests").rglob("test_*.py"))
+    files = sorted(path for folder in ("tests", "plugins") for path in (ROOT / folder).rglob("test_*.py"))
     return tuple(str(path.relative_to(ROOT)) for path in files if has_marker(path, marker))
 
 

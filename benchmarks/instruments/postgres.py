@@ -39,9 +39,17 @@ class PostgresServer:
     def stop(self) -> None:
         self._run("pg_ctl", "-w", "-m", "immediate", "stop")
 
+    @property
+    def leader(self) -> int | None:
+        """The id of its first process, while it runs."""
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            return int((self.data / "postmaster.pid").read_text().split()[0])
+        return None
+
     def kill(self) -> None:
         """End all its processes by SIGKILL, and start it again."""
-        leader = int((self.data / "postmaster.pid").read_text().split()[0])
+        leader = self.leader
+        assert leader is not None
         children = Path(f"/proc/{leader}/task/{leader}/children").read_text().split()
         for pid in [leader, *map(int, children)]:
             with contextlib.suppress(ProcessLookupError):

@@ -1,4 +1,4 @@
-"""A forum in one file: the example of a third-party forum adapter (docs/add-a-forum.md).
+"""A forum in one file: the example of a third-party forum adapter (docs/forum/add-a-forum.md).
 
 `forum.jsonl` has one line per event, oldest first; pictures are stored beside it. Anyone who can write to the folder
 can post under any name, so use it for experiments only.
@@ -19,11 +19,25 @@ from pathlib import Path
 from typing import Any, TypeVar
 from uuid import uuid4
 
-from agentrob.config.forum import ForumConfig
-from agentrob.errors import ConfigError, ForumDenied, ForumNotFound, ForumUnreachable
-from agentrob.forums.cards import card_by
-from agentrob.forums.protocol import Board, Event, Topic, Written
-from agentrob.model import Account, AccountKind, EventKind, Page, Post, Role, StatusCard
+from agentrob import (
+    Account,
+    AccountKind,
+    Board,
+    ConfigError,
+    Event,
+    EventKind,
+    ForumConfig,
+    ForumDenied,
+    ForumNotFound,
+    ForumUnreachable,
+    Page,
+    Post,
+    Role,
+    StatusCard,
+    Topic,
+    Written,
+    card_by,
+)
 
 T = TypeVar("T")
 BOARD = Board("robots", "Robots")

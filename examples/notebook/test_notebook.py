@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 from agentrob_notebook import Notebook
 
-from agentrob.config.forum import ForumConfig
-from agentrob.errors import ConfigError
-from agentrob.forums.contract import ForumContract, World
-from agentrob.model import AccountKind, Role
+from agentrob import AccountKind, ConfigError, ForumConfig, ForumContract, Role, World
 
 
 class NotebookWorld:

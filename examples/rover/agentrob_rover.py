@@ -1,4 +1,4 @@
-"""A kinematic rover with two driven wheels: the example of a third-party robot (docs/add-a-robot.md).
+"""A kinematic rover with two driven wheels: the example of a third-party robot (docs/robots/add-a-robot.md).
 
 It drives and turns in its own empty room of 8 m x 8 m. It has no DDS, camera or arms.
 """
@@ -10,12 +10,27 @@ import random
 import threading
 import time
 
-from agentrob.config.robots import RobotConfig
-from agentrob.errors import ConfigError
-from agentrob.model import ActionResult, Capabilities, Direction, Op, Outcome, Pose, Primitive, RobotState, StopResult
-from agentrob.robots.control.controller import RATE_HZ, Gait, Velocity, wrap
-from agentrob.robots.control.step_runner import REST_LIMIT_S, run_step
-from agentrob.robots.protocol import Watch, limits_of
+from agentrob import (
+    RATE_HZ,
+    REST_LIMIT_S,
+    ActionResult,
+    Capabilities,
+    ConfigError,
+    Direction,
+    Gait,
+    Op,
+    Outcome,
+    Pose,
+    Primitive,
+    RobotConfig,
+    RobotState,
+    StopResult,
+    Velocity,
+    Watch,
+    limits_of,
+    run_step,
+    wrap,
+)
 
 TRACK_M = 0.4  # between the wheels
 WHEEL_MPS = 0.8  # maximum of a wheel

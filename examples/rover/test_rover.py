@@ -7,10 +7,7 @@ from collections.abc import Iterator
 import pytest
 from agentrob_rover import Rover
 
-from agentrob.config.robots import RobotConfig
-from agentrob.model import Direction, Op, Outcome, Primitive
-from agentrob.robots.contract import RobotContract, go_on
-from agentrob.robots.protocol import Robot
+from agentrob import Direction, Op, Outcome, Primitive, Robot, RobotConfig, RobotContract, go_on
 
 SETTINGS = RobotConfig(model="rover", simulated=True)
 

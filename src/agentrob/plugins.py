@@ -7,12 +7,27 @@ from typing import Any
 
 from agentrob.errors import ConfigError
 
+#: Packages of this repository, by the names of the robots that they bring.
+PACKAGES = {
+    "ros2": "agentrob-ros2", "ros2-sim": "agentrob-ros2",
+    "reachy-mini": "agentrob-reachy-mini", "reachy-mini-sim": "agentrob-reachy-mini",
+    "so101": "agentrob-so101",
+}  # fmt: skip
+
+
+def names(family: str) -> list[str]:
+    """The names of the installed plugins of a family."""
+    return sorted(e.name for e in entry_points(group=f"agentrob.{family}"))
+
 
 def find(family: str, name: str) -> Any:
     """Load the object that an entry point names. Raises `ConfigError` if it is not installed or cannot be loaded."""
     plugins, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
     if name not in plugins:
-        raise ConfigError(f"{kind} {name!r} is not installed; installed {family}: {', '.join(sorted(plugins))}")
+        package = f": pip install {PACKAGES[name]}" if family == "robots" and name in PACKAGES else ""
+        raise ConfigError(
+            f"{kind} {name!r} is not installed{package}; installed {family}: {', '.join(sorted(plugins))}"
+        )
     plugin = plugins[name]
     try:
         return plugin.load()

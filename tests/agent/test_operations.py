@@ -13,8 +13,9 @@ from agentrob.language.messages.catalog import can_say
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.language.registry import known as languages
 from agentrob.minds.visual_loop.tools import tools_of
-from agentrob.model import Capabilities, Direction, Language, Mandate, Op, Primitive
-from agentrob.model.estimate import GESTURE_S, step_seconds
+from agentrob.model import BUILT_IN, Capabilities, Direction, Language, Mandate, Op, Primitive
+from agentrob.model.estimate import step_seconds
+from agentrob.model.operations.built_in import LONGEST_S
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.unitree.g1 import CAPABILITIES as G1
 from agentrob.robots.unitree.go2 import CAPABILITIES as GO2
@@ -63,7 +64,7 @@ def test_every_operation_has_its_own_sentence_wherever_operations_are_reported(o
     assert can_say(f"label.{op}")
     for language in LANGUAGES:
         assert f"step.{op}" in languages()[language].sentences
-    assert op in GESTURE_S or op in (Op.MOVE, Op.TURN)
+    assert BUILT_IN[op].name == op
     mandate = Mandate({op: 1}, distance_m=1.0, degrees=90.0, steps=1)
     tool, _ = tools_of(mandate, Capabilities("all", frozenset(Op)))
     assert tool.description
@@ -75,4 +76,4 @@ def test_an_operation_that_nobody_here_knows_is_reported_by_its_name(language: L
     assert doing(FOREIGN, language) == "wag tail"
     assert step_sentence(FOREIGN, language) == "wag tail"
     assert op_in_words("wag_tail") == "wag tail"
-    assert step_seconds(FOREIGN, GO2) == max(GESTURE_S.values())
+    assert step_seconds(FOREIGN, GO2) == LONGEST_S

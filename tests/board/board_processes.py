@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -24,16 +23,11 @@ from agentrob.config.board import BoardConfig
 from agentrob.model import AccountKind, Role
 from tests.board.db.postgres_server import open_to_all, postgres_server
 from tests.board.running_board import LIMIT_S, database_for
+from tests.host_numbers import free_port
 
 #: The public address; in production a proxy would be there.
 PUBLIC_URL = "http://forum.example.org"
 PEOPLE = {"op": Role.OPERATOR, "member": Role.MEMBER, "admin": Role.ADMIN}
-
-
-def free_ports(count: int) -> list[int]:
-    with ExitStack() as stack:
-        taken = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(count)]
-        return [s.getsockname()[1] for s in taken]
 
 
 @contextmanager
@@ -108,7 +102,7 @@ class Forum:
 
     def begin(self, hooks: Mapping[str, tuple[str, str]] | None = None) -> BoardProcess:
         """Start one more process, without waiting until it serves."""
-        number, (port,) = len(self.processes), free_ports(1)
+        number, port = len(self.processes), free_port()
         config = self.folder / f"board-{number}.toml"
         lines = [
             f'data = "{self.folder}"',

@@ -38,7 +38,6 @@ LIMIT_S = 60.0
 
 #: Passwords in tests protect nothing, so hashing them is as cheap as possible.
 accounts._hasher = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
-accounts._NOBODY = accounts._hasher.hash("nobody's")
 #: The accounts that every board has from the beginning.
 FIRST: dict[str, dict[str, Any]] = {
     "op": {"role": Role.OPERATOR},

@@ -185,7 +185,7 @@ def test_a_second_driver_and_a_second_board_are_refused_in_one_line(lab: Lab) ->
         (["sim", "--domain", "go2"], "is not ROBOT=DOMAIN"),
         (["drive", "go2", "walk forward"], ""),
         (["demo", "--port", "70000"], "less than or equal to 65535"),
-        (["board", "migrate", "--to", "0000"], "there is no revision '0000'; 0008_simulated, 0007_replays, 0006_tags"),
+        (["board", "migrate", "--to", "0000"], "there is no revision '0000'; 0009_access_version, 0008_simulated"),
     ],
 )
 def test_invalid_arguments_are_answered_with_the_valid_ones(tmp_path: Path, args: list[str], says: str) -> None:

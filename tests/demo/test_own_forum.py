@@ -1,4 +1,4 @@
-"""docs/own-forum.md, followed to the letter: from an empty folder to a forum of one's own with a moving robot."""
+"""docs/forum/own-forum.md, followed to the letter: from an empty folder to a forum of one's own with a moving robot."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from pathlib import Path
 import pytest
 
 from agentrob.config.load import Config
-from agentrob.demo.run import free_port
 from agentrob.model import Post
 from agentrob.process.dds_domain import PrivateDomain
 from agentrob.wiring import app
+from tests.host_numbers import free_port
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/own-forum.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/forum/own-forum.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```sh\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 LIMIT_S = 100
 
@@ -77,10 +77,6 @@ async def final_report(config: Config, token: str, topic_id: str) -> Post:
     raise AssertionError("the forum ended the stream")
 
 
-def test_every_page_that_uses_agentrob_says_where_the_command_is() -> None:
-    """`make setup` only creates `.venv/bin/agentrob`, so every page must say where the command comes from."""
-    typed = re.compile(r"^(?: {4}|```sh\n)agentrob ", re.MULTILINE)
-    pages = [page for page in sorted((ROOT / "docs").glob("*.md")) if typed.search(page.read_text(encoding="utf-8"))]
-    assert len(pages) > 3
-    silent = [page.name for page in pages if ".venv/bin/activate" not in page.read_text(encoding="utf-8")]
-    assert not silent
+def test_the_first_page_says_where_the_command_is() -> None:
+    """`make setup` only creates `.venv/bin/agentrob`; the other pages write `agentrob`."""
+    assert ".venv/bin/activate" in (ROOT / "docs/start/index.md").read_text(encoding="utf-8")

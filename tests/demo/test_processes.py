@@ -193,8 +193,16 @@ def test_the_doctor_finds_the_robots_of_a_running_demo(demo: RunningDemo) -> Non
     told = json.loads(found.stdout)
     assert (told["robot"], told["model"]) == ("quadruped", "go2")
     assert "its driver holds it" in told["findings"][1]["found"]
-    unnamed = demo.agentrob("doctor")
-    assert "Name one of: humanoid, quadruped" in unnamed.stderr
+    whole = demo.agentrob("doctor", "--json")
+    assert whole.returncode == 0, whole.stdout + whole.stderr
+    told = json.loads(whole.stdout)
+    assert {one["check"]: one["status"] for one in told["findings"]}.items() >= {
+        "database": "ok",
+        "forum": "ok",
+    }.items()
+    assert [one["robot"] for one in told["robots"]] == ["quadruped", "humanoid"]
+    for one in told["robots"]:
+        assert {"account": "ok", "agent": "ok"}.items() <= {f["check"]: f["status"] for f in one["findings"]}.items()
 
 
 def form_token(page: str) -> str:

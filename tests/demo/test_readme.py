@@ -72,3 +72,9 @@ def test_links_in_the_readme_have_targets() -> None:
     targets = re.findall(r"\]\(((?!https?:)[^)#]+)\)", README)
     missing = [t for t in targets if not (ROOT / t).exists()]
     assert not missing
+
+
+def test_the_readme_is_short_and_shows_one_moving_picture_and_one_of_four_kinds_of_robots() -> None:
+    assert len(README.splitlines()) <= 120
+    pictures = ["docs/images/recording-room.webp", "docs/images/four-robots.webp"]
+    assert re.findall(r"!\[[^\]]+\]\(([^)]+)\)", README) == pictures

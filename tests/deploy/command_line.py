@@ -16,5 +16,8 @@ def parse_command(arguments: Sequence[str]) -> None:
     parent, rest = None, list(arguments)
     while hasattr(command, "resolve_command"):
         parent = command.make_context(command.name or "agentrob", rest, parent=parent)
-        _, command, rest = command.resolve_command(parent, [*parent._protected_args, *parent.args])
+        words = [*parent._protected_args, *parent.args]
+        if not words and command.invoke_without_command:
+            return
+        _, command, rest = command.resolve_command(parent, words)
     command.make_context(command.name, rest, parent=parent)

@@ -1,4 +1,4 @@
-"""The walk-through in docs/add-a-forum.md works as written, with a driver and an agent as processes."""
+"""The walk-through in docs/forum/add-a-forum.md works as written, with a driver and an agent as processes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-GUIDE = (ROOT / "docs/add-a-forum.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/forum/add-a-forum.md").read_text(encoding="utf-8")
 INSTALL, SIGN_UP, DRIVER, AGENT, ASK, CONTRACT = [
     line for block in re.findall(r"^```sh\n(.*?)^```", GUIDE, re.MULTILINE | re.DOTALL) for line in block.splitlines()
 ]

@@ -1,4 +1,4 @@
-"""The walk-through in docs/add-a-robot.md works as written; errors name a missing or broken robot."""
+"""The walk-through in docs/robots/add-a-robot.md works as written; errors name a missing or broken robot."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pytest
 from tests import in_process
 
 ROOT = Path(__file__).parents[2]
-GUIDE = (ROOT / "docs/add-a-robot.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/robots/add-a-robot.md").read_text(encoding="utf-8")
 COMMANDS = [
     line for block in re.findall(r"^```sh\n(.*?)^```", GUIDE, re.MULTILINE | re.DOTALL) for line in block.splitlines()
 ]

@@ -14,8 +14,8 @@ from agentrob.eyes.colours import ColourDetector
 from agentrob.eyes.contract import check_detector
 from agentrob.wiring.app import make_detector
 
-#: What docs/eyes.md shows, and something that is no detector.
-PAGE = Path(__file__).parents[2] / "docs/eyes.md"
+#: What docs/use/finding-things.md shows, and something that is no detector.
+PAGE = Path(__file__).parents[2] / "docs/use/finding-things.md"
 SHOWN = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 NOT_ONE = """
 

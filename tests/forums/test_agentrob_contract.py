@@ -14,7 +14,7 @@ from agentrob.board.admin import local_admin
 from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
-from agentrob.forums.contract import ForumContract, World
+from agentrob.forums.contract import ForumContract, KeyedEditsContract, World
 from agentrob.forums.protocol import Event, Forum, RobotPages
 from agentrob.model import AccountKind, EventKind, Role
 from tests.board.running_board import RunningBoard, running_board
@@ -67,7 +67,7 @@ async def world(running: RunningBoard) -> AsyncIterator[BoardWorld]:
     await made.close()
 
 
-class TestBoardForum(ForumContract):
+class TestBoardForum(ForumContract, KeyedEditsContract):
     @pytest.fixture
     async def world(self, running: RunningBoard) -> AsyncIterator[World]:
         made = BoardWorld(running)

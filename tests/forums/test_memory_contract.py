@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from agentrob.forums.contract import ForumContract, World
+from agentrob.forums.contract import ForumContract, KeyedEditsContract, World
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Forum, RobotPages
 from agentrob.model import AccountKind, Role
@@ -32,7 +32,7 @@ class MemoryContractWorld:
         return forum
 
 
-class TestMemoryForum(ForumContract):
+class TestMemoryForum(ForumContract, KeyedEditsContract):
     @pytest.fixture(params=[{}, {"max_edits": 3}, {"max_edits": 0}, {"live": False}], ids=str)
     async def world(self, request: pytest.FixtureRequest) -> World:
         return MemoryContractWorld(**request.param)

@@ -1,4 +1,4 @@
-"""docs/architecture.md matches the code: a line for each package, and the layers that import-linter enforces."""
+"""docs/inside/architecture.md matches the code: a line for each package, and the layers that import-linter enforces."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src/agentrob"
-PAGE = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/inside/architecture.md").read_text(encoding="utf-8")
 #: The maximum number of Python files in a folder.
 MOST_FILES = 14
 
@@ -28,7 +28,7 @@ def test_the_layers_are_those_of_import_linter() -> None:
         "contracts"
     ]
     layers = next(c["layers"] for c in contracts if c["containers"] == ["agentrob"])
-    drawn = re.search(r"^```\n(cli\n.*?)\n```", PAGE, re.MULTILINE | re.DOTALL)
+    drawn = re.search(r"^```text\n(cli\n.*?)\n```", PAGE, re.MULTILINE | re.DOTALL)
     assert drawn is not None
     assert drawn[1].split("\n") == [layer for layer in layers if layer != "__main__"]
 

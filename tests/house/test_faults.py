@@ -1,4 +1,5 @@
-"""docs/faults.md matches the code: each kind of fault has a row, its tests exist, and the code has its messages."""
+"""docs/safety/faults.md matches the code: each kind of fault has a row, its tests exist, and the code has its
+messages."""
 
 from __future__ import annotations
 
@@ -26,7 +27,9 @@ LEAST_LETTERS = 12
 
 
 def table() -> list[list[str]]:
-    lines = [line for line in (ROOT / "docs/faults.md").read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    lines = [
+        line for line in (ROOT / "docs/safety/faults.md").read_text(encoding="utf-8").splitlines() if line[:1] == "|"
+    ]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 

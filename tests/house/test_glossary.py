@@ -1,4 +1,4 @@
-"""Every word in docs/glossary.md is a name in the code."""
+"""Every word in docs/inside/glossary.md is a name in the code."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from tests.house.sources import nodes
 
 ROOT = Path(__file__).parents[2]
-ROWS = re.findall(r"^\| ([a-z]+) \| .+ \| `(\w+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.MULTILINE)
+ROWS = re.findall(r"^\| ([a-z]+) \| .+ \| `(\w+)` \|$", (ROOT / "docs/inside/glossary.md").read_text(), re.MULTILINE)
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +29,9 @@ def names() -> set[str]:
 
 @pytest.mark.parametrize(("word", "name"), ROWS)
 def test_each_word_is_a_name_in_the_code(word: str, name: str, names: set[str]) -> None:
-    assert name in names, f"docs/glossary.md: {word}"
+    assert name in names, f"docs/inside/glossary.md: {word}"
 
 
 def test_the_glossary_is_read() -> None:
-    assert len(ROWS) == (ROOT / "docs/glossary.md").read_text().count("\n| ") - 1
+    assert len(ROWS) == (ROOT / "docs/inside/glossary.md").read_text().count("\n| ") - 1
     assert len({word for word, _ in ROWS}) == len(ROWS)

@@ -1,4 +1,4 @@
-"""Every law in docs/safety.md has tests named after it, and what that page says about tests is correct."""
+"""Every law in docs/safety/laws.md has tests named after it, and what that page says about tests is correct."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _NAMED = re.compile(r"test_laws?_((?:\d+_|and_)+)")
 
 
 def section(title: str) -> str:
-    """Return the text of docs/safety.md under a heading."""
+    """Return the text of docs/safety/laws.md under a heading."""
     found = re.search(
-        rf"^## {title}\n(.*?)(?=^## |\Z)", (ROOT / "docs/safety.md").read_text(), re.MULTILINE | re.DOTALL
+        rf"^## {title}\n(.*?)(?=^## |\Z)", (ROOT / "docs/safety/laws.md").read_text(), re.MULTILINE | re.DOTALL
     )
-    assert found, f"docs/safety.md has no section {title!r}"
+    assert found, f"docs/safety/laws.md has no section {title!r}"
     return found[1]
 
 

@@ -21,12 +21,13 @@ from agentrob.config.forum import ForumConfig
 from agentrob.config.journal import JournalConfig
 from agentrob.config.load import Config
 from agentrob.config.robots import FenceConfig, RatesConfig, RecordingConfig, RobotConfig
-from agentrob.demo import run as demo
+from agentrob.language.messages.catalog import say
 from agentrob.model import AccountKind, Role
 from agentrob.model.lifecycle import FINAL_STATES
 from agentrob.wiring import app
 from tests.agent.store.journal_store import JournalStore
 from tests.forked_process import ForkedProcess
+from tests.host_numbers import free_port
 from tests.in_process import Said
 from tests.kill import kill_body
 from tests.kill.kill_process import KillableProcess, agentrob, wait_for
@@ -40,6 +41,8 @@ DRIVER_AWAY = frozenset({"failed"})
 DRIVER_DIED = frozenset({"interrupted"})
 #: Agents, drivers and boards restart within seconds; an agent waits longest, for a board, because of its backoff.
 END_S = 90.0
+#: How a question for an approval begins.
+WAITS = say("agent.waits", "en")
 ENTRY = "[agentrob.robots]\nfar = tests.kill.kill_robot:RemoteBodyRobot\n"
 
 
@@ -69,7 +72,7 @@ class KillScene:
         self.tokens: dict[str, str] = {}
         self._install_robot()
         self.world = self.start_world()
-        port = demo.free_port()
+        port = free_port()
         self.url = f"http://127.0.0.1:{port}"
         self.config = Config(
             data=str(folder),
@@ -272,13 +275,15 @@ class KillScene:
     def final_versions(self, post: dict[str, Any]) -> list[str]:
         """Return the versions of the status post that contain an end, which unlike a status has paragraphs.
 
-        A version that only adds a late recording does not count again.
+        A question for an approval, with its preview, is no end. A version that only adds a late recording does not
+        count again.
         """
         with closing(sqlite3.connect(f"file:{self.board_path}?mode=ro", uri=True, timeout=10.0)) as db:
             older = db.execute(
                 "SELECT raw FROM post_versions WHERE post_id = ? ORDER BY version", (int(post["id"]),)
             ).fetchall()
-        ends = [raw for raw in (*(row[0] for row in older), post["raw"]) if "\n\n" in raw]
+        versions = (*(row[0] for row in older), post["raw"])
+        ends = [raw for raw in versions if "\n\n" in raw and not raw.startswith(WAITS)]
         late = len(ends) > 1 and "a recording" in ends[-1] and "a recording" not in ends[-2]
         return ends[: len(ends) - late]
 

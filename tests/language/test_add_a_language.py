@@ -21,7 +21,7 @@ from agentrob.language.stop.at_rest import stop_intent
 from agentrob.model import Capabilities, Direction, Intent, Op, Primitive
 from tests.language.saying import read, short, turn, walk
 
-PAGE = Path(__file__).parents[2] / "docs" / "languages.md"
+PAGE = Path(__file__).parents[2] / "docs/inside/languages.md"
 SPANISH = "es"
 
 

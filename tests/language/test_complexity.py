@@ -17,7 +17,7 @@ from tests.language.hostile_markdown import MADE, SIZE, TEXTS
 
 #: Of processor time; far above what is measured (20 ms), far below what a stop may take.
 LIMIT_S = 0.15
-DOCS = sorted((Path(__file__).parents[2] / "docs").glob("*.md"))
+DOCS = sorted((Path(__file__).parents[2] / "docs").rglob("*.md"))
 
 
 def spent_s(text: str) -> float:

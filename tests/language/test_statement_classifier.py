@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.errors import ConfigError
-from agentrob.language.remarks.classifier import SIZE, WEIGHTS, StatementClassifier, buckets, load_weights
+from agentrob.language.remarks.classifier import SIZE, WEIGHTS, Confidence, StatementClassifier, buckets, load_weights
 from agentrob.language.remarks.verbs import VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -30,16 +30,16 @@ def training() -> ModuleType:
 
 def test_training_gives_the_shipped_weights() -> None:
     script, shipped = training(), load_weights()
-    rows = script.rows()
-    for language in ("en", "zh"):
-        examples = [(buckets(row[1]), row[2]) for row in rows if row[0] == language]
-        assert script.trained(examples) == shipped[language].weights, f"run {SCRIPT.name} again"
+    for head, rows in (("statement", script.rows()), ("harmless", script.rows_beside())):
+        for language in ("en", "zh"):
+            examples = [(buckets(row.text), row.label) for row in rows if row.language == language]
+            assert script.trained(examples) == getattr(shipped[language], head).weights, f"run {SCRIPT.name} again"
 
 
 def test_the_file_names_what_it_was_trained_on() -> None:
     told = json.loads(WEIGHTS.read_text())
     assert told["trained_on"] == training().checksums()
-    assert {len(known.weights) for known in load_weights().values()} == {SIZE}
+    assert {len(head.weights) for known in load_weights().values() for head in known} == {SIZE}
 
 
 @pytest.mark.parametrize("content", [None, b"{}"])
@@ -62,3 +62,4 @@ def test_law_18_what_begins_with_the_verb_of_an_order_is_no_statement(verb: str,
 def test_any_text_is_judged_and_what_is_sure_is_also_likely(text: str, language: str) -> None:
     classifier = StatementClassifier(language)
     assert classifier.is_statement(text) >= classifier.is_statement(text, sure=True)
+    assert classifier.harmless(text) < Confidence.NEVER

@@ -14,7 +14,7 @@ from mcp.client.client import Client
 from agentrob.board.admin import local_admin
 from agentrob.config.forum import ForumConfig
 from agentrob.errors import ForumUnreachable
-from agentrob.forums.contract import ForumContract, World
+from agentrob.forums.contract import ForumContract, KeyedEditsContract, World
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Forum
 from agentrob.mcp.adapter import McpForum
@@ -54,7 +54,7 @@ class MemoryMcpWorld:
         return McpForum(ForumConfig(kind="mcp", url="http://127.0.0.1:9/mcp"), "token")
 
 
-class TestMcpForum(ForumContract):
+class TestMcpForum(ForumContract, KeyedEditsContract):
     @pytest.fixture(params=[{}, {"max_edits": 0}, {"live": False}], ids=str)
     async def world(self, request: pytest.FixtureRequest) -> AsyncIterator[World]:
         made = MemoryMcpWorld(**request.param)
@@ -100,7 +100,7 @@ class BoardMcpWorld(BoardWorld):
 
 
 @pytest.mark.slow
-class TestMcpForumOfProcesses(ForumContract):
+class TestMcpForumOfProcesses(ForumContract, KeyedEditsContract):
     @pytest.fixture(params=["stdio", "http"])
     async def world(self, request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[World]:
         with running_board(tmp_path / "board") as board:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
@@ -26,7 +27,9 @@ from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_sett
 from tests.mcp.forum.inside import ALL, client_of, server_of
 from tests.mcp.running_mcp import McpSetup
 
-EXAMPLE = Path(__file__).parents[2] / "examples/mcp_photo.py"
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples/mcp_photo.py"
+CLIENT_PAGE = ROOT / "docs/agents/client.md"
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +40,11 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 
 @asynccontextmanager
-async def agent_on_mcp(driver: Driver, folder: Path, **world: Any) -> AsyncIterator[Scene]:
+async def agent_on_mcp(
+    driver: Driver, folder: Path, approval: tuple[str, ...] = (), **world: Any
+) -> AsyncIterator[Scene]:
     """Run an agent that, as in production, learns the forum's features only with its first request."""
-    scene = make_scene(driver, folder, MemoryForum.world(**world), poll_s=0.5)
+    scene = make_scene(driver, folder, MemoryForum.world(**world), poll_s=0.5, approval={"classes": approval})
     server, accounts = server_of(scene.world, ROBOT, Rights(True, ALL))
     forum = McpForum.from_client(ForumClient(lambda: Client(server.engine, cache=None)))
     try:
@@ -61,6 +66,21 @@ async def test_a_post_moves_the_robot_and_is_answered_on_any_kind_of_forum(
     assert reply.card.state == "done"
     assert reply.images
     assert reply.raw.startswith(f"> [agent_type=robot agent_id={ROBOT} status=done")
+
+
+@pytest.mark.parametrize("world", [{"live": False}, {"max_edits": 0}], ids=str)
+async def test_law_7_a_command_with_a_preview_is_carried_out_and_ends_after_its_approval(
+    driver: Driver, tmp_path: Path, world: dict[str, Any]
+) -> None:
+    async with agent_on_mcp(driver, tmp_path, ("move",), **world) as scene:
+        scene.person("carol", Role.MODERATOR)
+        post = await scene.post("alice", f"@{ROBOT} walk forward 0.3 m")
+        shown = await scene.until(lambda: next((p for p in scene.replies(post) if "nothing moved" in p.raw), None))
+        assert len(shown.images) == 1
+        await scene.post("carol", f"@{ROBOT} approve", topic=post.topic_id, reply_to=shown.id)
+        done = await scene.until(lambda: next((p for p in scene.replies(post) if "and measured: " in p.raw), None))
+    assert done.card is not None
+    assert done.card.state == "done", done.raw
 
 
 @pytest.mark.parametrize("live", [True, False])
@@ -127,6 +147,7 @@ def test_agent_run_uses_mcp_by_configuration_alone(setup: McpSetup, tmp_path: Pa
             said = asyncio.run(_ended(asker, topic))
             shown = ask_for_a_photo(setup, tmp_path / "photo.jpg")
             (tmp_path / "transcript.txt").write_text(shown)
+            printed = run_the_example_of_the_client_page(setup)
         finally:
             terminate_all(children)
     assert said[1]["author"]["name"] == "quadruped"
@@ -134,6 +155,7 @@ def test_agent_run_uses_mcp_by_configuration_alone(setup: McpSetup, tmp_path: Pa
     assert "quadruped, robot_agent [done] (robot, status done" in shown
     assert "planner, commanding_agent (commanding, status asking, trace " in shown
     assert (tmp_path / "photo.jpg").read_bytes()[:2] == b"\xff\xd8"
+    assert "quadruped **Done:** took a photo." in printed.replace("\n\n", " ")
 
 
 def ask_for_a_photo(setup: McpSetup, picture: Path) -> str:
@@ -145,6 +167,20 @@ def ask_for_a_photo(setup: McpSetup, picture: Path) -> str:
     ended = subprocess.run(
         command, env=setup.environment("planner"), capture_output=True, text=True, timeout=100, check=False
     )
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+def run_the_example_of_the_client_page(setup: McpSetup) -> str:
+    """Run it in a folder whose configuration names the forum, as the planner; return its output."""
+    blocks = re.findall(r"^```python\n(.*?)^```", CLIENT_PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    (code,) = [block for block in blocks if "ForumClient" in block]
+    (setup.folder / "agentrob.toml").write_text(f'[forum]\nurl = "{setup.board.url}"\n')
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    ended = subprocess.run(
+        [sys.executable, "-c", code], cwd=setup.folder, env={**setup.environment("planner"), "PATH": path},
+        capture_output=True, text=True, timeout=100, check=False,
+    )  # fmt: skip
     assert ended.returncode == 0, ended.stdout + ended.stderr
     return ended.stdout
 

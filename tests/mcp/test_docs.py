@@ -22,7 +22,9 @@ from agentrob.mcp.client import ForumClient
 from tests.mcp.running_mcp import LIMIT_S, McpSetup
 
 ROOT = Path(__file__).parents[2]
-DOCS, SERVICE, README = ((ROOT / p).read_text("utf-8") for p in ("docs/mcp.md", "docs/service.md", "README.md"))
+DOCS, SERVICE, README = (
+    (ROOT / p).read_text("utf-8") for p in ("docs/agents/mcp.md", "docs/agents/service.md", "README.md")
+)
 #: The values that a reader inserts for the placeholders.
 CONFIG = "/path/to/agentrob.toml"
 
@@ -49,7 +51,7 @@ def entries() -> list[Entry]:
                for server in json.loads(block).get("mcpServers", {}).values()]  # fmt: skip
     servers += [s for block in blocks("toml") for s in tomllib.loads(block).get("mcp_servers", {}).values()]
     found = [Entry((s["command"], *s["args"]), tuple(s["env"])) for s in servers]
-    for line in re.findall(r"^    claude mcp add (.* -- .*)$", DOCS, re.MULTILINE):
+    for line in re.findall(r"^claude mcp add (.* -- .*)$", DOCS, re.MULTILINE):
         given, _, command = line.partition(" -- ")
         found.append(Entry(tuple(shlex.split(command)), tuple(re.findall(r"--env (\w+)=", given))))
     return found

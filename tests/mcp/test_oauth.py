@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import socket
 import time
@@ -23,10 +24,14 @@ from agentrob.mcp.forum.identity import Identity, Rights
 from tests.mcp.forum.inside import memory_world
 from tests.mcp.serving import serving
 
-KEY = rsa.generate_private_key(public_exponent=65537, key_size=2048)
-OTHER = rsa.generate_private_key(public_exponent=65537, key_size=2048)
 LIST = {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": {
     "protocolVersion": "2025-11-25", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}}}  # fmt: skip
+
+
+@functools.cache
+def private_key(name: str) -> rsa.RSAPrivateKey:
+    """The key of this name; made at the first use, since every worker of a run imports this module."""
+    return rsa.generate_private_key(public_exponent=65537, key_size=2048)
 
 
 class Served:
@@ -35,11 +40,12 @@ class Served:
     def __init__(self, url: str, issuer: str) -> None:
         self.url, self.issuer = url, issuer
 
-    def token(self, key: Any = KEY, algorithm: str = "RS256", **changes: Any) -> str:
+    def token(self, key: str | None = "", algorithm: str = "RS256", **changes: Any) -> str:
         now = int(time.time())
         claims = {"iss": self.issuer, "aud": self.url, "sub": "user-1", "exp": now + 300, "scope": "forum profile"}
         claims = {k: v for k, v in (claims | changes).items() if v is not None}
-        return jwt.encode(claims, key, algorithm=algorithm, headers={"kid": "k1"})
+        signed_with = private_key(key or "") if algorithm == "RS256" else key
+        return jwt.encode(claims, signed_with, algorithm=algorithm, headers={"kid": "k1"})
 
     def status(self, token: str) -> int:
         headers = {"Accept": "application/json, text/event-stream", "Authorization": f"Bearer {token}"}
@@ -49,7 +55,7 @@ class Served:
 @pytest.fixture(scope="module")
 def served() -> Iterator[Served]:
     def jwks(_: Any) -> JSONResponse:
-        public = json.loads(jwt.algorithms.RSAAlgorithm.to_jwk(KEY.public_key()))
+        public = json.loads(jwt.algorithms.RSAAlgorithm.to_jwk(private_key("").public_key()))
         return JSONResponse({"keys": [public | {"kid": "k1", "use": "sig", "alg": "RS256"}]})
 
     keys, listener = socket.create_server(("127.0.0.1", 0)), socket.create_server(("127.0.0.1", 0))
@@ -70,10 +76,10 @@ async def test_an_oauth_token_signs_its_subject_in(served: Served) -> None:
     "changes",
     [
         {"aud": "http://127.0.0.1:1/mcp"}, {"aud": None}, {"iss": "http://127.0.0.1:1"}, {"sub": "user-2"},
-        {"sub": None}, {"exp": 1}, {"exp": None}, {"scope": "profile"}, {"scope": None}, {"key": OTHER},
+        {"sub": None}, {"exp": 1}, {"exp": None}, {"scope": "profile"}, {"scope": None}, {"key": "other"},
         {"key": "a-shared-secret-of-enough-length-for-hmac", "algorithm": "HS256"}, {"key": None, "algorithm": "none"},
     ],
-    ids=lambda changes: "-".join(f"{k}={'other' if v is OTHER else v}" for k, v in changes.items()),
+    ids=lambda changes: "-".join(f"{k}={v}" for k, v in changes.items()),
 )  # fmt: skip
 def test_law_1_any_other_token_is_refused(served: Served, changes: dict[str, Any]) -> None:
     assert served.status(served.token(**changes)) == 401

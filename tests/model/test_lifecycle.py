@@ -139,5 +139,5 @@ def test_each_end_of_a_command_has_a_sentence(language: str) -> None:
 
 
 def test_the_service_documents_every_state() -> None:
-    text = (DOCS / "service.md").read_text()
+    text = (DOCS / "agents/service.md").read_text()
     assert {state for state in CommandState if f"`{state}`" not in text} == set()

@@ -73,7 +73,7 @@ def test_state_capabilities_and_stop_survive() -> None:
     assert codec.decode_stop(json.loads(json.dumps(codec.encode(stop)))) == stop
 
 
-@pytest.mark.parametrize("data", [None, 3, {}, {"op": "fly"}, {"op": "move", "distance_m": "far"}])
+@pytest.mark.parametrize("data", [None, 3, {}, {"op": "Fly!"}, {"op": 3}, {"op": "move", "distance_m": "far"}])
 def test_nonsense_is_an_error_that_says_what_was_found(data: object) -> None:
     with pytest.raises(RobotError, match="found"):
         codec.decode_primitive(data)

@@ -49,7 +49,7 @@ def judged(*steps: Primitive, capabilities: Capabilities = GO2, text: str = "", 
         author=account,
         capabilities=capabilities,
         language="en",
-        allow_flip=bool(given.get("allow_flip")),
+        consents={"flip"} if given.get("allow_flip") else (),
     )
 
 

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,10 +45,12 @@ class ServedWorld:
         return time.monotonic() - began
 
 
-def start_world(folder: Path, *options: str, environment: Mapping[str, str] | None = None) -> ServedWorld:
-    """Serve on the first free test domain."""
+def start_world(
+    folder: Path, *options: str, environment: Mapping[str, str] | None = None, domains: Sequence[int] = DOMAINS
+) -> ServedWorld:
+    """Serve on the first free one of the domains."""
     event_log = folder / "ledger.jsonl"
-    for domain in DOMAINS:
+    for domain in domains:
         command = [sys.executable, "-m", "agentrob.sim.server", "--domain", str(domain), "--event-log", str(event_log)]
         process = subprocess.Popen(
             [*command, *options],
@@ -68,4 +70,4 @@ def start_world(folder: Path, *options: str, environment: Mapping[str, str] | No
         process.kill()
         trouble = process.communicate()[1]
         assert "already held" in trouble, trouble
-    raise AssertionError(f"every test domain {DOMAINS} is taken")
+    raise AssertionError(f"every one of the domains {domains} is taken")

@@ -1,4 +1,4 @@
-"""Parts of the simulated world in isolation: merged meshes, the clock, the event log, assets."""
+"""Parts of the simulated world in isolation: the clock, the event log, assets."""
 
 import json
 import threading
@@ -6,64 +6,25 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 from agentrob.errors import SimError
 from agentrob.sim.bodies.go2_gestures import STAND_RAD, Frame, Motion
 from agentrob.sim.event_log import EventLog
 from agentrob.sim.realtime_loop import WAIT_S, RealtimeLoop
 from agentrob.sim.world import assets
-from agentrob.sim.world.meshes import merge_vertices, read_obj
 
 pytestmark = pytest.mark.sim
 
 
-@given(
-    vertices=hnp.arrays(np.float64, (12, 3), elements=st.floats(-0.05, 0.05)),
-    faces=hnp.arrays(np.int64, (20, 3), elements=st.integers(0, 11)),
-)
-def test_merged_meshes_have_valid_distinct_faces_and_move_no_vertex_far(vertices, faces):
-    merged, kept = merge_vertices(vertices, faces, cell_m=0.02)
-    assert len(merged) <= len(vertices)
-    assert len(kept) <= len(faces)
-    assert ((kept >= 0) & (kept < len(merged))).all()
-    assert all(len(set(face)) == 3 for face in kept.tolist())
-    for vertex in vertices:
-        assert np.linalg.norm(merged - vertex, axis=1).min() <= 0.02 * np.sqrt(3) + 1e-9
+def test_a_missing_package_is_named(monkeypatch):
+    monkeypatch.setattr(assets, "_PACKAGE", "no_such_package_here")
+    with pytest.raises(SimError, match="needs the package agentrob-world"):
+        assets.model("go2")
 
 
-def test_obj_polygons_become_triangles(tmp_path):
-    path = tmp_path / "square.obj"
-    path.write_text("# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/2 3/3/3 4/4/4\n")
-    vertices, faces = read_obj(path)
-    assert vertices.shape == (4, 3)
-    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
-
-
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_obj_lines_that_stand_apart_are_all_read(tmp_path, end):
-    path = tmp_path / "two.obj"
-    lines = [
-        "v 0 0 0",
-        "v 1 0 0",
-        "vt 0 0",
-        "v 1 1 0",
-        "f 1/1/1 2/1/1 3/1/1",
-        "usemtl x",
-        "v 0 1 0",
-        "f 1//1 3//1 4//1",
-    ]
-    path.write_bytes(end.join(lines).encode())
-    vertices, faces = read_obj(path)
-    assert vertices.tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
-
-
-def test_a_missing_package_is_named():
-    with pytest.raises(SimError, match="needs the package some-models"):
-        assets.package_folder("no_such_package_here", "some-models")
+def test_a_missing_file_is_named():
+    with pytest.raises(SimError, match=r"h1\.xml is missing: install the package agentrob-world again"):
+        assets.model("h1")
 
 
 def test_a_motion_begins_at_the_joints_and_ends_at_its_last_pose():

@@ -2,8 +2,9 @@
 
 A story is a Markdown file: front matter, then one step per heading. Text above the first heading and between the steps
 is for readers. The front matter names the accounts; it may set `max_edits` and `live` of the forum, settings of the
-robot's agent (`[robot]`, as in agentrob.toml), options of a fake robot of its own (`[fake]`), which begins at home, and
-`real = true` for a robot that does not report itself as simulated.
+robot's agent (`[robot]`, as in agentrob.toml), further robots with agents of their own (`agents`), options of a fake
+robot of its own (`[fake]`), which begins at home, and `real = true` for a robot that does not report itself as
+simulated.
 The steps:
 
     ## NAME posts KEY                       post the text below as a new topic
@@ -16,6 +17,8 @@ The steps:
     ## NAME presses emergency stop          on the robot's page; also: release
     ## the owner releases the robot         from a halt, at its machine
     ## the robot is released                wait for it; also: stays locked, once all presses are processed
+    ## ROBOT answers KEY, part N: STATE     the final reply for one part of a post to several robots
+    ## ROBOT sums up KEY                    the reply that sums up such a post; its lines as above
     ## KEY shows STATE                      wait for this state of the command; its post contains the list below
     ## ROBOT answers KEY: STATE             the final reply; it contains each line of the list below, except lines
                                             with "without: …", which it must not contain
@@ -27,6 +30,9 @@ The steps:
     ## the robot walks                      wait until it moves
     ## the robot walked 1.0 m               since the story began, measured by its driver, within 10 % or 5 cm
     ## the robot stands where it stood
+    ## NAME walks in the room               another robot, which its driver reports now and then, takes the shared room
+    ## NAME is silent in the room           the same, but its driver is not heard any more
+    ## NAME rests                           that robot is at rest
 """
 
 from __future__ import annotations
@@ -35,11 +41,13 @@ import asyncio
 import math
 import os
 import re
+import time
 import tomllib
 from collections import Counter
-from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +58,11 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import AccountKind, Capabilities, Post, Role
 from agentrob.robots.control.step_runner import TOLERANCE_M, TOLERANCE_SHARE
 from agentrob.robots.driver.client import DriverClient
-from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings
+from agentrob.robots.safety.crash_marker import boot_id
+from agentrob.robots.zones.keeper import LocalKeeper
+from agentrob.robots.zones.ledger import Message, Place
+from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings, serving
+from tests.agent.store.journal_store import open_journal
 
 FOLDER = Path(__file__).parent
 STORIES = sorted(FOLDER.glob("*.md"))
@@ -66,6 +78,7 @@ class Story:
     robot: dict[str, Any]
     real: bool
     fake: dict[str, Any] | None
+    agents: tuple[str, ...]
     steps: tuple[tuple[str, str], ...]
 
 
@@ -77,7 +90,7 @@ def read(path: Path) -> Story:
     forum: dict[str, Any] = {key: facts[key] for key in ("max_edits", "live") if key in facts}
     return Story(
         facts["title"], facts["accounts"], forum, facts.get("robot", {}), facts.get("real", False), facts.get("fake"),
-        steps,
+        tuple(facts.get("agents", ())), steps,
     )  # fmt: skip
 
 
@@ -103,11 +116,59 @@ def driver_of(story: Story, shared: Driver, folder: Path) -> Iterator[Driver]:
         return
     folder.mkdir()
     another = int(os.environ["AGENTROB_TEST_DOMAIN"]) ^ 1  # the shared driver holds this process's; locks are its own
-    own = Driver(folder, robot_settings(options=story.fake, domain=another))
+    room = story.robot.get("room", "")
+    own = Driver(folder, robot_settings(options=story.fake, domain=another, room=room))
     try:
         yield own
     finally:
         own.end()
+
+
+class OtherRobot:
+    """Another robot of the room, as its driver tells of it in the file that the drivers share."""
+
+    def __init__(self, name: str, rooms: Path, *, silent_s: float = 0.0) -> None:
+        self.name = name
+        self.keeper = LocalKeeper(rooms / "lab.sqlite", boot_id, lambda: time.monotonic() - silent_s)
+        self.session, self.number, self.lease = self.keeper.hello(name), 0, 0
+        self.report(at_rest=True)
+        self.lease = self.keeper.take(self._next(), Place(), None, "move").number
+        assert self.lease
+        self.task = None if silent_s else asyncio.create_task(self._walk())
+
+    def _next(self) -> Message:
+        self.number += 1
+        return Message(self.name, self.session, self.number)
+
+    def report(self, *, at_rest: bool) -> None:
+        self.keeper.report(self._next(), self.lease, Place(), at_rest=at_rest)
+
+    async def _walk(self) -> None:
+        while True:
+            await asyncio.sleep(0.5)
+            self.report(at_rest=False)
+
+    def rest(self) -> None:
+        if self.task is not None:
+            self.task.cancel()
+        self.report(at_rest=True)
+        self.keeper.close()
+
+
+@pytest.fixture(scope="module")
+def partners(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str], Driver]]:
+    """The drivers of further robots, each begun for the first story that needs it."""
+    made: dict[str, Driver] = {}
+
+    def driver_named(name: str) -> Driver:
+        if name not in made:
+            another = int(os.environ["AGENTROB_TEST_DOMAIN"]) ^ (2 + len(made))
+            made[name] = Driver(tmp_path_factory.mktemp(name), robot_settings(domain=another), name)
+        return made[name]
+
+    yield driver_named
+    for driver in made.values():
+        driver.end()
 
 
 @dataclass
@@ -119,6 +180,7 @@ class StoryRun:
     posts: dict[str, Post] = field(default_factory=dict)
     start: tuple[float, float] = (0.0, 0.0)
     runs: Counter[str] = field(default_factory=Counter)
+    others: dict[str, OtherRobot] = field(default_factory=dict)
 
     async def posts_(self, name: str, key: str, minutes: str | None, text: str) -> None:
         self.scene.world.clock_offset_s = -60.0 * float(minutes or 0)
@@ -164,6 +226,23 @@ class StoryRun:
 
     async def shows(self, key: str, state: str, text: str) -> None:
         _contains(await self.scene.state(self.posts[key], state), text)
+
+    async def answers_part(self, robot: str, key: str, number: str, state: str, text: str) -> None:
+        post = self.posts[key]
+
+        def final() -> Post | None:
+            own = [p for p in self.scene.world.posts.values() if p.reply_to == post.id and p.author.name == robot]
+            return next((p for p in own if p.card and p.card.part == int(number) and p.card.state in FINAL), None)
+
+        reply = await self.scene.until(final)
+        assert reply.card.state == state, reply.raw
+        _contains(reply, text)
+
+    async def sums_up(self, robot: str, key: str, text: str) -> None:
+        posts, name = self.scene.world.posts, f"joint:{self.posts[key].id}"
+        found = await self.scene.until(lambda: [p for p in posts.values() if (p.author.name, p.key) == (robot, name)])
+        _contains(found[0], text)
+        await self._settled(key)
 
     async def answers(self, _: str, key: str, state: str, text: str) -> None:
         reply = await self.scene.final(self.posts[key])
@@ -222,6 +301,15 @@ class StoryRun:
             while math.hypot(*((await self.agent.driver.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
                 await asyncio.sleep(0.01)
 
+    async def other_walks(self, name: str, _: str) -> None:
+        self.others[name] = OtherRobot(name, self.scene.driver.socket.parent / "rooms")
+
+    async def other_is_silent(self, name: str, _: str) -> None:
+        self.others[name] = OtherRobot(name, self.scene.driver.socket.parent / "rooms", silent_s=60.0)
+
+    async def other_rests(self, name: str, _: str) -> None:
+        self.others.pop(name).rest()
+
     async def stood(self, _: str) -> None:
         assert await self.place() == pytest.approx(self.start, abs=0.001)
 
@@ -259,10 +347,15 @@ _STEPS: tuple[tuple[str, Callable[..., Awaitable[None]]], ...] = (
     (r"(\w+) is suspended", StoryRun.suspended),
     (r"the owner releases the robot", StoryRun.released),
     (r"(\w+) shows (\w+)", StoryRun.shows),
+    (r"(\w+) answers (\w+), part (\d): (\w+)", StoryRun.answers_part),
+    (r"(\w+) sums up (\w+)", StoryRun.sums_up),
     (r"(\w+) answers (\w+): (\w+)", StoryRun.answers),
     (r"(\w+) replied to (\w+) (\d+) times", StoryRun.replied),
     (r"(\w+) says nothing to (\w+)", StoryRun.nothing),
     (r"the robot walks", StoryRun.walks),
+    (r"(\w+) walks in the room", StoryRun.other_walks),
+    (r"(\w+) is silent in the room", StoryRun.other_is_silent),
+    (r"(\w+) rests", StoryRun.other_rests),
     (r"the robot walked ([\d.]+) m", StoryRun.walked),
     (r"the robot stands where it stood", StoryRun.stood),
 )
@@ -277,13 +370,13 @@ async def run_section(story_run: StoryRun, heading: str, text: str) -> None:
 
 
 @pytest.mark.parametrize("path", STORIES, ids=[p.stem for p in STORIES])
-async def test_story(path: Path, driver: Driver, tmp_path: Path) -> None:
+async def test_story(path: Path, driver: Driver, partners: Callable[[str], Driver], tmp_path: Path) -> None:
     story = read(path)
     with driver_of(story, driver, tmp_path / "driver") as its_driver:
-        await told(story, its_driver, tmp_path)
+        await told(story, its_driver, tmp_path, {name: partners(name) for name in story.agents})
 
 
-async def told(story: Story, driver: Driver, tmp_path: Path) -> None:
+async def told(story: Story, driver: Driver, tmp_path: Path, partners: Mapping[str, Driver]) -> None:
     scene = make_scene(driver, tmp_path, MemoryForum.world(**story.forum), poll_s=0.5, **story.robot)
     for name, what in story.accounts.items():
         kind = AccountKind(what) if what in frozenset(AccountKind) else AccountKind.HUMAN
@@ -291,7 +384,14 @@ async def told(story: Story, driver: Driver, tmp_path: Path) -> None:
         scene.person(name, role, kind)
         scene.world.set_role(name, role)  # some exist already
     changed = {"driver": RealClient(driver.name, driver.socket)} if story.real else {}
-    async with scene.agent(**changed) as agent:
+    async with AsyncExitStack() as stack:
+        agent = await stack.enter_async_context(scene.agent(**changed))
+        for name, partner in partners.items():
+            forum = scene.world.sign_in(name, kind=AccountKind.ROBOT_AGENT)
+            further = scene.make(
+                name=name, forum=forum, driver=partner.client(), open_journal=partial(open_journal, tmp_path, name)
+            )
+            await stack.enter_async_context(serving(further))
         story_run = StoryRun(scene, agent)
         story_run.start = await story_run.place()
         try:

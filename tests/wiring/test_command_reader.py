@@ -16,7 +16,11 @@ RIGHTS = RobotRights(
     owner="ann", command=dict.fromkeys(ActionClass, "operator"), approve="owner", approval=("gesture",)
 )
 DOG = ReadableRobot(
-    "quadruped", Capabilities("go2", frozenset(Op), Limits()), RobotRights(command=RIGHTS.command), sees=("ball", "box")
+    "quadruped",
+    Capabilities("go2", frozenset(Op), Limits()),
+    RobotRights(command=RIGHTS.command),
+    sees=("ball", "box"),
+    consents=frozenset({"flip"}),
 )
 SLOW = ReadableRobot("humanoid", Capabilities("g1", frozenset({Op.MOVE, Op.HELLO}), Limits(speed_mps=0.2)), RIGHTS)
 ALICE = Account("1", "alice", role=Role.OPERATOR)
@@ -41,6 +45,13 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped 向前走一米，然后挥手", "would", "我会向前走1米，然后打个招呼。"),
         ("@quadruped 向前走九米", "refuse", "太远：每步最多 5 米。"),
         ("@quadruped 停", "stop", "我会停下。"),
+        ("@quadruped preview wave", "answer", "Only a preview; nothing moves. I would wave."),
+        ("preview: @quadruped wave", "answer", "Only a preview; nothing moves. I would wave."),
+        ("@quadruped wave, but show me first", "answer", "Only a preview; nothing moves. I would wave."),
+        ("@quadruped 预演 挥手", "answer", "只是预演，没有任何动作。我会打个招呼。"),
+        ("@quadruped preview", "ask_back", "What shall I preview?"),
+        ("@quadruped preview walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
+        ("@quadruped previews are great, wave", "ask_back", "Shall I only preview this?"),
         ("@quadruped every weekday at 9 wave", "would", "I would wave. At the times that my reply will name."),
         (
             "@humanoid in 10 minutes wave",
@@ -51,6 +62,11 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped tomorrow wave", "ask_back", "I understood the day, but not the time."),
         ("@quadruped schedules", "answer", "I would answer, without moving."),
         ("@quadruped 明天早上九点挥手", "would", "我会打个招呼。时间见我的答复。"),
+        ("@rex wave, then @quadruped wave", "would", "I would wave. I begin when `rex` is done."),
+        ("@quadruped wave, then @rex wave", "would", "I would wave."),
+        ("@rex wave, then @quadruped walk forward 9 m", "refuse", "Too far: 5 m a step at most."),
+        ("@quadruped wave, then @rex fly", "ask_back", "I did not understand the part of `rex`, `fly`."),
+        ("@rex 挥手，等它挥完再让 @quadruped 挥手", "would", "我会打个招呼。等 `rex` 完成后开始。"),
         ("@quadruped come home", "would", "I would go home."),
         ("@quadruped wave and come home", "would", "I would wave, then go home."),
         ("@quadruped turn to the red ball", "would", "I would turn towards the red ball."),
@@ -71,7 +87,7 @@ def test_a_text_is_read_in_one_line(text: str, outcome: str, line: str) -> None:
 
 
 def test_law_10_what_the_owner_did_not_consent_to_is_refused_while_it_is_written() -> None:
-    real = replace(DOG, flips=False)
+    real = replace(DOG, consents=frozenset())
     (found,) = read(DraftCommand("@quadruped do a backflip", ALICE, (real,))).robots
     assert (found.outcome, found.rule) == ("refuse", "consent.flip")
     assert found.line.startswith("A backflip needs the consent of the robot's owner")

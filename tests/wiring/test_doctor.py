@@ -20,7 +20,7 @@ from agentrob.errors import ConfigError
 from agentrob.model import Pose, RobotState
 from agentrob.robots.diagnostics import findings, network
 from agentrob.robots.diagnostics.findings import Finding, Status
-from agentrob.wiring import doctor
+from agentrob.wiring.doctor import robot as doctor
 
 REAL = RobotConfig(model="go2", interface="eth0", owner="olga")
 
@@ -144,7 +144,7 @@ def test_a_halt_is_reported_with_how_to_end_it(tmp_path: Path) -> None:
     found = doctor.examine("spot", settings, Config(data=str(tmp_path)))
     assert [(f.check, f.status) for f in found] == [("driver", Status.OK), ("halt", Status.BAD)]
     assert "smoke" in found[1].found
-    assert "agentrob release spot" in found[1].advice
+    assert found[1].command == "agentrob release spot"
 
 
 def spawn(*words: str, **env: str) -> subprocess.Popen[str]:
@@ -193,7 +193,7 @@ def test_a_robot_with_a_driver_is_examined_through_it(tmp_path: Path, monkeypatc
         monkeypatch.setenv("AGENTROB_RUNTIME", str(tmp_path / "elsewhere"))  # it may belong to another user
         hidden = doctor.examine("held", settings, config)
         assert [(f.check, f.status) for f in hidden] == [("driver", Status.BAD)]
-        assert "stop --all" in hidden[0].advice
+        assert hidden[0].command == "agentrob stop --all"
     finally:
         driver.kill()
         driver.communicate()

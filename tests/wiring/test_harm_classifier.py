@@ -13,7 +13,8 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ConfigError
 from agentrob.robots.diagnostics.findings import Finding, Status
 from agentrob.semantic import encoder, harm_classifier
-from agentrob.wiring import app, doctor
+from agentrob.wiring import app
+from agentrob.wiring.doctor import robot as doctor
 
 
 def without_extra(patch: pytest.MonkeyPatch) -> None:

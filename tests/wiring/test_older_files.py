@@ -1,14 +1,17 @@
-"""A configuration, a forum and an agent's journal that were written by an older version work with this one.
+"""A configuration, a forum, an agent's files and a driver's lock that version 0.1.0 wrote work with this version.
 
-`older_files/` is the folder of a forum as in docs/own-forum.md, with a fake robot, written by the version before the
-modules moved into packages; its databases are dumps by `sqlite3 FILE .dump`. The agent was killed during a walk (post
-11), while two commands were waiting (12 and 15).
+`older_files/` is the folder of a forum as in docs/forum/own-forum.md, with a fake robot, written by the version before
+the modules moved into packages; its databases are dumps by `sqlite3 FILE .dump`. The agent was killed during a walk
+(post 11), while two commands were waiting (12 and 15). `agent/` is what an agent of 0.1.0 kept of another command, and
+`ada.halt` how its driver noted an emergency stop; `every_setting.toml` has every setting of 0.1.0.
 """
 
 from __future__ import annotations
 
+import shutil
 import sqlite3
 import time
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +20,10 @@ from typing import Any
 import httpx2
 import pytest
 
+from agentrob.config import load as configuration
 from agentrob.model.lifecycle import FINAL_STATES
+from agentrob.robots.safety.lock import Halt
+from agentrob.wiring import app
 from tests.forked_process import ForkedCommand, end_all
 from tests.in_process import agentrob
 
@@ -68,6 +74,7 @@ def older(tmp_path_factory: pytest.TempPathFactory) -> Iterator[OlderForum]:
     folder = tmp_path_factory.mktemp("older")
     restore(FILES / "board.sql", folder / "data/board/board.sqlite3")
     restore(FILES / "journal.sql", folder / "data/agents/rex/journal.sqlite")
+    shutil.copytree(FILES / "agent", folder / "data/agents/rex", dirs_exist_ok=True)
     config = folder / "agentrob.toml"
     text = (FILES / "agentrob.toml").read_text().replace('data = "./data"', f'data = "{folder / "data"}"')
     config.write_text(text.replace("127.0.0.1:8199", "127.0.0.1:0"))
@@ -113,6 +120,39 @@ def test_posts_accounts_and_search_of_the_older_forum_work(older: OlderForum) ->
     assert older.get("/search?q=child")["items"], "the index of words came with the database"
     assert older.get("/accounts/ann")["role"] == "member"
     assert older.get("/admin/robots/rex")["owner"] == "chief"
+
+
+def test_every_setting_of_the_older_version_is_accepted_and_means_the_same() -> None:
+    file = FILES / "every_setting.toml"
+    config = configuration.load(file)
+    now = config.model_dump(mode="json")
+    assert differences(tomllib.loads(file.read_text()), now) == []
+
+
+def differences(older: dict[str, Any], now: dict[str, Any], where: str = "") -> list[str]:
+    """Return the settings that have another value now."""
+    found = []
+    for key, value in older.items():
+        if isinstance(value, dict):
+            found += differences(value, now[key], f"{where}{key}.")
+        elif now[key] != value:
+            found.append(f"{where}{key}: {value!r} is {now[key]!r}")
+    return found
+
+
+def test_records_and_recordings_of_the_older_agent_are_kept_and_read(older: OlderForum) -> None:
+    settled(older)
+    record = app.read_record(older.folder / "data", "rex", "1")
+    assert [step["outcome"] for step in record["steps"]] == ["done"] * 3
+    assert record["timings_ms"]["done"] > record["timings_ms"]["first_motion"]
+    recordings = older.folder / "data/agents/rex/recordings"
+    assert (recordings / "1.jsonl").read_bytes() == (FILES / "agent/recordings/1.jsonl").read_bytes()
+
+
+def test_law_17_a_robot_that_the_older_driver_locked_stays_locked() -> None:
+    halt = Halt(FILES / "ada.halt")
+    assert halt.lock is not None
+    assert (halt.lock.by, halt.lock.why) == ("olga", "smoke from the left hip")
 
 
 def test_a_new_command_is_executed(older: OlderForum) -> None:

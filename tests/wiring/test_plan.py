@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from agentrob.wiring.plan import plan_text
+from agentrob.wiring.plan import describe_plan, plan_text
 
 UNCLEAR = """
 every 31st wave
@@ -238,3 +238,16 @@ def test_law_18_an_unclear_or_impossible_time_moves_nothing_now_or_later(text: s
     told = plan_text(text, "go2", "Europe/Berlin")
     assert told["intent"] != "command"
     assert (told["plan"], "schedule" in told) == ([], False)
+
+
+def test_the_parts_of_a_post_to_several_robots_are_shown() -> None:
+    shown = describe_plan(plan_text("@rex walk 1 m, then @bot or @cat wave", "go2"))
+    assert shown.splitlines() == [
+        "command",
+        "  part 1: @rex",
+        "    1. move direction=forward distance_m=1.0",
+        "  part 2: @bot or @cat, after part 1",
+        "    1. hello",
+    ]
+    asked = describe_plan(plan_text("when @rex is done, @bot wave", "go2"))
+    assert asked.startswith("ask_back\n  it would answer: I can only wait for what the same post asks of `rex`")

@@ -131,9 +131,9 @@ def test_law_17_release_names_the_known_robots_and_how_to_start_a_driver(machine
 def test_law_9_home_at_the_shell_and_doctor_names_both_commands(machine: Machine) -> None:
     assert not machine.ask("halt").homed
     _, said = machine.type("doctor", machine.name, "--json")
-    advice = {f["check"]: f["advice"] for f in json.loads(said)["findings"]}
-    assert f"agentrob release {machine.name}" in advice["halt"]
-    assert advice["home"].endswith(f"agentrob home {machine.name}")
+    command = {f["check"]: f["command"] for f in json.loads(said)["findings"]}
+    assert command["halt"] == f"agentrob release {machine.name}"
+    assert command["home"] == f"agentrob home {machine.name}"
     end_s = time.monotonic() + 60
     while (answer := machine.type("home", machine.name))[0] and time.monotonic() < end_s:
         assert "cannot set home while the robot moves" in answer[1]  # the driver must have seen it stand still first

@@ -30,7 +30,7 @@ from tests.agent.agent_scene import ROBOT, robot_settings
 
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 #: Routes that version 0.1 did not have.
-NEW_ROUTES = {"/clock", "/fence", "/pose"}
+NEW_ROUTES = {"/clock", "/fence", "/pose", "/room"}
 
 
 @contextmanager

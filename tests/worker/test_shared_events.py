@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncIterator
 
 import pytest
@@ -10,7 +11,8 @@ import pytest
 from agentrob.errors import ForumDenied, ForumUnreachable
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Event, Events
-from agentrob.model import Role
+from agentrob.model import AccountKind, CommandState, Role, StatusCard
+from agentrob.worker import shared_events
 from agentrob.worker.shared_events import MOST_WAITING, SharedEvents
 
 LIMIT_S = 30.0
@@ -20,6 +22,7 @@ class CountedForum(MemoryForum):
     """Counts its open streams; a denied one may not open any."""
 
     open = opened = 0
+    begun: asyncio.Event
     closed: asyncio.Event
     denied = False
 
@@ -28,6 +31,7 @@ class CountedForum(MemoryForum):
             raise ForumDenied("this account may not read")
         type(self).open += 1
         type(self).opened += 1
+        self.begun.set()
         try:
             async for event in super().stream(after, heartbeat_s):
                 yield event
@@ -39,13 +43,13 @@ class CountedForum(MemoryForum):
 class Listening:
     """Collects the posts of a stream in a task."""
 
-    def __init__(self, events: Events, after: str) -> None:
+    def __init__(self, events: Events, after: str, heartbeat_s: float = 0.05) -> None:
         self.texts: list[str] = []
         self._arrived = asyncio.Event()
-        self.task = asyncio.create_task(self._listen(events, after))
+        self.task = asyncio.create_task(self._listen(events, after, heartbeat_s))
 
-    async def _listen(self, events: Events, after: str) -> None:
-        async for event in events.stream(after, 0.05):
+    async def _listen(self, events: Events, after: str, heartbeat_s: float) -> None:
+        async for event in events.stream(after, heartbeat_s):
             if event.post is not None:
                 self.texts.append(event.post.raw)
             self._arrived.set()
@@ -63,7 +67,8 @@ class Listening:
 
 @pytest.fixture
 def world() -> MemoryWorld:
-    CountedForum.open, CountedForum.opened, CountedForum.closed = 0, 0, asyncio.Event()
+    CountedForum.open, CountedForum.opened = 0, 0
+    CountedForum.begun, CountedForum.closed = asyncio.Event(), asyncio.Event()
     world = MemoryForum.world()
     world.sign_in("alice", role=Role.OPERATOR)
     for name in ("rex", "ada", "kim"):
@@ -199,3 +204,46 @@ async def test_an_agent_that_handles_nothing_does_not_grow_without_limit(world: 
         async for _ in stuck:
             pass
     await ada.end()
+
+
+async def listening_without_heartbeats(world: MemoryWorld, start: str) -> Listening:
+    """An agent whose stream has begun."""
+    rex = Listening(SharedEvents().of(CountedForum(world, "rex")), start, heartbeat_s=60.0)
+    async with asyncio.timeout(LIMIT_S):
+        await CountedForum.begun.wait()
+    return rex
+
+
+async def test_posts_of_robots_wait_for_the_next_event_and_none_is_lost(
+    world: MemoryWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shared_events, "LAZY_S", math.inf)
+    world.sign_in("robot", kind=AccountKind.ROBOT_AGENT, role=Role.OPERATOR)
+    robot = MemoryForum(world, "robot")
+    start, _ = await MemoryForum(world, "rex").now()
+    rex = await listening_without_heartbeats(world, start)
+    await post(world, "first")
+    await rex.until(1)
+    topic = (await robot.create_topic("robots", "A topic", "r0", key="r0")).post.topic_id
+    for number in range(1, 20):
+        await robot.reply(topic, f"r{number}", key=f"r{number}")
+    for _ in range(100):
+        await asyncio.sleep(0)
+    assert rex.texts == ["first"], "nobody obeys robots: they need not wake the agent"
+    stopped = StatusCard("robot", CommandState.STOPPED, trace_id="t")
+    await robot.reply(topic, "stopped", key="stopped", card=stopped)
+    await rex.until(22)  # at once: the other robots of a joint command stop, too
+    await robot.reply(topic, "later", key="later")
+    await post(world, "last")
+    await rex.until(24)
+    assert rex.texts == ["first", *(f"r{number}" for number in range(20)), "stopped", "later", "last"]
+    await rex.end()
+
+
+async def test_a_post_of_a_robot_proves_that_the_stream_is_alive(world: MemoryWorld) -> None:
+    world.sign_in("robot", kind=AccountKind.ROBOT_AGENT, role=Role.OPERATOR)
+    start, _ = await MemoryForum(world, "rex").now()
+    rex = await listening_without_heartbeats(world, start)
+    await MemoryForum(world, "robot").create_topic("robots", "A topic", "alone", key="alone")
+    await rex.until(1)
+    await rex.end()

@@ -9,11 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 from agentrob.cli.main import cli
-from agentrob.demo.run import free_port
 from agentrob.wiring import app
 from tests.agent.agent_process import Poster
 from tests.agent.agent_scene import ROBOT
 from tests.board.running_board import RunningBoard
+from tests.host_numbers import free_port
 from tests.worker.worker_processes import LIMIT_S, Workers, until_state
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import math
 import traceback
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from dataclasses import replace
@@ -19,28 +18,32 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent.execution.room_entry import RoomEntry
 from agentrob.agent.final_report import FinalReport
-from agentrob.agent.intake.event_stream import EventStream, elapsed_s
+from agentrob.agent.intake.clock_check import ClockCheck
+from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.inbox import Inbox
 from agentrob.agent.intake.rate_limit import RateLimiter
 from agentrob.agent.intake.reconcile import close_unknown, gap_after, is_open, recent_posts
 from agentrob.agent.intake.triage import Addressing, Route, TriagedPost, obeyed, triage
+from agentrob.agent.joint.evidence import part_posts
+from agentrob.agent.joint.summaries import PartSummaries
+from agentrob.agent.joint.thread import PartThreads
+from agentrob.agent.joint.waits import PartWaits
+from agentrob.agent.live_view import LiveView
 from agentrob.agent.media import plot
-from agentrob.agent.media.camera import Camera
-from agentrob.agent.media.geometry import Geometry
 from agentrob.agent.media.image_store import ImageStore
-from agentrob.agent.media.pose_files import PoseFiles
-from agentrob.agent.media.poses import PoseSampler
-from agentrob.agent.media.recorder import Recorder, look_of
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.queue.approvals import Approvals
+from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import Schedules, lost_right
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting.activity import AgentActivity, process_name
-from agentrob.agent.reporting.presence import Presence, reset_room
+from agentrob.agent.reporting.presence import reset_room
+from agentrob.agent.reporting.room_text import on_card
 from agentrob.agent.reporting.status_post import DeniedWrites, retry_until_answered
 from agentrob.agent.stop.known_robots import KnownRobots
 from agentrob.agent.stop.moderator_alert import ModeratorAlert
@@ -51,6 +54,7 @@ from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.journals import SqliteJournals
 from agentrob.agent.store.records import Records
 from agentrob.agent.store.retention import keep_pruning, prune
+from agentrob.agent.tasks import BackgroundTasks
 from agentrob.agent.understanding import extract
 from agentrob.agent.understanding.second_opinion import SecondOpinion
 from agentrob.agent.understanding.surroundings import Surroundings
@@ -66,10 +70,11 @@ from agentrob.errors import (
     RobotUnreachable,
 )
 from agentrob.eyes.protocol import Detector
-from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum, PosePages, RobotPages
+from agentrob.forums.protocol import BEFORE_ALL, Event, Events, Forum
+from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.protocol import ManagedMind, Mind
-from agentrob.model import Account, Command, Decision, EndReason, EventKind, Post, Report, StopResult
+from agentrob.model import Account, Command, CommandState, Decision, EndReason, EventKind, Post, Report, StopResult
 from agentrob.robots.driver.client import DriverClient
 from agentrob.screening.rights import may
 from agentrob.screening.screen import prepare as prepare_screen
@@ -79,14 +84,8 @@ LOOK_BACK = timedelta(minutes=10)
 #: How long a running command may take to post its end when the agent is ended.
 SHUTDOWN_REPLY_S = 2.5
 DRIVER_WAIT_S = 5.0
-#: How long until clocks that agreed are compared again, and how long a comparison may take.
-COMPARE_S, COMPARING_S = 1.0, 5.0
-#: How long replies mention that the forum's clock was set.
-SAID_S = 60.0
 #: How long an agent that drains waits for final replies after the last motion.
 REPLIES_S = 20.0
-#: When a display task (presence, camera) is restarted after an error.
-RESTART_S = 1.0
 _log = structlog.get_logger()
 
 
@@ -130,12 +129,15 @@ class RobotAgent:
         self.folder = data / "agents" / name
         self.ready = asyncio.Event()
         self._open_journal = open_journal or partial(SqliteJournals(data).open, name)
-        self.event_stream = EventStream(events or forum, "", settings.poll_s, listens, self._note_forum_time)
+        self.tasks = BackgroundTasks(name)
+        self.clock = ClockCheck(lambda: self.event_stream, self.tasks.spawn)
+        self.event_stream = EventStream(events or forum, "", settings.poll_s, listens, self.clock.note)
         self._on_end = on_end
         self._on_stop = on_stop
         self.activity = AgentActivity(worker or process_name())
         self.records = Records(self.folder)
         self.queue = CommandQueue(self._queue_changed)
+        self.threads = PartThreads(forum, self._parts_changed)
         self.inbox = Inbox(
             name, lambda: self.journal, self.queue,
             lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
@@ -145,7 +147,7 @@ class RobotAgent:
         )  # fmt: skip
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
         self.stops = StopReplies(
-            forum, driver, settings, self.event_stream.now, self._stop_reply, self._compared, self._stopped
+            forum, driver, settings, self.event_stream.now, self._stop_reply, self.clock.settled, self._stopped
         )  # fmt: skip
         self.stop_handler = StopHandler(
             self.queue,
@@ -154,57 +156,27 @@ class RobotAgent:
             self.moderator_alert,
             lambda: self._journal,
             self.event_stream,
-            self._spawn,
+            self.tasks.spawn,
         )
         self.owner = OwnerActions(
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
-        pages = forum if isinstance(forum, RobotPages) else None
-        live = forum if isinstance(forum, PosePages) else None
-        room = RoomMap(name, settings)
-        self.geometry = Geometry(live, name, settings.model, settings.map.geometry)
-        self.poses = PoseSampler(
-            live, driver, name, room, PoseFiles(self.folder / "poses"), shaped=lambda: not self.geometry.missing
-        )
-        self.presence = self._make_presence(pages, room if live else None)
-        self.recorder = self._make_recorder(pages)
-        self.camera = self._make_camera(pages)
+        self.room = RoomEntry(driver, bool(settings.room), self._queue_changed)
+        self.live_view = LiveView(
+            name, settings, forum, driver, self.folder, self.queue, self.owner, self.activity,
+            detector.things if detector else (), lambda: self._schedules.card if self._schedules is not None else {},
+            lambda: on_card(self.room.awaited),
+        )  # fmt: skip
         self._journal: Journal | None = None
         self._pipeline: Pipeline | None = None
         self._schedules: Schedules | None = None
+        self._summaries: PartSummaries | None = None
         self._me: Account | None = None
-        self._begun = datetime.min.replace(tzinfo=UTC), elapsed_s()
-        self._tasks: set[asyncio.Task[Any]] = set()
         self._claimed_topics: frozenset[str] = frozenset()
-        self._comparing: asyncio.Task[Any] | None = None
-        self._compared_s = -math.inf
-        self.known_robots = KnownRobots(forum, self._spawn)
+        self.known_robots = KnownRobots(forum, self.tasks.spawn)
         self._accepting = True
         self._ending = False
         self._draining = asyncio.Event()
-
-    def _make_presence(self, pages: RobotPages | None, room: RoomMap | None) -> Presence | None:
-        if pages is None:
-            return None
-        sees = self.detector.things if self.detector else ()
-        return Presence(
-            pages, self.driver, self.name, self.settings, lambda: self.queue.posts, self.owner, self.activity, room,
-            self.geometry, sees, lambda: self._schedules.card if self._schedules is not None else {},
-        )  # fmt: skip
-
-    def _make_recorder(self, pages: RobotPages | None) -> Recorder:
-        recording = self.settings.recording
-        room = pages is not None and self.settings.room_camera and recording.view == "room"
-        look = None if room else look_of(self.settings, self.driver)
-        return Recorder(self.folder / "recordings", recording, look)
-
-    def _make_camera(self, pages: RobotPages | None) -> Camera | None:
-        """The camera that the board shows live, which also feeds recordings of the room."""
-        room = self.settings.room_camera
-        if pages is None or not room:
-            return None
-        seen = self.recorder.see if self.settings.recording.view in ("auto", "room") else lambda _: None
-        return Camera(pages, self.name, room, lambda: self.queue.moving is not None, seen)
 
     # ------------------------------------------------------------------ life
     async def prepare(self) -> None:
@@ -222,7 +194,7 @@ class RobotAgent:
                 pruning = keep_pruning(self.journal, self.records, self.settings.retention)
                 works = (
                     self._listen(), self.inbox.take_all(), self.known_robots.list_later(), pruning,
-                    self._watch_journal(), self.schedules.run(), *self._display_tasks(),
+                    self._watch_journal(), self.schedules.run(), self.pipeline.summaries.run(), *self._display_tasks(),
                 )  # fmt: skip
                 tasks = [group.create_task(work) for work in works]
                 self.ready.set()
@@ -243,9 +215,10 @@ class RobotAgent:
             try:
                 await self.inbox.take_waiting()
                 await self.schedules.step()
-                # What waits for an approval, or until we may write again, waits on next time.
-                while busy := self._tasks - self.queue.asking() - self.pipeline.writes.tasks:
+                # What waits for an approval or another robot, or until we may write again, waits on next time.
+                while busy := self.tasks.running - self.queue.asking() - self.pipeline.writes.tasks:
                     await asyncio.wait(busy, timeout=0.2)
+                await self.pipeline.summaries.step()
                 await prune(self.journal, self.records, self.settings.retention)
             finally:
                 for helper in helpers:
@@ -263,8 +236,8 @@ class RobotAgent:
         self.queue.close()
         if (job := self.queue.current) is not None and job.task is not None:
             await asyncio.wait({job.task})
-        waiting = {job.task for job in self.queue} | self.pipeline.writes.tasks
-        if replying := self._tasks - waiting:
+        waiting = {task for job in self.queue for task in (job.task, job.asking)} | self.pipeline.writes.tasks
+        if replying := self.tasks.running - waiting:
             await asyncio.wait(replying, timeout=REPLIES_S)
 
     async def close(self) -> None:
@@ -281,7 +254,7 @@ class RobotAgent:
 
     async def _start(self) -> None:
         if self.opinion is not None:
-            self._spawn(self.opinion.warm())
+            self.tasks.spawn(self.opinion.warm())
         await self.prepare()
         self._journal = await self._open_journal()
         if self._journal.fence is not None:
@@ -298,7 +271,7 @@ class RobotAgent:
         if begun is None:
             at = (begun := self.event_stream.compared_at).isoformat()
             await self.journal.put_all(cursor=newest, cursor_at=at, watermark=at)
-        self._begun = begun, elapsed_s()
+        self.clock.begin(begun)
         await self.stop_handler.remember(self.journal, begun)
         self.event_stream.cursor = await self.journal.get("cursor") or newest
         self._schedules = self._make_schedules()
@@ -306,10 +279,10 @@ class RobotAgent:
         self._pipeline = self._make_pipeline()
         await self._resume()
         if begun > self.event_stream.now() - LOOK_BACK and await self.journal.get("looked_back") is None:
-            await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
-        self._spawn(self.pipeline.final_report.publish_left_replays())
+            await self._look_back(self.event_stream.now() - LOOK_BACK, self.clock.watermark_at)
+        self.tasks.spawn(self.pipeline.final_report.publish_left_replays())
         if isinstance(self.mind, ModelMind):
-            self._spawn(self._warm(self.mind))
+            self.tasks.spawn(self._warm(self.mind))
 
     async def _watch_journal(self) -> None:
         """End the agent when its journal is lost: another worker may hold the robot now."""
@@ -335,7 +308,7 @@ class RobotAgent:
             begun = await self.journal.moved(claim.command.key)
             job = QueuedCommand(claim.command, known=True, begun=begun, admitted=begun, waited_s=claim.waited_s)
             job.asked = claim.asked
-            limits = self._watermark_at, self.stop_handler.stopped_at, self.settings.max_post_age_s
+            limits = self.clock.watermark_at, self.stop_handler.stopped_at, self.settings.max_post_age_s
             why = self.inbox.ended(claim.command.post_id) or claim.why_not(self.event_stream.now(), *limits)
             if not begun and why:
                 job.end(why)
@@ -372,7 +345,7 @@ class RobotAgent:
                     if triaged.route is Route.READ:  # whether a stop came after it is unknown
                         triaged = replace(triaged, route=Route.STALE)
                     await self.inbox.accept(Event("", EventKind.POST_CREATED, post.created_at, post), triaged)
-        self._spawn(self._close_unknown(statuses))
+        self.tasks.spawn(self._close_unknown(statuses))
 
     async def _close_unknown(self, statuses: Sequence[Post]) -> None:
         await close_unknown(self.forum, self.journal, statuses, self.pipeline.moves)
@@ -386,9 +359,7 @@ class RobotAgent:
             job.end(EndReason.SHUTDOWN)
             if job.task is not None:
                 await asyncio.wait({job.task}, timeout=SHUTDOWN_REPLY_S)
-        for task in tuple(self._tasks):
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self.tasks.cancel_all()
 
     @property
     def me(self) -> Account | None:
@@ -416,11 +387,13 @@ class RobotAgent:
     def _make_schedules(self) -> Schedules:
         return Schedules(
             self.settings, self.forum, self.journal, self.queue, self.event_stream.now, self.stop_handler.why_not,
-            self._enqueue, self._spawn, self.presence.changed if self.presence else lambda: None,
+            self._enqueue, self.tasks.spawn, self.live_view.card_changed,
         )  # fmt: skip
 
     def _make_pipeline(self) -> Pipeline:
-        names = self._addressing().names
+        names, live = self._addressing().names, self.live_view
+        room = RoomMap(self.name, self.settings)
+        previews = Previews(self.name, self.settings, self.forum, self.driver, room, live.geometry)
         approvals = Approvals(
             self.name,
             self._addressing().me.name,
@@ -429,7 +402,8 @@ class RobotAgent:
             self.journal,
             self.queue,
             self.event_stream.now,
-            self._spawn,
+            self.tasks.spawn,
+            previews,
         )
         rate_limiter, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
 
@@ -443,23 +417,28 @@ class RobotAgent:
         )  # fmt: skip
         surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
         motion = Motion(
-            self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, self.recorder,
-            self.poses, surroundings, assessor, ending, self._queue_changed,
+            self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, live.recorder,
+            live.poses, surroundings, assessor, self.room, ending, self._queue_changed,
         )  # fmt: skip
         final_report = FinalReport(
-            self.name, self.forum, assessor, self.journal, self.records, self.recorder, self._store, writes, ending,
-            self.owner, self._ended, self.poses, self.geometry,
+            self.name, self.forum, assessor, self.journal, self.records, live.recorder, self._store, writes, ending,
+            self.owner, self._ended, live.poses, live.geometry, previews,
         )  # fmt: skip
+        parts = PartWaits(
+            self.name, self.settings, self.forum, self.driver, self.journal, self.queue, self.threads,
+            room, self.event_stream.now, 0.0 if self.forum.live else self.settings.poll_s,
+        )  # fmt: skip
+        self._summaries = PartSummaries(self.forum, self.journal, self.threads, self.event_stream.now)
         return Pipeline(
             self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
             self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
-            self._clock_set, self.schedules,
+            self.clock.was_set, self.schedules, previews, parts, self._summaries,
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:
         self.activity.ended(report)
         if report.command.run is not None and lost_right(report.verdict):
-            self._spawn(self.schedules.lose_right(report.command.post_id))
+            self.tasks.spawn(self.schedules.lose_right(report.command.post_id))
         self._on_end(report)
 
     def _stopped(self, result: StopResult | None) -> None:
@@ -471,29 +450,7 @@ class RobotAgent:
             _log.error("stop not counted", robot=self.name, trace=traceback.format_exc())
 
     def _display_tasks(self) -> list[Coroutine[Any, Any, None]]:
-        poses = self.poses if isinstance(self.forum, PosePages) else None
-        parts = (self.presence, self.camera, poses)
-        return [self._restarted(part.run) for part in parts if part is not None]
-
-    async def _restarted(self, run: Callable[[], Awaitable[None]]) -> None:
-        """Run a display task until cancelled. Its errors are logged and never end the agent, which must hear stops."""
-        while True:
-            try:
-                await run()
-            except Exception:
-                _log.error("task failed, restarting it", robot=self.name, trace=traceback.format_exc())
-            await asyncio.sleep(RESTART_S)
-
-    def _spawn(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
-        task = asyncio.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._done)
-        return task
-
-    def _done(self, task: asyncio.Task[Any]) -> None:
-        self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
-            _log.error("task failed", robot=self.name, trace="".join(traceback.format_exception(error)))
+        return [self.tasks.restarted(run) for run in self.live_view.tasks()]
 
     # ------------------------------------------------------------------ hear
     async def _listen(self) -> None:
@@ -521,7 +478,7 @@ class RobotAgent:
             await self._look_back(since, until)
             return True
         _log.error("the forum is not the one of before; beginning at its newest event", robot=self.name)
-        self._begun = self.event_stream.compared_at, elapsed_s()
+        self.clock.begin(self.event_stream.compared_at)
         self.inbox.clear()
         for job in self.queue:
             job.end(EndReason.REPLACED)
@@ -533,7 +490,7 @@ class RobotAgent:
         begun = self.event_stream.compared_at.isoformat()
         await self.journal.put_all(watermark=begun, cursor=newest, cursor_at=begun)
         self.event_stream.cursor = newest
-        await self._look_back(self.event_stream.now() - LOOK_BACK, self._watermark_at)
+        await self._look_back(self.event_stream.now() - LOOK_BACK, self.clock.watermark_at)
         return False
 
     def _handle_event_safely(self, event: Event) -> None:
@@ -545,74 +502,64 @@ class RobotAgent:
 
     def _handle_event(self, event: Event) -> None:
         """Handle an event without waiting: a stop is sent to the driver before anything else is done."""
-        self._note_forum_time(event.at)
+        self.clock.note(event.at)
         triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.note(event.post.author)
+            self._hear_part(event.post)
             triaged = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
             if triaged.route in (Route.STOP, Route.HALT):
                 self._stop(event, event.post.author, triaged)
             self.known_robots.look_up([name for name in triaged.others if name in event.post.mentions])
+        elif event.robot in self._partners and event.kind in (EventKind.ROBOT_STOP, EventKind.ROBOT_ESTOP):
+            self._stop(event, event.account, triaged)  # one stop stops all parts of a post
         elif event.robot == self.name and event.kind is EventKind.ROBOT_STOP:
             self._stop(event, event.account, triaged)
         elif event.robot == self.name and event.kind is EventKind.ROBOT_ESTOP:
             self._stop(event, event.account, TriagedPost(Route.HALT))
         elif event.robot == self.name and event.kind in (EventKind.ROBOT_RELEASE, EventKind.ROBOT_HOME):
             assert self._me is not None
-            self._spawn(self._pressed(event, self._me))
-        elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH and self.camera:
-            self.camera.wake()
+            self.tasks.spawn(self._pressed(event, self._me))
+        elif event.robot == self.name and event.kind is EventKind.ROBOT_WATCH:
+            self.live_view.watch_camera()
         elif event.robot == self.name and event.kind is EventKind.ROBOT_POSES:
-            self.poses.watch()
-            self._spawn(self._publish_geometry())
+            self.tasks.spawn(self.live_view.watch_poses())
         elif event.robot == self.name and event.kind is EventKind.ROBOT_RESET and event.account:
-            self._spawn(self._reset(event.account, event.at))
+            self.tasks.spawn(self._reset(event.account, event.at))
         if self._accepting:
             self.inbox.put(event, triaged)
 
-    async def _publish_geometry(self) -> None:
-        before = self.geometry.name, self.geometry.missing
-        await self.geometry.publish()
-        if self.presence and before != (self.geometry.name, self.geometry.missing):
-            self.presence.changed()
-
-    # ------------------------------------------------------------------ the forum's clock
+    # ------------------------------------------------------------------ parts of posts to several robots
     @property
-    def _watermark_at(self) -> datetime:
-        """Nothing that was posted before then is a command. Not later than our start, by the forum's clock as it is set
-        now: it may have been set back since."""
-        begun_at, begun_s = self._begun
-        return min(begun_at, self.event_stream.at(begun_s))
+    def _partners(self) -> frozenset[str]:
+        """The other robots of the posts of which this one carries out a part."""
+        names = (name for job in self.queue if job.joint is not None for name in job.joint.robots)
+        return frozenset(names) - {self.name}
 
-    def _note_forum_time(self, at: datetime) -> None:
-        """Note the forum's time. If it is not the expected one, the event is late or the clock was set: compare
-        clocks."""
-        idle = self._comparing is None or self._comparing.done()
-        if idle and self.event_stream.differs(at) and elapsed_s() - self._compared_s >= COMPARE_S:
-            self._comparing = self._spawn(self._compare_clocks())
+    def _parts_changed(self) -> None:
+        self.queue.wake()
+        if self._summaries is not None:
+            self._summaries.changed()
 
-    async def _compare_clocks(self) -> None:
-        step = self.event_stream.step
-        with contextlib.suppress(ForumError, TimeoutError):
-            async with asyncio.timeout(COMPARING_S):
-                await self.event_stream.set_clock()
-        if self.event_stream.step is step:  # what came is merely late, and so may more be
-            self._compared_s = elapsed_s()
+    def _hear_part(self, post: Post) -> None:
+        """Note what another robot shows about a part of a post; if it was stopped, stop this robot's parts, too."""
+        self.threads.hear(post)
+        if post.card is None or post.card.state != CommandState.STOPPED or post.author.name == self.name:
+            return
+        for job in [job for job in self.queue if job.joint is not None and job.can_end]:
+            if part_posts([post], job.command):
+                job.stopped_by = post.author.name
+                job.because = say("joint.because.stopped", job.command.language, who=quote(post.author.name))
+                if job.moving:
+                    job.stop = self.tasks.spawn(self.stops.stop(job.stopped_by, post.edited_at or post.created_at))
+                job.end(EndReason.STOP)
+                self.tasks.spawn(self.journal.end([job.command.key], EndReason.STOP))
 
-    async def _compared(self) -> None:
-        """Wait for a comparison of clocks that is running."""
-        if self._comparing is not None and not self._comparing.done():
-            await asyncio.wait({self._comparing}, timeout=COMPARING_S)
-
-    def _clock_set(self) -> timedelta | None:
-        """By how much the forum's clock was set, if that was noticed recently."""
-        step = self.event_stream.step
-        return step.by if step is not None and elapsed_s() - step.noticed_s < SAID_S else None
-
+    # ------------------------------------------------------------------ triage
     async def _settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
         """Triage a post again once the clocks are compared: only then it is known whether it is fresh."""
-        await self._compared()
-        if self._clock_set() is None:
+        await self.clock.settled()
+        if self.clock.was_set() is None:
             return triaged
         again = self.triage(post)
         return again if again.route in (Route.READ, Route.STALE, Route.APPROVE, Route.DENY, Route.RENEW) else triaged
@@ -635,9 +582,10 @@ class RobotAgent:
         scheduled = self._schedules.topics if self._schedules is not None else frozenset()
         renewable = self._schedules.renewable_topics if self._schedules is not None else frozenset()
         return Addressing(
-            self._me, names, self.settings.boards, self._watermark_at, self.event_stream.now(),
+            self._me, names, self.settings.boards, self.clock.watermark_at, self.event_stream.now(),
             self.settings.max_post_age_s, topics, scheduled, renewable,
             {*self.queue.posts, *self.inbox.coming, *self.inbox.left_open}, self.known_robots.names,
+            self._partners,
         )  # fmt: skip
 
     def _stop(self, event: Event, author: Account | None, triaged: TriagedPost) -> None:
@@ -659,16 +607,16 @@ class RobotAgent:
         text = reply_text.stop_reply(
             reply.result, reply.language, reply.ended, reply.halted, reply.folded, how, reply.taken
         )
-        by = self._clock_set()
+        by = self.clock.was_set()
         return text if by is None else f"{text} {reply_text.clock_set(by, reply.language)}"
 
     async def _pressed(self, event: Event, me: Account) -> None:
-        await self._compared()
+        await self.clock.settled()
         await self.owner.pressed(event, me)
 
     async def _reset(self, account: Account, at: datetime) -> None:
         assert self._me is not None
-        await self._compared()
+        await self.clock.settled()
         granted = may(account, "command", simulated=self.settings.simulated)
         allowed = obeyed(account, self._me) and granted.decision is Decision.ALLOW
         fresh = (self.event_stream.now() - at).total_seconds() <= self.settings.max_post_age_s
@@ -688,7 +636,7 @@ class RobotAgent:
             _log.warning("room not reset", robot=self.name, error=str(e))
 
     def _decline(self, command: Command) -> None:
-        self._spawn(self.pipeline.decline(command))
+        self.tasks.spawn(self.pipeline.decline(command))
 
     async def _approve(self, post: Post, triaged: TriagedPost) -> None:
         await self.pipeline.approvals.record_decision(post, triaged)
@@ -701,12 +649,9 @@ class RobotAgent:
     def _enqueue(self, job: QueuedCommand) -> None:
         self.stops.new_command()
         self.queue.enter(job)
-        job.task = self._spawn(self.pipeline.run(job))
+        job.task = self.tasks.spawn(self.pipeline.run(job))
 
     def _queue_changed(self) -> None:
-        if self.presence:
-            self.presence.changed()
-        if self.camera and self.queue.moving and not self.recorder.asks_afterwards:
-            self.camera.wake()  # for the recording
+        self.live_view.changed()
         for job in self.queue:
             self.pipeline.show_place(job)

@@ -16,11 +16,13 @@ from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
-from agentrob.agent.queue.queue import QueuedCommand
+from agentrob.agent.queue.previews import Previews
+from agentrob.agent.queue.queue import QueuedCommand, page_post
 from agentrob.agent.reporting import report as reply_text
 from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import TRIES, page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, summary_text
+from agentrob.agent.reporting.preview_text import preview_paragraphs
 from agentrob.agent.reporting.status_post import DeniedWrites, Shown, retry_until_answered
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
@@ -28,7 +30,7 @@ from agentrob.agent.store.records import Records, approval
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.errors import ForumError
 from agentrob.forums.protocol import Forum, PosePages
-from agentrob.model import Command, CommandState, Report, StatusCard
+from agentrob.model import Command, CommandState, Report
 
 #: How long a report waits for its record.
 RECORD_S = 2.0
@@ -53,6 +55,7 @@ class FinalReport:
     on_end: Callable[[Report], None]
     poses: PoseSampler
     geometry: Geometry
+    previews: Previews
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""
@@ -67,14 +70,14 @@ class FinalReport:
         with job.log_errors("end not shortened"):
             short = reply_text.short(report)
         at = len(report.plan.steps)
-        card = StatusCard(self.name, report.status, step=at, steps=at, trace_id=command.trace_id)
-        images = [picture.data for picture in pictures if picture.attached]
+        card = command.card(report.status, step=at, steps=at, left_to=job.left_to)
+        images = [picture.data for picture in pictures if picture.added]
         measured = any(result.moved for result in report.results)
         # Before it is posted, since its reader may reply "again" at once. A goal is not a plan that can be repeated.
         with job.log_errors("plan not stored"):
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.set_plan(command.key, report.plan)
-        page = _page_post(command, job.status.post_id)
+        page = job.page
         told = False
 
         async def publish_record() -> None:
@@ -100,7 +103,10 @@ class FinalReport:
             with job.log_errors("record not published"):
                 await publish(self.forum, page, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
-            await self._publish_replay(command, page)
+            if measured or job.preview is None:
+                await self._publish_replay(command, page)
+            elif job.shown is None and not self.ending():  # else it is there already
+                await self.previews.publish(job.preview, page)
         with job.log_errors("end not passed on"):
             self.on_end(report)
         with job.log_errors("recording not added"):
@@ -121,7 +127,7 @@ class FinalReport:
             if claim is None:
                 await self.poses.forget(post_id)
             elif claim.final is not None:
-                await self._publish_replay(claim.command, _page_post(claim.command, claim.status_post))
+                await self._publish_replay(claim.command, page_post(claim.command, claim.status_post))
 
     async def _publish_replay(self, command: Command, page: str) -> None:
         """Publish how the robot moved, if the forum replays commands. `page` is the post with the command's page."""
@@ -147,19 +153,28 @@ class FinalReport:
             calls = visual_calls.lines(looked) if looked else b""
         with job.log_errors("no pictures"):
             once = self.forum.max_edits is not None
-            pictures = await illustrate(report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls)
+            there = (Picture("preview", b"", there=True),) * (job.shown.pictures if job.shown is not None else 0)
+            draw = None if job.preview is None or there else partial(self.previews.draw, job.preview)
+            pictures = await illustrate(
+                report, self.recorder, self.store, hurry=self.ending(), once=once, calls=calls, preview=draw
+            )
+            pictures = (*there, *pictures)
         with job.log_errors("page of the command not known"):
-            page = await page_of(self.forum, _page_post(command, job.status.post_id), hurry=self.ending())
+            page = await page_of(self.forum, job.page, hurry=self.ending())
         facts: dict[str, Any] | None = None
         with job.log_errors("record not written"):
             kept, said = self.recorder.stored_path(command.key), summary and summary.as_data()
             more: dict[str, Any] = {"looked": asdict(job.looked)} if job.looked else {}
             more |= {"stopped_by": job.stopped_by, "recording": kept, "summary": said, "approval": approval(job.asked)}
+            more |= {"preview": job.preview.as_data()} if job.preview else {}
             facts = self.records.write(report, job.assessment, **more)
         paragraphs: list[str] = []
         with job.log_errors("notes left out"):
             used = (*(job.looked.usage if job.looked else ()), *(summary.usage if summary else ()))
             paragraphs += visual_text.paragraphs(looked, report.results, language, refused=False)
+            paragraphs += preview_paragraphs(
+                job.preview, job.decided, report.results, language, rehearsable=not report.goal
+            )
             paragraphs += notes(job.assessment, self.assessor.mind.name, language, used)
             paragraphs += await self.owner.release_hints(report)
 
@@ -170,9 +185,3 @@ class FinalReport:
             return reply_text.plain(report)
 
         return text, pictures, facts
-
-
-def _page_post(command: Command, status_post: str | None) -> str:
-    """The post that has a command's page, record and replay: its own one, and for a run of a schedule that of the
-    report, since a post has one page. Empty if there is none."""
-    return command.post_id if command.run is None else status_post or ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from functools import partial
@@ -13,6 +13,7 @@ from pydantic import TypeAdapter
 
 from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
 from agentrob.agent.execution.local_goal import run_local_task
+from agentrob.agent.execution.room_entry import RoomEntry
 from agentrob.agent.execution.visual import run_visual_task
 from agentrob.agent.intake.authorization import CommandTerms, permission
 from agentrob.agent.intake.event_stream import EventStream
@@ -29,11 +30,13 @@ from agentrob.config.robots import RobotConfig
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
 from agentrob.minds.visual_loop.pursuit import without_model
-from agentrob.model import Capabilities, CommandState, Decision, EndReason, Plan, Primitive, Verdict
+from agentrob.model import Capabilities, CommandState, Decision, EndReason, Hindrance, Plan, Primitive, Verdict
 from agentrob.robots.driver.client import DriverClient
 
 #: A motion in the journal, as JSON.
 EXECUTION = TypeAdapter(Execution)
+#: How long a command waits between its steps for another robot of its room.
+ROOM_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class Motion:
     poses: PoseSampler
     surroundings: Surroundings
     assessor: Assessor
+    room: RoomEntry
     ending: Callable[[], bool]
     on_motion: Callable[[], None]
 
@@ -61,10 +65,16 @@ class Motion:
         return replace(execution, results=results)
 
     async def run(
-        self, job: QueuedCommand, plan: Plan, terms: CommandTerms, on_step: Callable[[Primitive, int], None]
+        self,
+        job: QueuedCommand,
+        plan: Plan,
+        terms: CommandTerms,
+        on_step: Callable[[Primitive, int], None],
+        on_wait: Callable[[Hindrance], None] = lambda _: None,
     ) -> str:
         """Do the motion; called at most once ever for a post. Returns the result as the journal keeps it. `on_step` is
-        called with each step and its number before it begins. Raises `NotBegun` if the agent is being ended."""
+        called with each step and its number before it begins, `on_wait` when it waits for another robot of its room.
+        Raises `NotBegun` if the agent is being ended."""
         if self.ending():
             raise NotBegun
         job.moving, job.begun_s = True, time.monotonic()
@@ -76,15 +86,22 @@ class Motion:
             self.poses.begin_step(step)
             on_step(step, number)
 
+        def ended() -> EndReason | None:
+            return job.ended or (EndReason.SHUTDOWN if self.ending() else None)
+
+        async def enter_room(steps: Sequence[Primitive]) -> None:
+            await self.room.enter(steps, on_wait, ended, ROOM_S)
+
         hooks = ExecutionHooks(
             since=lambda: self.stops.since(job.accepted_s - job.waited_s),
             permit=partial(self._permitted, job, terms),
-            ended=lambda: job.ended or (EndReason.SHUTDOWN if self.ending() else None),
+            ended=ended,
             alive=self.event_stream.prove,
             silent=lambda: self.event_stream.silent,
             stop=self.stops.stop_running,
             on_step=begin_step,
             step_s=self.event_stream.step_s,
+            enter_room=enter_room,
             on_run=partial(setattr, job, "run"),
         )
         try:

@@ -19,12 +19,16 @@ from agentrob.agent.final_report import FinalReport
 from agentrob.agent.intake.authorization import CommandTerms, own_rights
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.intake.rate_limit import RateLimiter
+from agentrob.agent.joint.summaries import PartSummaries
+from agentrob.agent.joint.waits import PartWaits
 from agentrob.agent.motion import EXECUTION, Motion
 from agentrob.agent.queue.approvals import Approvals
+from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import MOST, Schedules
 from agentrob.agent.reporting import report as reply_text
-from agentrob.agent.reporting import schedule_text, visual_text
+from agentrob.agent.reporting import room_text, schedule_text, visual_text
+from agentrob.agent.reporting.preview_text import preview_text
 from agentrob.agent.reporting.status_post import (
     DeniedWrites,
     Shown,
@@ -44,6 +48,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import JournalError, RobotError
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import addresses
+from agentrob.language.joint.reading import JointProblem, joint_command
 from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.language.messages.durations import duration
 from agentrob.language.messages.help import help_text
@@ -53,12 +58,12 @@ from agentrob.model import (
     CommandState,
     Decision,
     EndReason,
+    Hindrance,
     Intent,
     Language,
     Plan,
     Primitive,
     Report,
-    StatusCard,
     Verdict,
 )
 from agentrob.model.schedules import first_runs
@@ -95,12 +100,15 @@ class Pipeline:
     owner: OwnerActions
     clock_set: Callable[[], timedelta | None]
     schedules: Schedules
+    previews: Previews
+    parts: PartWaits
+    summaries: PartSummaries
 
     @property
     def terms(self) -> CommandTerms:
         names = tuple(self.assessor.names)
         return CommandTerms(
-            self.settings.allow_flip, self.event_stream.step_s, robot=self.name, scene=self.surroundings.scene,
+            self.settings.consents, self.event_stream.step_s, robot=self.name, scene=self.surroundings.scene,
             names=names, boards=tuple(self.settings.boards), rights=own_rights(self.settings),
         )  # fmt: skip
 
@@ -144,8 +152,7 @@ class Pipeline:
         """Reply to a command that the journal could not record: its first status is its end."""
         job = QueuedCommand(command)
         report = self._report(job, CommandState.FAILED, message=self._reason_text(job, "journal"))
-        card = StatusCard(self.name, CommandState.FAILED, trace_id=command.trace_id)
-        shown = Shown(reply_text.final(report), card)
+        shown = Shown(reply_text.final(report), command.card(CommandState.FAILED))
         await self.writes.when_allowed(partial(StatusPost(self.forum, command).claim, shown))
         self.final_report.on_end(report)
 
@@ -186,8 +193,12 @@ class Pipeline:
         assessment: Assessment = await thinking
         if assessment.understanding.cancels:
             job.cancelled_earlier = await self._cancel_earlier(job)
+        if job.joint is not None and job.command.part == 1 and job.joint.first == self.name:
+            await self.summaries.add(job.command)
         if assessment.schedule is not None:
             return await self._schedule(job, assessment)
+        if assessment.previews and job.ended is None:
+            return await self._preview(job, assessment)
         if job.ended is None and assessment.understanding.intent is Intent.COMMAND:
             return await self._execute_command(job, assessment)
         return await self._answer(job, assessment)
@@ -195,8 +206,7 @@ class Pipeline:
     async def _claim(self, job: QueuedCommand) -> tuple[bool, bool]:
         """Post the first status. Return whether the claim is ours, and whether its end was posted before (law 6)."""
         command = job.command
-        card = StatusCard(self.name, CommandState.SEEN, trace_id=command.trace_id)
-        shown = Shown(reply_text.seen(command.language, command.trace_id), card)
+        shown = Shown(reply_text.seen(command.language, command.trace_id), command.card(CommandState.SEEN))
         written = await self.writes.when_allowed(partial(job.status.claim, shown), partial(self._denied, job))
         job.note("seen", self.event_stream.now())
         now = written.post
@@ -257,9 +267,10 @@ class Pipeline:
             case Intent.ASK_BACK if assessment.verdict is not None:
                 return self._report(job, CommandState.REFUSED, verdict=assessment.verdict)
             case Intent.ASK_BACK:
-                return self._report(
-                    job, CommandState.ASKS_BACK, message=understood.question or say("agent.ask.default", language)
-                )
+                problem = joint_command(job.command.text)
+                hint = problem.example if isinstance(problem, JointProblem) else ""
+                message = understood.question or say("agent.ask.default", language)
+                return self._report(job, CommandState.ASKS_BACK, message=message, hint=hint)
             case Intent.STOP | Intent.HALT:  # in words that only the mind understood
                 ended = self.queue.end_before(job, EndReason.STOP)
                 for other in ended:
@@ -306,7 +317,7 @@ class Pipeline:
             )
         stop = await job.stop if job.stop is not None and execution is not None else None
         status = execution.status if execution else CommandState.CANCELLED
-        message = job.stopped_by if status is CommandState.STOPPED else self._reason_text(job, why)
+        message = job.stopped_by if status is CommandState.STOPPED else job.because or self._reason_text(job, why)
         return self._report(job, status, plan, execution, message=message, stop=stop)
 
     async def _schedule(self, job: QueuedCommand, assessment: Assessment) -> Report:
@@ -335,6 +346,21 @@ class Pipeline:
         text = schedule_text.scheduled(kept, command.language, needs_approval=asks)
         return self._report(job, CommandState.ANSWERED, message=text)
 
+    async def _preview(self, job: QueuedCommand, assessment: Assessment) -> Report:
+        """Rehearse a command; nothing moves. It is judged and rate-limited like one that would. A stop ends it."""
+        command, plan = job.command, assessment.understanding.plan
+        if (refused := self._refusal(job, assessment)) is not None:
+            return refused
+        if (waiting := await self._wait_for_rate_limit(job)) is not None:
+            return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
+        self._show(job, say("preview.running", command.language), CommandState.SEEN)
+        job.preview = await self.previews.unless_ended(job, plan)
+        if job.preview is None:
+            await self.journal.cancel(command.key)
+            return await self._ended(job, plan)
+        text = preview_text(job.preview, command.language)
+        return self._report(job, CommandState.ANSWERED, Plan(notes=plan.notes), message=text)
+
     def _refusal(self, job: QueuedCommand, assessment: Assessment) -> Report | None:
         """The report of a command that the screen refuses or asks about; None if it may run, perhaps with an
         approval."""
@@ -351,7 +377,7 @@ class Pipeline:
         return self.settings.queue_expiry_s if job.command.run is None else min(self.settings.queue_expiry_s, LATE_S)
 
     async def _execute_command(self, job: QueuedCommand, assessment: Assessment) -> Report:
-        """Carry out a command: check the verdict, wait for approval and for its turn, then move."""
+        """Carry out a command: check the verdict, wait for approval, for other robots and for its turn, then move."""
         plan, verdict, command = assessment.understanding.plan, assessment.verdict, job.command
         assert verdict is not None
         if (refused := self._refusal(job, assessment)) is not None:
@@ -359,15 +385,28 @@ class Pipeline:
         if not job.begun and (waiting := await self._wait_for_rate_limit(job)) is not None:
             return self._report(job, CommandState.REFUSED, plan, verdict=waiting)
         if verdict.decision is Decision.NEEDS_APPROVAL:
-            await self.approvals.wait(job, reply_text.planned(plan, command.language, job.goal_text), verdict.reason)
+            planned = reply_text.planned(plan, command.language, job.goal_text)
+            rehearsable = plan if assessment.goal is None else None
+            await self.approvals.wait(job, planned, verdict.reason, rehearsable)
+        if job.joint is not None:
+            await self.parts.wait(job)
         self.show_place(job)
         if not await self.queue.turn(job, self._expiry_s(job)):
             await self.journal.cancel(command.key)
             return await self._ended(job, plan)
+        if not job.begun and not await self._wait_for_room(job, plan):
+            await self.journal.cancel(command.key)
+            return await self._ended(job, plan)
+        if not job.begun and (elsewhere := await self._left_preview(job, plan)) is not None:
+            return self._report(job, CommandState.REFUSED, plan, verdict=elsewhere)
+        if job.joint is not None and not job.begun and not await self.parts.take(job):
+            await self.journal.cancel(command.key)
+            return await self._ended(job, plan)
         recorded = True
+        show_step, show_wait = partial(self._show_step, job, plan), partial(self._show_wait, job, CommandState.RUNNING)
         try:
             text = await self.journal.move(
-                command.key, partial(self.motion.run, job, plan, self.terms, partial(self._show_step, job, plan))
+                command.key, partial(self.motion.run, job, plan, self.terms, show_step, show_wait)
             )
         except Exception:
             if job.run is None:
@@ -384,6 +423,29 @@ class Pipeline:
         return await self._report_execution(
             job, plan, replace(execution, verdict=decisive(execution, verdict)), recorded
         )
+
+    async def _wait_for_room(self, job: QueuedCommand, plan: Plan) -> bool:
+        """Wait, before anything begins, until no other robot moves in the shared room. Return False if the command was
+        ended or expired meanwhile. What waiting does not change is left to the driver, which refuses the first step."""
+        left_s = self._expiry_s(job) - (time.monotonic() - job.queued_s)
+        show = partial(self._show_wait, job, CommandState.QUEUED)
+        hindrance = await job.unless_ended(self.motion.room.enter(plan.steps, show, lambda: job.ended, left_s))
+        if hindrance is not None and hindrance.passes:
+            job.end(EndReason.EXPIRED)
+        return job.ended is None
+
+    async def _left_preview(self, job: QueuedCommand, plan: Plan) -> Verdict | None:
+        """Refuse what was approved by a preview of another plan, as another version of AgentRob may have read the post,
+        and a walk that was approved by one from another place: it would not be what was approved."""
+        language, approved = job.command.language, job.preview
+        bound = job.decided is not None and approved is not None and job.decided.preview == approved.hash
+        if bound and approved is not None and approved.plan.steps != plan.steps:
+            return Verdict(Decision.REFUSE, "approval.preview", say("agent.approval.other", language))
+        start = job.decided.start if job.decided is not None else None
+        if start is None or not plan.distance_m or (metres := await self.previews.moved_since(start)) is None:
+            return None
+        reason = say("agent.approval.moved", language, metres=metres)
+        return Verdict(Decision.REFUSE, "approval.preview", reason)
 
     async def _report_execution(self, job: QueuedCommand, plan: Plan, execution: Execution, recorded: bool) -> Report:
         """The report of a command whose motion began. `recorded`: the journal has its result."""
@@ -424,6 +486,7 @@ class Pipeline:
         if (
             job.ended is None
             and not job.held
+            and not job.waits_for_others
             and not job.begun
             and "seen" in job.timings_ms
             and (ahead := self.queue.ahead(job))
@@ -435,8 +498,13 @@ class Pipeline:
             self._show(job, text, CommandState.QUEUED, place=len(ahead))
 
     def _show(self, job: QueuedCommand, text: str, state: CommandState, **more: Any) -> None:
-        card = StatusCard(self.name, state, trace_id=job.command.trace_id, **more)
-        job.status.show(Shown(text, card))
+        job.status.show(Shown(text, job.command.card(state, **more)))
+
+    def _show_wait(self, job: QueuedCommand, state: CommandState, hindrance: Hindrance) -> None:
+        """Show for whom the command waits in the room."""
+        doing = room_text.who_does(hindrance, job.command.language)
+        card = f"{say('agent.room.card', job.command.language)} {doing}"
+        self._show(job, room_text.waits_for_room(hindrance, job.command.language), state, doing=card)
 
     def _show_step(self, job: QueuedCommand, plan: Plan, step: Primitive, number: int) -> None:
         language = job.command.language

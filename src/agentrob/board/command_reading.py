@@ -31,8 +31,8 @@ MAX_WAITING = 16
 class ReadableRobot:
     """A robot that may be addressed. `history` are the plans that were done in the thread, oldest first.
 
-    `sees`: the things that it finds in its camera's pictures. `flips`: its owner consents to flips, or that is not
-    known. `scene` describes its surroundings, if that is known.
+    `sees`: the things that it finds in its camera's pictures. `consents`: the risky operations that its owner
+    consents to, or all where that is not known. `scene` describes its surroundings, if that is known.
     """
 
     name: str
@@ -40,7 +40,7 @@ class ReadableRobot:
     rights: RobotRights = RobotRights()
     history: tuple[Plan, ...] = ()
     sees: tuple[str, ...] = ()
-    flips: bool = True
+    consents: frozenset[str] = frozenset()
     scene: str = ""
 
 

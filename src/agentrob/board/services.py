@@ -38,5 +38,10 @@ def get_services(request: HTTPConnection) -> Services:
     return cast(Services, request.app.state.services)
 
 
+async def _services(request: HTTPConnection) -> Services:
+    """As `get_services`; FastAPI would call a function that is not async on another thread, for each request."""
+    return get_services(request)
+
+
 #: Declares the services as a parameter of an endpoint.
-AppServices = Annotated[Services, Depends(get_services)]
+AppServices = Annotated[Services, Depends(_services)]

@@ -1,4 +1,4 @@
-"""`agentrob init` and `agentrob board`: run the embedded forum and maintain its database."""
+"""`agentrob board`: run the embedded forum and maintain its database."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from agentrob.cli import accounts, boards, moderation
 from agentrob.cli.forum_database import board_settings, existing, reading, writable, write
 from agentrob.cli.options import ConfigFile
 from agentrob.config import load as configuration
-from agentrob.config.section import DEFAULT_LISTEN
-from agentrob.errors import ConfigError
-from agentrob.model import Role
 from agentrob.wiring import app
 
 cli = typer.Typer(no_args_is_help=True, help="The embedded forum.")
@@ -22,40 +19,6 @@ cli.add_typer(boards.cli, name="boards")
 cli.add_typer(boards.robot_cli, name="robot")
 cli.add_typer(accounts.invite_cli, name="invite")
 cli.add_typer(moderation.cli, name="moderate")
-
-
-def init(
-    admin: Annotated[str, typer.Option(help="The handle of the first admin.")],
-    url: Annotated[str, typer.Option(help="The address that browsers see, such as https://forum.example.org.")] = "",
-    listen: Annotated[str, typer.Option(help="Host and port where the forum listens.")] = DEFAULT_LISTEN,
-    title: Annotated[str, typer.Option(help="The name of the forum.")] = "AgentRob",
-    data: Annotated[str, typer.Option(help="The data folder.")] = "",
-    database: Annotated[str, typer.Option(help="A database URL. [default: SQLite in the data folder]")] = "",
-    invites: Annotated[int, typer.Option(min=0, max=1000, help="How many people one invite admits.")] = 0,
-    config: Annotated[Path, typer.Option("--config", "-c", help="The file to write.")] = Path("agentrob.toml"),
-) -> None:
-    """Create a forum: configuration file, database, first admin, and a link to set the admin's password."""
-    from agentrob.board.admin import management
-    from agentrob.board.admin.local_admin import bootstrap, writing
-    from agentrob.board.db.audit import SHELL
-    from agentrob.model import AccountKind
-
-    if config.exists():
-        raise ConfigError(f"{config} already exists; to add an admin: agentrob board account add NAME --role admin")
-    board = {"listen": listen, "base_url": url, "title": title, "database": database, "sign_up": False}
-    made = configuration.parse({"data": data, "board": board}, "agentrob init")
-    settings = board_settings(made)
-    bootstrap(settings)
-    with writing(settings) as connection:
-        management.add_account(connection, SHELL, admin, kind=AccountKind.HUMAN, role=Role.ADMIN)
-        link = management.link(connection, SHELL, admin, "password")
-        invite = management.invite(connection, SHELL, Role.MEMBER, invites, 30) if invites else ""
-    made.write(config, "Written by agentrob init. docs/deploy.md describes further settings.")
-    typer.echo(f"configuration: {config}\ndatabase: {settings.database_shown}")
-    typer.echo(f"set the password of {admin}, once, within a day: {settings.base_url}{link}")
-    if invite:
-        typer.echo(f"invite {invites} members within 30 days: {settings.base_url}{invite}")
-    typer.echo(f"then: agentrob board serve --config {config}")
 
 
 @cli.command()

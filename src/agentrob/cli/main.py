@@ -8,21 +8,22 @@ from typing import Annotated
 import typer
 
 from agentrob import __version__
-from agentrob.cli import agent, board, demo, mcp, minds, processes, robots
+from agentrob.cli import agent, board, mcp, minds, processes, robots, start
 from agentrob.errors import AgentRobError
 from agentrob.process.child import end_with_parent
 
 START, ROBOTS, FORUM, PROCESSES = "First steps", "Robots", "Forum and agents", "Processes that others start"
 
 cli = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
-cli.add_typer(demo.cli, name="demo", rich_help_panel=START)
+cli.add_typer(start.demo_cli, name="demo", rich_help_panel=START)
 cli.command(rich_help_panel=START)(minds.plan)
 cli.command(rich_help_panel=START)(robots.drive)
-cli.command(rich_help_panel=START)(board.init)
+cli.command(rich_help_panel=START)(start.init)
 cli.command(rich_help_panel=ROBOTS)(robots.stop)
 cli.command(rich_help_panel=ROBOTS)(robots.doctor)
 cli.command(rich_help_panel=ROBOTS)(robots.release)
 cli.command(rich_help_panel=ROBOTS)(robots.home)
+cli.command(rich_help_panel=ROBOTS)(robots.room)
 cli.add_typer(board.cli, name="board", rich_help_panel=FORUM)
 cli.add_typer(agent.cli, name="agent", rich_help_panel=FORUM)
 cli.command(rich_help_panel=FORUM)(robots.fleet)
@@ -31,6 +32,7 @@ cli.add_typer(minds.eval_cli, name="eval", rich_help_panel=FORUM)
 cli.add_typer(mcp.cli, name="mcp", rich_help_panel=FORUM)
 cli.command(rich_help_panel=PROCESSES)(processes.driver)
 cli.command(rich_help_panel=PROCESSES)(processes.sim)
+cli.command(rich_help_panel=PROCESSES)(processes.simulator)
 
 
 @cli.callback(invoke_without_command=True)

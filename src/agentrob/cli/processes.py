@@ -1,4 +1,4 @@
-"""`agentrob driver` and `agentrob sim`: processes that other commands or services start."""
+"""`agentrob driver`, `agentrob sim` and `agentrob simulator`: processes that other commands or services start."""
 
 from __future__ import annotations
 
@@ -33,3 +33,14 @@ def sim(
 ) -> None:
     """Run a simulated world with walking robots that speak the real robots' DDS."""
     app.serve_world(robot or [], domain or [], world, interface, http_port, ledger)
+
+
+def simulator(
+    robot: Annotated[str, typer.Argument(help="The kind of robot, of a package that brings a simulation: ros2-sim, …")],
+    domain: Annotated[int, typer.Option(min=0, max=230, help="DDS domain.")] = 0,
+    interface: Annotated[str, typer.Option(help="Network interface for DDS.")] = "lo",
+) -> None:
+    """Run the simulation that the package of a robot brings along."""
+    from agentrob.wiring.simulators import serve_simulator
+
+    serve_simulator(robot, domain, interface)

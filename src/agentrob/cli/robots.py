@@ -1,4 +1,4 @@
-"""`agentrob drive`, `doctor`, `stop`, `release` and `home`: commands for one robot without a forum; and `fleet`."""
+"""`agentrob drive`, `doctor`, `stop`, `release`, `home`: one robot, without a forum; `room` and `fleet`: several."""
 
 from __future__ import annotations
 
@@ -35,7 +35,9 @@ def drive(
 
 
 def doctor(
-    robot: Annotated[str | None, typer.Argument(help="A configured robot, or a kind: go2, g1.")] = None,
+    robot: Annotated[
+        str | None, typer.Argument(help="A configured robot, or a kind: go2, g1. Without it: the forum and all robots.")
+    ] = None,
     config: ConfigFile = None,
     interface: Annotated[str | None, typer.Option(help="Network interface, instead of the configured one.")] = None,
     domain: Annotated[int | None, typer.Option(help="DDS domain, instead of the configured one.")] = None,
@@ -43,17 +45,19 @@ def doctor(
     move: Annotated[bool, typer.Option("--move", help="Walk 10 cm forward if no problem was found.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Diagnose what prevents a robot from being driven, and how to fix it. Exit code 1 if there is a problem.
+    """Diagnose what prevents a robot, or the whole installation, from working, and name the commands that mend it.
 
-    It also finds the robots of a running demo.
+    Exit code 1 if there is a problem. It also finds a running demo and its robots.
     """
     from agentrob.demo import run as demonstration
-    from agentrob.wiring import doctor as examination
+    from agentrob.wiring.doctor import run as examination
 
     if read_only and move:
         raise typer.BadParameter("--read-only and --move exclude each other")
     settings = demonstration.config_for(robot, config)
-    raise typer.Exit(examination.run(robot, settings, interface, domain, move, as_json))
+    if robot is None and interface is None and domain is None and not move:
+        raise typer.Exit(examination.run_all(settings, as_json, config))
+    raise typer.Exit(examination.run_robot(robot, settings, interface, domain, move, as_json, config))
 
 
 def stop(
@@ -79,6 +83,21 @@ def home(robot: RobotName, config: ConfigFile = None, data: DemoData = None) -> 
     from agentrob.wiring import unlock
 
     typer.echo(unlock.home(robot, app.load(config), data))
+
+
+def room(
+    name: Annotated[str, typer.Argument(help="A room that robots of the configuration share.")],
+    config: ConfigFile = None,
+    release: Annotated[
+        str | None,
+        typer.Option(help="End the zone of this robot, whose driver is silent. First see that the robot is at rest."),
+    ] = None,
+) -> None:
+    """Show who shares a room, who moves and who waits there. Run this where a driver of the room runs."""
+    from agentrob.wiring.rooms import lines
+
+    for line in lines(name, app.load(config), release):
+        typer.echo(line)
 
 
 def fleet(config: ConfigFile = None, as_json: AsJson = False) -> None:

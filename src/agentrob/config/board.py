@@ -19,8 +19,8 @@ from agentrob.process.listen import parse_listen
 class BoardLimitsConfig(Section):
     """Rate limits per account and hour; 0 disables a limit. Stops and posts by robots are exempt.
 
-    `posts` also limits edits and changes of tags, counted separately. `commands` are posts that mention a robot;
-    `sign_ups` are new accounts from one address.
+    `posts` also limits edits and changes of tags, counted separately. `commands` are posts that mention a robot,
+    `uploads` are pictures, `sign_ups` are new accounts from one address.
     """
 
     posts: Annotated[int, Field(ge=0)] = 120
@@ -44,6 +44,10 @@ class BoardRetentionConfig(Section):
 
 class BoardConfig(WithMetrics):
     """The embedded forum. `base_url` is the address that browsers see; with https, cookies are Secure.
+
+    `listen` is the host and port of the server, `title` the name of the forum. `database` is the path of a SQLite file,
+    by default in the data folder, or the URL of a PostgreSQL database. `sign_up` lets everybody create an account, by
+    default only if the forum is reachable from this machine only.
 
     `base_url` is required behind a reverse proxy, because proxied requests seem to come from this machine.
     `trusted_proxies` are the addresses or networks whose `X-Forwarded-For` is trusted; the default is this machine if

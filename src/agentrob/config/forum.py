@@ -15,7 +15,8 @@ from agentrob.config.section import DEFAULT_LISTEN, Section
 
 
 class ForumConfig(Section):
-    """The forum's adapter and address. The environment variable that `token_env` names holds the token.
+    """The forum's adapter (`kind`: `board`, `nodebb`, `discourse`, `mcp`, or an installed one) and address (`url`).
+    The environment variable that `token_env` names holds the token.
 
     `options` belong to the adapter (groups and their rights, polling intervals), which validates them.
     """

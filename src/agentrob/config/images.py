@@ -10,31 +10,32 @@ endpoint = "https://minio.example.org"
 from __future__ import annotations
 
 from typing import Annotated, Literal, Self
-from urllib.parse import urlsplit
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from agentrob.config.section import Section
+from agentrob.config.section import Address, Section, Variable
 
 
 class ImagesConfig(Section):
-    """Where the pictures of replies are stored. `inline`: on the forum, in the post. `s3`, `tos`: in a bucket; the
-    post has links that expire after `link_s` seconds and work for anyone who has them until then.
+    """Where the pictures of replies are stored. `store` is `inline`: on the forum, in the post; or `s3`, `tos`: in a
+    `bucket`, below `prefix`, and the post has links that expire after `link_s` seconds and work for anyone who has
+    them until then.
 
     `s3` is any S3-compatible store, Amazon S3 if there is no `endpoint`. `tos` is Volcengine TOS; its S3-compatible
-    endpoint is derived from `region`. The environment variables that `key_env` and `secret_env` name hold the keys;
-    the defaults are the vendors' names (`AWS_ACCESS_KEY_ID` …, `TOS_ACCESS_KEY` …).
+    endpoint is derived from `region`. `path_style` puts the bucket into the path of an address instead of the host
+    name; by default so with an `endpoint`. The environment variables that `key_env` and `secret_env` name hold the
+    keys; the defaults are the vendors' names (`AWS_ACCESS_KEY_ID` …, `TOS_ACCESS_KEY` …).
     """
 
     store: Literal["inline", "s3", "tos"] = "inline"
     bucket: Annotated[str, Field(pattern=r"^([a-z0-9][a-z0-9.-]{1,61}[a-z0-9])?$")] = ""
-    endpoint: str = ""
+    endpoint: Address = ""
     region: Annotated[str, Field(pattern=r"^[a-z0-9-]*$")] = ""
     prefix: Annotated[str, Field(pattern=r"^([A-Za-z0-9_.-]+/)*$")] = "agentrob/"
     link_s: Annotated[int, Field(ge=60, le=7 * 86400)] = 86400
     path_style: bool | None = None
-    key_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
-    secret_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
+    key_env: Variable = ""
+    secret_env: Variable = ""
 
     @property
     def key_variable(self) -> str:
@@ -69,13 +70,6 @@ class ImagesConfig(Section):
         scheme, _, host = self.address.partition("://")
         return f"{scheme}://{self.bucket}.{host}" if self.virtual_hosted else self.address
 
-    @field_validator("endpoint")
-    @classmethod
-    def _is_plain_address(cls, url: str) -> str:
-        if url and not plain_address(url):
-            raise ValueError("must be http(s)://host[:port] without a user, key or query")
-        return url.rstrip("/")
-
     @model_validator(mode="after")
     def _is_complete(self) -> Self:
         if self.store != "inline":
@@ -89,13 +83,3 @@ class ImagesConfig(Section):
 
 def _amazon(region: str) -> str:
     return f"https://s3.{region}.amazonaws.com"
-
-
-def plain_address(url: str) -> bool:
-    """Whether the URL is http(s)://host[:port][/path], without a user, password or query that may be a secret."""
-    try:
-        parts = urlsplit(url)
-        _ = parts.port
-        return bool(parts.scheme in ("http", "https") and parts.hostname and not (parts.username or parts.query))
-    except ValueError:
-        return False

@@ -135,7 +135,7 @@ def parse(raw: dict[str, Any], source: str = "configuration") -> Config:
     try:
         return Config.model_validate(raw)
     except ValidationError as e:
-        raise ConfigError(f"{source}: " + "; ".join(_explain(x) for x in e.errors())) from None
+        raise ConfigError(f"{source}: " + "; ".join(_explain(x, Config) for x in e.errors())) from None
 
 
 def changed(settings: AnySection, source: str, **changes: Any) -> AnySection:
@@ -143,28 +143,30 @@ def changed(settings: AnySection, source: str, **changes: Any) -> AnySection:
     try:
         return type(settings).model_validate({**settings.model_dump(), **changes})
     except ValidationError as e:
-        raise ConfigError(f"{source}: " + "; ".join(_explain(x) for x in e.errors())) from None
+        raise ConfigError(f"{source}: " + "; ".join(_explain(x, type(settings)) for x in e.errors())) from None
 
 
 #: Settings that may hold a secret by mistake: messages do not repeat their values.
 _REDACTED = ("key_env", "secret_env", "token_env", "driver_token_env", "base_url", "endpoint")
 
 
-def _explain(error: Any) -> str:
+def _explain(error: Any, root: type[BaseModel]) -> str:
     where = ".".join(str(p) for p in error["loc"])
     message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "extra_forbidden":
-        return f"{where} is not a setting; valid here: {', '.join(sorted(_section_at(error['loc']).model_fields))}"
+        return (
+            f"{where} is not a setting; valid here: {', '.join(sorted(_section_at(error['loc'], root).model_fields))}"
+        )
     secret = bool(error["loc"]) and error["loc"][-1] in _REDACTED
     if secret or not isinstance(error["input"], str | int | float | bool):
         return f"{where}: {message}" if where else message
     return f"{where}: {message} (found {error['input']!r})"
 
 
-def _section_at(where: tuple[Any, ...]) -> type[BaseModel]:
+def _section_at(where: tuple[Any, ...], root: type[BaseModel]) -> type[BaseModel]:
     """The model of the table that an unknown key is in."""
-    section: type[BaseModel] = Config
-    kind: Any = Config
+    section: type[BaseModel] = root
+    kind: Any = root
     for part in where[:-1]:
         field = section.model_fields.get(str(part)) if kind is section else None
         # A table of tables (robots, minds) accepts any key; below it are the settings of one table.

@@ -26,7 +26,10 @@ _Length = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1000)]
 
 
 class MapThing(Section):
-    """A thing in the room, seen from above: a rectangle (`size_m`) or a circle (`radius_m`) around `at_m`."""
+    """A thing in the room, seen from above: a rectangle (`size_m`) or a circle (`radius_m`) around `at_m`.
+
+    `turned_deg` turns a rectangle counter-clockwise. `name` and `colour` are shown.
+    """
 
     name: Annotated[str, Field(max_length=40)] = ""
     at_m: tuple[_Metres, _Metres]
@@ -46,11 +49,11 @@ class MapConfig(Section):
     """The room of a robot as its live map shows it. Whoever may read one of the robot's boards sees the map.
 
     Positions are in metres in the frame of `room`: x and y as you choose them, `home_at_m` and `home_facing_deg` say
-    where the robot's home is in it. Without a `room` the robot has a map of its own, around its home. Only the `things`
-    that are listed are shown; if there are any, the forum also gets the robot's `scene`, to judge by it what people
-    write before they post it. `geometry` is where the robot's shape for the 3D view comes from: `auto` (made from the
-    installed models of a Go2 or G1, extra `sim`), a URL (`agentrob sim` serves one, with its room), or `none`. Without
-    a shape there is only the map.
+    where the robot's home is in it. `size_m` draws walls around the room's origin. Without a `room` the robot has a
+    map of its own, around its home. Only the `things` that are listed are shown; if there are any, the forum also gets
+    the robot's `scene`, to judge by it what people write before they post it. `geometry` is where the robot's shape
+    for the 3D view comes from: `auto` (made from the installed models of a Go2 or G1, extra `sim`), a URL (`agentrob
+    sim` serves one, with its room), or `none`. Without a shape there is only the map.
     """
 
     room: Annotated[str, Field(pattern=r"^([a-z0-9][a-z0-9 _-]{0,39})?$")] = ""

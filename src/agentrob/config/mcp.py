@@ -13,14 +13,12 @@ write = true
 from __future__ import annotations
 
 from typing import Annotated, Literal
-from urllib.parse import urlsplit
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
-from agentrob.config.section import Name, Section
+from agentrob.config.section import Address, Name, Section, Variable
 
 Toolset = Literal["core", "social", "admin"]
-_Variable = Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")]
 
 
 class McpUserConfig(Section):
@@ -32,7 +30,7 @@ class McpUserConfig(Section):
     """
 
     forum_token_env: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
-    token_env: _Variable = ""
+    token_env: Variable = ""
     subject: str = ""
     write: bool = False
     toolsets: tuple[Toolset, ...] = ("core", "social")
@@ -48,15 +46,7 @@ class McpConfig(Section):
     write: bool = False
     toolsets: tuple[Toolset, ...] = ("core", "social")
     listen: str = "127.0.0.1:8090"
-    public_url: str = ""
-    issuer: str = ""
-    jwks_url: str = ""
+    public_url: Address = ""
+    issuer: Address = ""
+    jwks_url: Address = ""
     users: dict[Name, McpUserConfig] = Field(default_factory=dict)
-
-    @field_validator("public_url", "issuer", "jwks_url")
-    @classmethod
-    def _is_address(cls, url: str) -> str:
-        parts = urlsplit(url)
-        if url and (parts.scheme not in ("http", "https") or not parts.hostname or parts.username or parts.query):
-            raise ValueError("must be http(s)://host[:port][/path]")
-        return url.rstrip("/")

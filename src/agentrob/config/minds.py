@@ -9,14 +9,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from agentrob.config.images import plain_address
-from agentrob.config.section import Section
+from agentrob.config.section import Address, Section, Variable
 
 
 class MindLimitsConfig(Section):
-    """What one mind may use per command and per UTC day; costs in the currency of its price. 0 disables a limit."""
+    """What one mind may use. 0 disables a limit.
+
+    `command_tokens` and `command_cost` bound one command, `day_tokens` and `day_cost` a UTC day; costs are in the
+    currency of its price.
+    """
 
     command_tokens: Annotated[int, Field(ge=0)] = 100_000
     day_tokens: Annotated[int, Field(ge=0)] = 2_000_000
@@ -25,7 +28,10 @@ class MindLimitsConfig(Section):
 
 
 class PriceConfig(Section):
-    """The price of a million tokens. Costs are computed from this alone; no price list is fetched."""
+    """The price of a million tokens: `input_per_million` and `output_per_million`, in `currency`.
+
+    Costs are computed from this alone; no price list is fetched.
+    """
 
     input_per_million: Annotated[float, Field(ge=0)] = 0.0
     output_per_million: Annotated[float, Field(ge=0)] = 0.0
@@ -54,7 +60,10 @@ class MindConfig(Section):
     `provider` selects the API dialect; `compatible` is any OpenAI-compatible server (Ollama, vLLM, llama.cpp) and
     needs a `base_url`. `answers` selects how typed answers are requested: `tools` by tool calls, `json` in the prompt
     (for weak local models), `json_object` in the prompt with `response_format` and the schema (llama.cpp).
-    `timeout_s` bounds one attempt, `total_s` one answer with all retries and pauses. `fallbacks` are other minds, tried
+    `model` is the model's name for the provider, unchecked. With `images = false` it is sent no pictures.
+    `timeout_s` bounds one attempt, `total_s` one answer with all retries and pauses. `retries` is how often an attempt
+    that failed for a temporary reason is repeated, `concurrency` how many questions one process asks at a time,
+    `max_output_tokens` the length of one answer. `fallbacks` are other minds, tried
     in order when this one fails; the rules always come last. An agent waits for each of them as long as it is allowed.
     `kind = "local"` is for a slow server of your own (llama.cpp, Ollama): 60 s per attempt and 120 s in total, one
     request at a time, no retry after a timeout, prompts with a common prefix that is cached when the agent starts, and
@@ -71,8 +80,8 @@ class MindConfig(Section):
     kind: Literal["hosted", "local"] = "hosted"
     reads: Literal["unclear", "all"] = "unclear"
     model: Annotated[str, Field(min_length=1)]
-    base_url: str = ""
-    key_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
+    base_url: Address = ""
+    key_env: Variable = ""
     answers: Literal["tools", "json", "json_object"] = "tools"
     images: bool = True
     timeout_s: Annotated[float, Field(gt=0, le=120)] = 15.0
@@ -93,13 +102,6 @@ class MindConfig(Section):
     def key_variable(self) -> str:
         """The environment variable of the key: `key_env`, or the provider's default; empty if it needs no key."""
         return self.key_env or _PROVIDERS[self.provider][1]
-
-    @field_validator("base_url")
-    @classmethod
-    def _is_plain_address(cls, url: str) -> str:
-        if url and not plain_address(url):
-            raise ValueError("must be http(s)://host[:port][/path] without a user, key or query")
-        return url.rstrip("/")
 
     @model_validator(mode="after")
     def _is_complete(self) -> Self:

@@ -36,7 +36,9 @@ from agentrob.process.listen import is_loopback, parse_listen
 
 
 class FenceConfig(Section):
-    """A rectangle around the robot's home, in metres (x forward at home, y left)."""
+    """A rectangle around the robot's home, in metres: `x_min_m` to `x_max_m` forward, as the robot faced at home, and
+    `y_min_m` to `y_max_m` to its left.
+    """
 
     x_min_m: float = -5.0
     x_max_m: float = 5.0
@@ -45,7 +47,11 @@ class FenceConfig(Section):
 
 
 class LimitsConfig(Section):
-    """Bounds that commands may not exceed (law 10)."""
+    """Bounds that commands may not exceed (law 10).
+
+    `speed_mps` and `turn_dps` bound every motion, `step_m` and `step_deg` one step, `command_m`, `command_s` and
+    `command_steps` a whole command.
+    """
 
     speed_mps: Annotated[float, Field(gt=0, le=1.5)] = 0.5
     turn_dps: Annotated[float, Field(gt=0, le=90)] = 45.0
@@ -71,7 +77,7 @@ class RatesConfig(Section):
 class LookConfig(Section):
     """Let a model steer the robot by its camera ("walk to the red ball"), within limits per command.
 
-    Off unless the owner sets `allowed = true`; the robot's mind must then be a model with `images`. Each such command
+    Off unless the owner sets `allowed = true`. The robot's mind must then be a model with `images`. Each such command
     may use `distance_m` of walking, `degrees` of turning, `calls` of the model's tools, `pictures`, and `seconds` in
     total, including the model's time. `speed_mps` is the top walking speed. The robot's own limits apply as well.
     """
@@ -147,12 +153,28 @@ class ApprovalConfig(Section):
     wait_s: Annotated[float, Field(gt=0)] = 600.0
 
 
+class RehearsalConfig(Section):
+    """Where previews are simulated ("preview walk 3 m"). `world` is the name of a shipped world or the path of a world
+    file that describes the robot's surroundings, in the frame of its `map`; without one, a preview is made of geometry
+    and limits alone.
+    """
+
+    world: str = ""
+
+
 class RobotConfig(WithMetrics):
     """One robot: the connection of its driver, who may command it and where, and what its agent does.
 
-    `interface` and `domain` are DDS settings. `step_length_m` is the measured length of one of the robot's steps;
-    without it, the reply to "walk two steps" asks for a distance. With `home_on_start` the driver sets home when it
-    starts; allowed only with `simulated`, because the owner sets the home of a real robot (law 9).
+    `model` is the kind of robot: `go2`, `g1`, `fake`, or that of an installed package, whose class gets `options`.
+    `interface` and `domain` are DDS settings. `simulated` says that no real robot moves, so that accounts for
+    simulated robots may command it. `owner` is the handle of the account that releases it, sets its home and changes
+    its rights; `mentions` are further names by which posts address it, `boards` the boards on which it reads them.
+    `poll_s` is how often the agent reads a forum without an event stream. A post older than `max_post_age_s` moves
+    nothing (law 5), and a command that waited longer than `queue_expiry_s` expires. `allow_flip` is the owner's
+    consent to backflips, `allow_risky` to the risky operations that the robot declares. `step_length_m` is the
+    measured length of one of the robot's steps; without it, the reply to "walk two steps" asks for a distance. With
+    `home_on_start` the driver sets home when it starts; allowed only with `simulated`, because the owner sets the home
+    of a real robot (law 9).
     `allow_unknown_ranges`: the owner's consent to move at 0.2 m/s without range readings (law 8).
     `least_battery_percent`: no motion begins below this charge; a robot that does not report its charge may move.
     `moderators` are handles that are alerted, with the owner, of the third stop within 5 minutes.
@@ -166,6 +188,12 @@ class RobotConfig(WithMetrics):
     `time_zone` (an IANA name such as `Europe/Berlin`) is the zone of the times in posts: "every day at 9".
     `room_camera` is the snapshot URL of a camera that sees the robot, `room_reset` a URL that resets a simulated room.
     `map` describes the room for the live map.
+
+    Robots with the same `room` never move where another one moves or stands. Their drivers share a data folder, or name
+    in `room_url` the driver of another host that keeps the room (`https://host:port`, its `driver_listen`; the
+    certificates and the token are those below). `room_error_m` says that the robot's place in the room is known: its
+    first home is where `map` says (`map.room` is then the same room), and odometry and home together are wrong by at
+    most this much. Robots whose paths stay apart may then move at once; without it, one robot of the room at a time.
 
     The driver serves its Unix socket, and with `driver_listen` (host:port) also other machines; there, agents reach it
     at `driver_url`. `driver_cert` and `driver_key` are the certificate of this machine, `driver_ca` the authority that
@@ -194,7 +222,11 @@ class RobotConfig(WithMetrics):
     allow_unknown_ranges: bool = False
     least_battery_percent: Annotated[float, Field(ge=0, le=100)] = 15.0
     allow_flip: bool = False
+    allow_risky: tuple[Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{1,39}$")], ...] = ()
     time_zone: str = "UTC"
+    room: Annotated[str, Field(pattern=r"^([a-z0-9][a-z0-9 _-]{0,39})?$")] = ""
+    room_url: str = ""
+    room_error_m: Annotated[float, Field(ge=0, le=2)] | None = None
     room_camera: str = ""
     room_reset: str = ""
     driver_listen: str = ""
@@ -211,6 +243,7 @@ class RobotConfig(WithMetrics):
     look: LookConfig = Field(default_factory=LookConfig)
     eyes: EyesConfig = Field(default_factory=EyesConfig)
     recording: RecordingConfig = Field(default_factory=RecordingConfig)
+    rehearsal: RehearsalConfig = Field(default_factory=RehearsalConfig)
     retention: RetentionConfig = Field(default_factory=RetentionConfig)
     options: dict[str, Any] = Field(default_factory=dict)
 
@@ -226,6 +259,11 @@ class RobotConfig(WithMetrics):
         zone_of(name)
         return name
 
+    @property
+    def consents(self) -> frozenset[str]:
+        """The risky operations that the owner consents to (`Operation.needed_consent`)."""
+        return frozenset(self.allow_risky) | ({"flip"} if self.allow_flip else frozenset())
+
     @model_validator(mode="after")
     def _protects_its_driver(self) -> Self:
         if bool(self.driver_cert) != bool(self.driver_key):
@@ -233,7 +271,20 @@ class RobotConfig(WithMetrics):
         if self.driver_listen:
             _check_listen(self)
         if self.driver_url:
-            _check_url(self)
+            _check_url(self, "driver_url")
+        return self
+
+    @model_validator(mode="after")
+    def _shares_its_room(self) -> Self:
+        if not self.room and (self.room_url or self.room_error_m is not None):
+            raise ValueError("room_url and room_error_m belong to a room that the robot shares; set room")
+        if self.room_error_m is not None and self.map.room != self.room:
+            raise ValueError(
+                f"room_error_m needs the robot's place in the room: set room = {self.room!r}, home_at_m and "
+                f"home_facing_deg in its map (found room = {self.map.room!r})"
+            )
+        if self.room_url:
+            _check_url(self, "room_url")
         return self
 
 
@@ -255,12 +306,12 @@ def _check_listen(settings: RobotConfig) -> None:
         raise ValueError("driver_listen without TLS needs driver_token_env, the variable of a token")
 
 
-def _check_url(settings: RobotConfig) -> None:
-    parts = urlsplit(settings.driver_url)
+def _check_url(settings: RobotConfig, name: str) -> None:
+    parts = urlsplit(getattr(settings, name))
     plain = parts.scheme == "http" and is_loopback(parts.hostname or "")
     bare = not (parts.username or parts.query or parts.fragment or parts.path.strip("/"))
     if not parts.hostname or not bare or not (parts.scheme == "https" or plain):
-        raise ValueError("driver_url must be https://host:port, or http://127.0.0.1:port for the end of a tunnel")
+        raise ValueError(f"{name} must be https://host:port, or http://127.0.0.1:port for the end of a tunnel")
     if not settings.driver_token_env and (plain or not settings.driver_cert):
         either = "" if plain else ", or driver_cert and driver_key, a certificate for this machine"
-        raise ValueError(f"driver_url needs driver_token_env, the variable of the driver's token{either}")
+        raise ValueError(f"{name} needs driver_token_env, the variable of the driver's token{either}")

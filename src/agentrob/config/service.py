@@ -31,8 +31,7 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 
-from agentrob.config.section import Name, Section, check_listen
-from agentrob.process.listen import parse_listen
+from agentrob.config.section import Listening, Name, Section, ServerAddress, Variable
 
 Scope = Literal["look", "preview", "command", "stop"]
 _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
@@ -41,13 +40,14 @@ _Variable = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,63}$")]
 class ServiceTokenConfig(Section):
     """One client. The variable that `token_env` names holds its token of at least 16 characters.
 
-    Scope `look` allows reads, `preview` a plan without execution, `command` to submit and cancel commands, `stop` to
-    stop the robot. Commands are posted by the account of the token in `forum_token_env`, with that account's rights.
+    `scopes` say what it may do: `look` allows reads, `preview` a plan without execution, `command` to submit and
+    cancel commands, `stop` to stop the robot. Commands are posted by the account of the token in `forum_token_env`,
+    with that account's rights.
     """
 
     token_env: _Variable
     scopes: tuple[Scope, ...]
-    forum_token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
+    forum_token_env: Variable = ""
 
     @model_validator(mode="after")
     def _has_account(self) -> Self:
@@ -57,14 +57,17 @@ class ServiceTokenConfig(Section):
 
 
 class HookInConfig(Section):
-    """An incoming webhook. `kind` is its signature: `discourse`, or `standard` for Standard Webhooks."""
+    """An incoming webhook. `kind` is its signature: `discourse`, or `standard` for Standard Webhooks.
+
+    The variable that `secret_env` names holds the secret.
+    """
 
     kind: Literal["discourse", "standard"] = "standard"
     secret_env: _Variable
 
 
 class HookOutConfig(Section):
-    """A receiver of webhooks, signed as Standard Webhooks."""
+    """A receiver of webhooks at `url`, signed as Standard Webhooks with the secret in the variable `secret_env`."""
 
     url: str
     secret_env: _Variable
@@ -78,7 +81,7 @@ class HookOutConfig(Section):
         return url
 
 
-class ServiceConfig(Section):
+class ServiceConfig(Listening):
     """The address and the clients of an agent's HTTP service.
 
     `listen` must be on this machine unless `allow_remote` is set (then put TLS in front of it). `hosts` are host names
@@ -87,7 +90,6 @@ class ServiceConfig(Section):
     """
 
     listen: str = "127.0.0.1:8089"
-    allow_remote: bool = False
     hosts: tuple[str, ...] = ()
     loop: bool = True
     requests_per_minute: Annotated[int, Field(ge=1)] = 600
@@ -95,33 +97,15 @@ class ServiceConfig(Section):
     hooks_in: dict[Name, HookInConfig] = Field(default_factory=dict)
     hooks_out: dict[Name, HookOutConfig] = Field(default_factory=dict)
 
-    @property
-    def address(self) -> tuple[str, int]:
-        """Host and port."""
-        return parse_listen(self.listen)
-
-    @model_validator(mode="after")
-    def _is_on_this_machine(self) -> Self:
-        check_listen(self.listen, self.allow_remote)
-        return self
-
 
 class RobotServiceConfig(Section):
-    """The URL of a robot's HTTP service, and the variable of the MCP server's token for it."""
+    """The `url` of a robot's HTTP service. The variable that `token_env` names holds the MCP server's token for it."""
 
-    url: str
+    url: ServerAddress
     token_env: _Variable
 
-    @field_validator("url")
-    @classmethod
-    def _is_plain(cls, url: str) -> str:
-        parts = urlsplit(url)
-        if parts.scheme not in ("http", "https") or not parts.hostname or parts.username or parts.query:
-            raise ValueError("must be http(s)://host[:port][/path]")
-        return url.rstrip("/")
 
-
-class McpRobotConfig(Section):
+class McpRobotConfig(Listening):
     """The MCP server of robots, a client of their HTTP services with its own tokens. Off until a service is configured.
 
     The tools to look and to stop are always available; the owner allows `preview` and `submit` (which includes
@@ -133,16 +117,5 @@ class McpRobotConfig(Section):
     submit: bool = False
     pictures_per_minute: Annotated[int, Field(ge=1, le=150)] = 20
     listen: str = "127.0.0.1:8091"
-    allow_remote: bool = False
-    token_env: Annotated[str, Field(pattern=r"^([A-Za-z_][A-Za-z0-9_]{0,63})?$")] = ""
+    token_env: Variable = ""
     services: dict[Name, RobotServiceConfig] = Field(default_factory=dict)
-
-    @property
-    def address(self) -> tuple[str, int]:
-        """Host and port."""
-        return parse_listen(self.listen)
-
-    @model_validator(mode="after")
-    def _is_on_this_machine(self) -> Self:
-        check_listen(self.listen, self.allow_remote)
-        return self

@@ -9,33 +9,37 @@ import json
 import os
 import shutil
 import signal
-import socket
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import IO
 
+from agentrob import plugins
 from agentrob.config import load as configuration
 from agentrob.config.board import BoardConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.config.load import Config
 from agentrob.config.minds import MindConfig
 from agentrob.config.robots import RatesConfig, RobotConfig
-from agentrob.errors import AgentRobError, ConfigError
+from agentrob.demo import terminal
+from agentrob.demo.errors import DemoError
+from agentrob.demo.ports import choose_port
+from agentrob.errors import ConfigError
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process.child import Child, ChildError, terminate_all
 from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
 from agentrob.wiring.running_demo import demo_folder, running_demo
 
-PORT = 8088
 #: Handle of each robot, and its kind.
 ROBOTS = {"quadruped": "go2", "humanoid": "g1"}
 VISITOR = "visitor"
+#: A simulated robot is this near to where its odometry says, after some tens of metres.
+ROOM_ERROR_M = 0.1
 SENTENCES = (
     "@quadruped walk forward 1 metre, turn left, wave and take a photo",
     "@humanoid walk forward 1 metre, turn left, wave",
@@ -43,26 +47,25 @@ SENTENCES = (
 )
 
 
-class DemoError(AgentRobError):
-    """The demo cannot start or continue."""
-
-
 @dataclass(frozen=True, slots=True)
 class DemoSettings:
-    """The demo's options. `port` None takes any free port; `data` is the data folder, which is kept; with `post` the
-    demo posts this text, waits for the answer and ends.
+    """The demo's options. `port` None takes 8088 or, if that is in use, any free port; 0 takes any free port; `data` is
+    the data folder, which is kept; with `post` the demo posts this text, waits for the answer and ends; with `browser`
+    it opens a browser where there is one.
 
-    `more` are kinds of additional robots; each is named after its kind. `mind` reads the posts: `rules`, or a mind of
-    `./agentrob.toml` or of the data folder's `agentrob.toml`; None uses the mind of the previous start.
+    `more` are kinds of additional robots; each is named after its kind. `mind` reads the posts: an
+    installed one such as `rules`, or one of `./agentrob.toml` or of the data folder's `agentrob.toml`; None uses the
+    mind of the previous start.
     """
 
     data: Path
-    port: int | None = PORT
+    port: int | None = None
     post: str | None = None
     as_json: bool = False
     world: str = "room"
     more: Sequence[str] = ()
     mind: str | None = None
+    browser: bool = True
 
     @property
     def robots(self) -> dict[str, str]:
@@ -70,26 +73,12 @@ class DemoSettings:
         return ROBOTS | {kind: kind for kind in self.more if kind not in ROBOTS.values()}
 
 
-def free_port() -> int:
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return int(s.getsockname()[1])
-
-
-def check_port(port: int) -> None:
-    with socket.socket() as s:
-        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            s.bind(("127.0.0.1", port))
-        except OSError:
-            raise DemoError(f"port {port} is in use; choose another with --port (0 for any free port)") from None
-
-
 class Demo:
     """A running demo, as a context manager. `url` and `children` are set after `start`."""
 
-    def __init__(self, settings: DemoSettings) -> None:
-        self.settings = settings
+    def __init__(self, settings: DemoSettings, says: Callable[[str], None] = lambda _: None) -> None:
+        """`says` is told what is being started."""
+        self.settings, self.says = settings, says
         self.data = settings.data
         self.robots = settings.robots
         self.children: list[Child] = []
@@ -98,7 +87,7 @@ class Demo:
         self.url = ""
         self.tokens: dict[str, str] = {}
         self.runtime: Path | None = None
-        self.room_url = ""
+        self.room_url = self.camera = ""
 
     def __enter__(self) -> Demo:
         return self
@@ -130,29 +119,37 @@ class Demo:
     def _start(self) -> None:
         # A private folder for sockets avoids conflicts with another demo, or with a driver of the same name.
         self.runtime = Path(tempfile.mkdtemp(prefix="agentrob-demo-"))
-        port = self.settings.port or free_port()
-        check_port(port)
+        port = choose_port(self.settings.port)
         self.url = f"http://127.0.0.1:{port}"
+        self.says("starting the room, and setting up the forum")
         world = self._start_world()
         config = self._write_config(port, room_url="")
         self._bootstrap(config)
         board = self._child("board", "board", "serve", "--config", str(config))
-        self.room_url = world.wait_ready()["http"]
+        simulators = self._start_simulators()
+        self.says("building the room and its robots")
+        room = world.wait_ready()
+        self.room_url, self.camera = room["http"], room["camera"]
+        for simulator in simulators:
+            simulator.wait_ready()
         config = self._write_config(port, self.room_url)
+        self.says("starting the robots' drivers and agents")
         drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
         board.wait_ready()
         agents = [self._agent(name, config) for name in self.robots]
         for child in (*drivers, *agents):
+            self.says(f"waiting for {child.name.replace('-', ' of @')}")
             child.wait_ready()
         facts = {"pid": os.getpid(), "url": self.url, "room": self.room_url, "runtime": str(self.runtime)}
         (self.data / "demo.json").write_text(json.dumps(facts))
 
     def _check_robots(self) -> None:
-        """Raise `ConfigError` if a robot is not installed or cannot be loaded."""
+        """Raise `ConfigError` if a robot is not installed or cannot be loaded, `SimError` if it cannot be simulated."""
         from agentrob.wiring import app
 
         for kind in self.robots.values():
             app.capabilities_of(kind)
+            app.simulated_robot(kind, 0, self.settings.world)
 
     def _start_world(self) -> Child:
         """Start the world. Robots outside the world get a domain too, because their drivers lock it."""
@@ -162,6 +159,16 @@ class Demo:
         for name, model in ROBOTS.items():
             args += ["--domain", f"{model}={self._domains[name].number}"]
         return self._child("world", *args)
+
+    def _start_simulators(self) -> list[Child]:
+        """Start the simulations that packages of robots bring along."""
+        from agentrob.wiring.simulators import has_simulator
+
+        return [
+            self._child(f"simulator-{name}", "simulator", model, "--domain", str(self._domains[name].number))
+            for name, model in self.robots.items()
+            if has_simulator(model)
+        ]
 
     def _agent(self, name: str, config: Path) -> Child:
         env = {"AGENTROB_TOKEN": self.tokens[name]}
@@ -200,6 +207,7 @@ class Demo:
             name: app.simulated_robot(model, self._domains[name].number, self.settings.world).model_copy(update=own)
             for name, model in self.robots.items()
         }
+        robots = {name: _in_one_room(robot) if app.in_world(robot.model) else robot for name, robot in robots.items()}
         robots |= {  # the room's camera sees only robots in the world
             name: _in_room(robot, room_url) for name, robot in robots.items() if room_url and app.in_world(robot.model)
         }
@@ -220,10 +228,11 @@ class Demo:
         previous = self._previous_config(path)
         minds = previous.minds | configuration.load().minds
         last = next((robot.mind for robot in previous.robots.values()), "rules")
-        mind = self.settings.mind or (last if last in minds else "rules")
-        if mind != "rules" and mind not in minds:
-            known = ", ".join(["rules", *sorted(minds)])
-            raise ConfigError(f"unknown mind {mind!r}; valid: {known}; add [minds.NAME] to ./agentrob.toml or {path}")
+        known = [*plugins.names("minds"), *sorted(minds)]
+        mind = self.settings.mind or (last if last in known else "rules")
+        if mind not in known:
+            valid = ", ".join(known)
+            raise ConfigError(f"unknown mind {mind!r}; valid: {valid}; add [minds.NAME] to ./agentrob.toml or {path}")
         return minds, mind
 
     def _previous_config(self, path: Path) -> Config:
@@ -268,6 +277,11 @@ class Demo:
         for child in self.children:
             if not child.alive:
                 raise ChildError(f"{child.name} has ended: {child.last_line()} (log: {child.log})")
+
+
+def _in_one_room(robot: RobotConfig) -> RobotConfig:
+    """The settings of a robot in the world, which shares its room with the others: it starts where its map says."""
+    return robot.model_copy(update={"room": robot.map.room, "room_error_m": ROOM_ERROR_M})
 
 
 def _in_room(robot: RobotConfig, room_url: str) -> RobotConfig:
@@ -317,12 +331,14 @@ def run(settings: DemoSettings) -> int:
     """The command `agentrob demo`; returns the exit code."""
     with sigterm_interrupts(), Demo(settings) as demo:
         try:
-            if settings.post is None:
-                print("AgentRob demo: starting the forum, the room and the robots …", file=sys.stderr)
-            demo.start()
             if settings.post is not None:
+                demo.start()
                 return _post_once(demo, settings)
+            with terminal.progress() as demo.says:
+                demo.start()
             print(welcome(demo), flush=True)
+            if settings.browser:
+                terminal.open_browser(demo.link)
             demo.watch()
         except KeyboardInterrupt:
             print("\nAgentRob demo: ending", file=sys.stderr)
@@ -331,15 +347,14 @@ def run(settings: DemoSettings) -> int:
 
 
 def welcome(demo: Demo) -> str:
-    more = [f"@{name} walk forward 1 metre, turn left" for name in demo.robots if name not in ROBOTS]
-    return (
-        f"\n  Open   {demo.link()}\n"
-        f"         (signs you in once; `agentrob demo link` prints another)\n"
-        f"  Post   {SENTENCES[0]}\n"
-        + "".join(f"    or   {sentence}\n" for sentence in (*SENTENCES[1:], *more))
-        + f"  Data   {demo.data} (kept)\n"
-        f"  End    Ctrl-C\n"
-    )
+    from agentrob.language.messages.help import commands
+    from agentrob.wiring import app
+
+    others = {name: kind for name, kind in demo.robots.items() if name not in ROBOTS}
+    more = [f"@{name} {commands(app.capabilities_of(kind), 'en')[0]}" for name, kind in others.items()]
+    software = demo.camera == terminal.SOFTWARE_CAMERA
+    notes = ["There is no OpenGL library, so the pictures come from a simple camera (libosmesa6 has one)"]
+    return terminal.welcome(demo.link(), (*SENTENCES, *more), str(demo.data), notes if software else ())
 
 
 def print_link(data: Path) -> None:

@@ -16,8 +16,10 @@ from agentrob.model import Account, StatusCard
 LONGEST = 2_000
 LARGEST = 1_000_000
 _SURROGATE = re.compile("[\ud800-\udfff]")
-_NUMBERS = frozenset({"step", "steps", "place"})
-_TEXTS = frozenset(f.name for f in fields(StatusCard)) - _NUMBERS
+NUMBERS = frozenset(
+    {"step", "steps", "place", "part", "parts", "bid_s", "bid_cm", "near_cm", "battery", "ahead", "takes"}
+)
+TEXTS = frozenset(f.name for f in fields(StatusCard)) - NUMBERS
 
 
 def facts_of(card: StatusCard) -> dict[str, Any]:
@@ -29,9 +31,9 @@ def card_of(given: object) -> StatusCard | None:
     """Return the card in a JSON value, or None if it is not one. Unknown fields are ignored."""
     if not isinstance(given, dict):
         return None
-    facts = {name: given[name] for name in (*_TEXTS, *_NUMBERS) if given.get(name) is not None}
-    texts = [facts[name] for name in _TEXTS if name in facts]
-    numbers = [facts[name] for name in _NUMBERS if name in facts]
+    facts = {name: given[name] for name in (*TEXTS, *NUMBERS) if given.get(name) is not None}
+    texts = [facts[name] for name in TEXTS if name in facts]
+    numbers = [facts[name] for name in NUMBERS if name in facts]
     if not all(isinstance(t, str) and len(t) <= LONGEST and not _SURROGATE.search(t) for t in texts):
         return None
     if not all(type(n) is int and 0 <= n <= LARGEST for n in numbers):

@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import pytest
 
 from agentrob.errors import ForumDenied, ForumNotFound, ForumUnoffered, ForumUnreachable
-from agentrob.forums.protocol import Event, Forum, Notifications, Permissions, Registrar, Searcher
+from agentrob.forums.protocol import Event, Forum, KeyedEdits, Notifications, Permissions, Registrar, Searcher
 from agentrob.language.rendered_text import text_in
 from agentrob.language.visible_text import OMITTED, mentions
 from agentrob.model import AccountKind, EventKind, Post, Role, StatusCard
@@ -406,3 +406,24 @@ class ForumContract:
             async for _ in nowhere.stream("0", 0.25):
                 pass
         await nowhere.close()
+
+
+class KeyedEditsContract:
+    """What a forum with `KeyedEdits` must do too; needs the `world` of `ForumContract`."""
+
+    async def test_an_edit_under_a_key_is_made_once(self, world: World) -> None:
+        robot, bob = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT), await world.sign_in("bob")
+        first = await _topic(bob)
+        assert isinstance(robot, KeyedEdits)
+        if robot.max_edits is not None:
+            return
+        post, other = [(await robot.reply(first.topic_id, "seen", key=key)).post for key in ("1", "2")]
+        edited = await robot.edit_once(post.id, "the end", key="end", images=(PIXEL,))
+        await robot.edit_once(post.id, "the end", key="end", images=(PIXEL,))
+        again = await robot.post(post.id)
+        assert (again.raw.strip(), again.version, again.images) == ("the end", 2, edited.images)
+        assert (await robot.edit_once(post.id, "measured", key="measured")).raw.strip() == "measured"
+        assert (await robot.edit_once(other.id, "the end", key="end")).version == 2  # keys are those of a post
+        assert isinstance(bob, KeyedEdits)
+        with pytest.raises(ForumDenied):
+            await bob.edit_once(post.id, "mine now", key="end")

@@ -19,8 +19,8 @@ from agentrob.process.tls import tls
 USER_AGENT = "AgentRob/0.1"
 #: Longer waits are cut to an hour, in case the forum is wrong.
 LONGEST_RETRY_S = 3600.0
-#: Idle connections that the robots of a worker keep open.
-MAX_IDLE = 20
+#: Idle connections that the robots of a worker keep open. Each request checks all of them.
+MAX_IDLE = 6
 _shared: ContextVar[httpx2.AsyncHTTPTransport | None] = ContextVar("shared connections", default=None)
 
 

@@ -248,6 +248,18 @@ class Notification:
 
 
 @runtime_checkable
+class KeyedEdits(Protocol):
+    """A forum that makes an edit under a key once, however often it is sent: also if the first one was still under way
+    when its answer was given up."""
+
+    async def edit_once(
+        self, post_id: str, body: str, *, key: str, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        """Like `Writer.edit`. If this account has edited this post under `key`, nothing changes."""
+        ...
+
+
+@runtime_checkable
 class RobotDirectory(Protocol):
     """A forum that lists the accounts of robots."""
 

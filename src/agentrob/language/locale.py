@@ -5,18 +5,21 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
+from agentrob.language.joint.parts import JointWords
 from agentrob.language.needed_words import Prefiltered
-from agentrob.language.parser.lexicon import Lexicon, Token
+from agentrob.language.parser.amounts import with_amounts, with_pictures
+from agentrob.language.parser.lexicon import Lexicon, Token, tokens_of
 from agentrob.language.parser.order import Idioms, OrderWords
-from agentrob.language.remarks.classifier import StatementClassifier, joins_order
+from agentrob.language.previews.words import PreviewWords
+from agentrob.language.remarks.classifier import Confidence, StatementClassifier
 from agentrob.language.schedule.parts import ScheduleWords
 from agentrob.language.talk.forms import TalkForms
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Locale:
     """One language, which a file in `locales/` provides under the name `LOCALE`.
 
@@ -29,19 +32,18 @@ class Locale:
     for ("when"). `phrases` rewrites the tokens of a post where several words mean something else than each by itself.
 
     Regular expressions for `parser.remarks`, which a language may build with `remarks.words`: `remark` matches a
-    clause in the form of a statement, purpose or reason; `fragment` those of them without a verb, in which a direction
-    may belong to a command; `introduction` what introduces a command before a colon; `aside` words in the form of a
-    condition that set none ("if I remember correctly"); `purpose` where one begins within a clause; `weighty` what
-    may change the meaning or the danger of a command, and is never left out; `unsettling` what of it is never left
-    out either where the grammar knows the words of the remark, whose danger the screen judges; `private` a
-    statement about its speaker or others that names neither the robot nor the command, of which only `grave` words
-    weigh; `own` the same in a wider sense, of which only `heavy` words weigh where the classifier is sure of it;
-    `quotes` what may introduce the words of others before a colon; `after_subject` the words after which a verb says
-    what they do; `noun_after` the words before a noun or an adjective; `run_on` a whole statement that a command may
-    follow without punctuation; `begins` where a statement may begin that follows a command without punctuation;
-    `open_end` words after which it cannot; `claims` talk that is always asked about: somebody claims rights, or
-    introduces what another person said. `looks` lists words that turn the robot and are also said of looking: "I look
-    at it".
+    clause in the form of a statement, purpose or reason; `fragment` those of them without a verb, in which a
+    direction may belong to a command; `introduction` what introduces a command before a colon; `aside` words in the
+    form of a condition that set none ("if I remember correctly"); `purpose` where one begins within a clause;
+    `weighty` what may change the meaning or the danger of a command, and is left out only where the classifier is
+    quite sure that it does not; `grave` words of those for which it must be certain; `crucial` those that are never
+    left out; `unsettling` what of `weighty` counts where the grammar knows the words of the remark, whose danger the
+    screen judges; `quotes` what may introduce the words of others before a colon; `after_subject` the words after
+    which a verb says what they do; `noun_after` the words before a noun or an adjective; `run_on` a whole statement
+    that a command may follow without punctuation; `begins` where a statement may begin that follows a command without
+    punctuation; `open_end` words after which it cannot; `claims` talk that is always asked about: somebody claims
+    rights, or introduces what another person said. `looks` lists words that turn the robot and are also said of
+    looking: "I look at it".
     `prohibits` matches the beginning of a prohibition ("do not"), and `reassures` those that limit no command: wishes,
     and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it").
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
@@ -53,7 +55,8 @@ class Locale:
 
     `statements` estimates whether a clause in words that no pattern knows is a statement or an order.
     `talk` is how posts are recognised that are only talk, and what they are about. `schedule` is how the language says
-    when something is to be done.
+    when something is to be done, `previews` how it asks to be shown first, `joint` how it puts the parts of several
+    robots in order.
     """
 
     words: Lexicon
@@ -72,12 +75,10 @@ class Locale:
     aside: str = "(?!)"
     purpose: str = ""
     weighty: str = "(?!)"
-    private: str = "(?!)"
     grave: str = "(?!)"
-    own: str = "(?!)"
+    crucial: str = "(?!)"
     quotes: str = ""
     after_subject: str = "(?!)"
-    heavy: str = "(?!)"
     unsettling: str = "(?!)"
     noun_after: str = ""
     run_on: str = ""
@@ -92,10 +93,16 @@ class Locale:
     statements: StatementClassifier | None = None
     talk: TalkForms = TalkForms()
     schedule: ScheduleWords = ScheduleWords()
+    previews: PreviewWords = PreviewWords()
+    joint: JointWords = JointWords()
     in_order: OrderWords | None = None
     idioms: Sequence[tuple[str, str]] = ()
     called: str = ""
     phrases: Callable[[Sequence[Token], str], list[Token]] | None = None
+
+    def tokens(self, text: str) -> Sequence[Token]:
+        """Return the tokens of a text, with its amounts, photos and phrases put together."""
+        return _tokens(text, self)
 
     @cached_property
     def restated_idioms(self) -> Idioms:
@@ -141,23 +148,9 @@ class Locale:
         """Return whether a clause may be talk beside a statement, by the classifier."""
         return self.statements is not None and self.statements.may_be_talk(clause)
 
-    def tells_of_life(self, clause: str) -> bool:
-        """Return whether a clause states something about its speaker or others, and nothing that weighs."""
-        about = self._own.search(clause) or self._private.search(clause)
-        weighs = self._heavy.search(clause) is not None or joins_order(clause)
-        return bool(about) and not weighs and self.states(clause)
-
-    @cached_property
-    def _own(self) -> re.Pattern[str]:
-        return re.compile(self.own)
-
-    @cached_property
-    def _private(self) -> re.Pattern[str]:
-        return re.compile(self.private)
-
-    @cached_property
-    def _heavy(self) -> re.Pattern[str]:
-        return re.compile(self.heavy)
+    def harmless(self, clause: str) -> Confidence:
+        """Return how surely a clause may be left out beside a command, by the classifier."""
+        return Confidence.LIKELY if self.statements is None else self.statements.harmless(clause)
 
     @cached_property
     def _remarks(self) -> re.Pattern[str]:
@@ -167,3 +160,9 @@ class Locale:
     def code(self) -> str:
         """The ISO 639-1 code: en, zh."""
         return self.words.language
+
+
+@lru_cache(maxsize=128)  # a clause is read again, with and without what stands beside it
+def _tokens(text: str, known: Locale) -> tuple[Token, ...]:
+    tokens = with_pictures(with_amounts(tokens_of(text, known.words)[0], text))
+    return tuple(known.phrases(tokens, text) if known.phrases else tokens)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from functools import lru_cache
 
-from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
+from agentrob.model import ActionClass, Capabilities, Direction, Op, Plan, Primitive
 from agentrob.model.estimate import seconds_of
 
 
@@ -34,7 +34,6 @@ SIZE_STEP_M, MOST_SIZE_M = 0.1, 20.0
 FEWEST_SIDES, MOST_SIDES = 4, 12
 #: How far a dancing robot turns to each side, and its gestures, of which the first that fit are done.
 SWAY_DEG = 30.0
-_GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.STRETCH, Op.SHAKE)
 _MOST_GESTURES = 2
 _MOST_TIMES = 20
 
@@ -110,7 +109,11 @@ def _dances(can: Capabilities) -> Iterator[list[Primitive]]:
         Primitive(Op.TURN, side, degrees=degrees)
         for side, degrees in ((Direction.LEFT, SWAY_DEG), (Direction.RIGHT, 2 * SWAY_DEG), (Direction.LEFT, SWAY_DEG))
     ]
-    gestures = [Primitive(op) for op in _GESTURES if op in can.ops]
+    gestures = [
+        can.bound(Primitive(one.name, arguments=one.complete({})))
+        for one in can.operations
+        if one.action_class is ActionClass.GESTURE and one.harmless and not any(a.needed for a in one.arguments)
+    ]
     if Op.TURN not in can.ops:
         sway = []
     for count in range(min(_MOST_GESTURES, len(gestures)), -1, -1):

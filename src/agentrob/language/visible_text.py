@@ -62,7 +62,9 @@ _TURNING = re.compile("[\u202a-\u202e\u2066-\u2069]")
 _NUMBER = re.compile(r"\d[\d.,:/]*\d")
 # Mark in `_Walker.out` where a mention begins or ends a run of text; `without_invisible` removes both from a post.
 _BEGINS, _ENDS = "\ufff9", "\ufffb"
-_JOINED = re.compile(f"(?<=\\S){_BEGINS}(?=\\S)|(?<=\\S){_ENDS}(?=[\\w@＠-])")
+#: What may follow a mention at the end of a run, so that the next run would make it a part of something longer.
+_BESIDE = frozenset(["", ".", "/", "\\", ":"])
+_JOINED = re.compile(f"(?<=\\S){_BEGINS}(?=\\S)|(?<=\\S){_ENDS}(?=[\\w@＠-]|[/\\\\.:]\\w)")
 
 
 def without_invisible(text: str) -> str:
@@ -227,7 +229,7 @@ def _run(text: str) -> str:
     """Return a run of text as it is parsed: without plain URLs, with an @ only where the board renders a mention."""
     kept, at = [], 0
     for _, start, end in shown_mentions(text):
-        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (end == len(text))]
+        kept += [_disarmed(text[at:start]), _BEGINS * (start == 0), text[start:end], _ENDS * (text[end:] in _BESIDE)]
         at = end
     return "".join([*kept, _disarmed(text[at:])])
 

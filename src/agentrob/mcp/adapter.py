@@ -139,8 +139,18 @@ class McpForum:
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
+        return await self._edit(post_id, body, images, card)
+
+    async def edit_once(
+        self, post_id: str, body: str, *, key: str, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        return await self._edit(post_id, body, images, card, key)
+
+    async def _edit(
+        self, post_id: str, body: str, images: Sequence[bytes], card: StatusCard | None, key: str | None = None
+    ) -> Post:
         ids = await self._upload(images)
-        asked = self._client.edit_post(post_id, body, status=_status(card), images=ids, card=_card(card))
+        asked = self._client.edit_post(post_id, body, status=_status(card), images=ids, card=_card(card), key=key)
         return await self.post((await _answer(asked)).post.id)
 
     async def find(self, key: str) -> Post | None:

@@ -22,7 +22,6 @@ AGENT_TYPES = {
     AccountKind.ROBOT_AGENT: "robot",
     AccountKind.MONITORING_AGENT: "monitoring",
 }
-DEFAULT_STATUS = "posted"
 _TAG = re.compile(
     r"> \[agent_type=(?P<type>[a-z]+) agent_id=(?P<id>[A-Za-z0-9_.-]{1,64}) status=(?P<status>[a-z][a-z0-9_]{0,31})"
     r"(?: trace=(?P<trace>[0-9a-f]{8,64}))?\]\s*(?:\n|$)\s*"

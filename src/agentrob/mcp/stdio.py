@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from types import TracebackType
 from typing import Any, Self
 
@@ -13,11 +14,15 @@ from mcp.server.stdio import stdio_server
 from mcp.shared.message import SessionMessage
 from pydantic import ValidationError
 
+from agentrob.mcp.standard_pipes import are_pipes, standard_pipes
+
 
 async def serve_stdio(server: Server[Any], options: InitializationOptions) -> None:
     """Serve one client until it closes standard input, or until it can no longer be written to."""
     try:
-        async with stdio_server() as (read, write):
+        async with contextlib.AsyncExitStack() as stack:
+            files = await stack.enter_async_context(standard_pipes()) if are_pipes() else ()
+            read, write = await stack.enter_async_context(stdio_server(*files))
             await server.run(_WellFormed(read, write), write, options)
     except* (ConnectionError, anyio.BrokenResourceError):  # the client closed its end
         pass

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from agentrob.language.addressing import part_for
 from agentrob.language.messages.catalog import say
 from agentrob.language.parser.grammar import parse, small_talk_of, talk_topic_of
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.small_talk import SmallTalk
+from agentrob.language.previews.reading import speaks_of_preview
 from agentrob.minds.protocol import Addressee
-from agentrob.model import Intent, Language, Op, Plan, Understanding
+from agentrob.model import Intent, Language, Plan, Understanding
 
 #: Speed of "walk for two seconds" without a speed, within the robot's limits.
 PACE_MPS = 0.3
@@ -26,17 +28,24 @@ _IN_WORDS = ("joke", "who")
 
 
 class RulesMind:
-    """Understand by rules alone: the same post always has the same meaning, within milliseconds."""
+    """Understand by rules alone: the same post always has the same meaning, within milliseconds.
+
+    Who can preview a command splits off the words that ask for that; where they are left, nothing is to move.
+    """
 
     name = "rules"
 
     async def understand(self, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Understanding:
         can = addressee.capabilities
         pace_mps = min(PACE_MPS, can.limits.speed_mps)
+        robots = addressee.names, addressee.others
         background = ParseContext(tuple(history), pace_mps, addressee.step_m, can)
         understood = parse(text, addressee.names, addressee.others, can.ops, background)
         if understood.intent not in (Intent.NOTHING, Intent.COMMAND, Intent.ASK_BACK):
             return understood
+        if understood.intent is Intent.COMMAND and speaks_of_preview(part_for(text, *robots), text):
+            unclear = say("preview.unclear", understood.language)
+            return Understanding(Intent.ASK_BACK, understood.language, question=unclear)
         if understood.intent is Intent.COMMAND:
             talk = small_talk_of(text, addressee.names, addressee.others)
             return _with_cancelled(understood) if talk is SmallTalk.CANCEL else understood
@@ -56,9 +65,8 @@ class RulesMind:
         can = addressee.capabilities
         name = min(addressee.names, key=len, default=can.model)
         line = say(f"talk.{topic}", language, name=name, model=can.model)
-        return Understanding(
-            Intent.QUESTION, language, question=line, looks=topic == "see" and Op.GET_FRONT_IMAGE in can.ops
-        )
+        sees = any(operation.picture for operation in can.operations)
+        return Understanding(Intent.QUESTION, language, question=line, looks=topic == "see" and sees)
 
 
 def _with_cancelled(understood: Understanding) -> Understanding:

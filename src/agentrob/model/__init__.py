@@ -11,19 +11,33 @@ from agentrob.model.events import EventKind
 from agentrob.model.fencing import FencingToken
 from agentrob.model.fleet import FleetRobot, fleet_robot
 from agentrob.model.lifecycle import CommandState, EndReason
-from agentrob.model.plans import Direction, Op, Plan, Primitive
+from agentrob.model.operations.built_in import BUILT_IN, PHOTO, Direction, Op
+from agentrob.model.operations.declaration import Choice, Number, Operation, Option, Quantity, Unit
+from agentrob.model.plans import Plan, Primitive
 from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
-from agentrob.model.robots import EMERGENCY_STOP, Capabilities, Limits, Lock, Pose, Posture, RobotState
+from agentrob.model.robots import (
+    EMERGENCY_STOP,
+    Capabilities,
+    Hindrance,
+    Limits,
+    Lock,
+    Pose,
+    Posture,
+    RobotState,
+)
 from agentrob.model.schedules import Schedule, ScheduledRun, ScheduleEnd
 
 __all__ = [
+    "BUILT_IN",
     "EMERGENCY_STOP",
+    "PHOTO",
     "Account",
     "AccountKind",
     "ActionClass",
     "ActionResult",
     "Capabilities",
+    "Choice",
     "Command",
     "CommandState",
     "Decision",
@@ -32,12 +46,16 @@ __all__ = [
     "EventKind",
     "FencingToken",
     "FleetRobot",
+    "Hindrance",
     "Intent",
     "Language",
     "Limits",
     "Lock",
     "Mandate",
+    "Number",
     "Op",
+    "Operation",
+    "Option",
     "Outcome",
     "Page",
     "Plan",
@@ -45,6 +63,7 @@ __all__ = [
     "Post",
     "Posture",
     "Primitive",
+    "Quantity",
     "Report",
     "RobotRights",
     "RobotState",
@@ -55,6 +74,7 @@ __all__ = [
     "StatusCard",
     "StopResult",
     "Understanding",
+    "Unit",
     "Verdict",
     "fleet_robot",
 ]

@@ -46,6 +46,7 @@ class ActionClass(StrEnum):
     """The kinds of deeds that a robot's owner can grant apart: a photo, a gesture, walking and turning, a flip."""
 
     PHOTO = "photo"
+    LOOK = PHOTO  # other looks than photos belong to the same class
     GESTURE = "gesture"
     MOVE = "move"
     RISKY = "risky"

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from agentrob.model.plans import Op
-
 
 class Decision(StrEnum):
     ALLOW = "allow"
@@ -32,7 +30,7 @@ class Mandate:
     `speed_mps` bounds each walk and `motions` the steps that move, where they are given.
     """
 
-    calls: Mapping[Op, int] = field(default_factory=dict)
+    calls: Mapping[str, int] = field(default_factory=dict)
     distance_m: float = 0.0
     degrees: float = 0.0
     seconds: float = 60.0

@@ -10,14 +10,19 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
+from agentrob.model.robots import Pose
+
 #: An agent publishes its card at least every 5 s; after this long nobody serves the robot.
 SERVED_S = 15.0
 _LONGEST, _LARGEST, _KINDS = 64, 1_000_000_000.0, 10
+_FARTHEST_M = 10_000.0
 
 
 @dataclass(frozen=True, slots=True)
 class FleetRobot:
-    """`age_s` is the age of the card, None if there was none. Unknown texts are empty, unknown numbers None."""
+    """`age_s` is the age of the card, None if there was none. Unknown texts are empty, unknown numbers None.
+
+    `pose` is where it last stood in its `room`."""
 
     name: str
     age_s: float | None
@@ -30,6 +35,9 @@ class FleetRobot:
     stop_ms: float | None = None
     stop_at: datetime | None = None
     failures: tuple[tuple[str, int], ...] = ()
+    model: str = ""
+    room: str = ""
+    pose: Pose | None = None
 
     @property
     def served(self) -> bool:
@@ -67,7 +75,19 @@ def fleet_robot(name: str, card: Mapping[str, Any], seen_at: datetime | None, no
         stop_ms=_number(card.get("stop_ms")),
         stop_at=_time(card.get("stop_at")),
         failures=_failures(card.get("failures")),
+        model=_text(card.get("model")),
+        **_place(card.get("map")),
     )
+
+
+def _place(told: object) -> dict[str, Any]:
+    """The room of a robot and where it stands there, from the map of its card."""
+    if not isinstance(told, Mapping) or not (room := _text(told.get("room"))):
+        return {}
+    pose = told.get("pose")
+    numbers = pose if isinstance(pose, list | tuple) and len(pose) == 3 else ()
+    known = [v for v in numbers if isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= _FARTHEST_M]
+    return {"room": room, "pose": Pose(*map(float, known)) if len(known) == 3 else None}
 
 
 def _text(value: object) -> str:

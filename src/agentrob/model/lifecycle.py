@@ -105,6 +105,8 @@ class EndReason(StrEnum):
     REPLACED = "replaced"  # the forum was replaced by another
     MISSED = "missed"  # a run of a schedule that could not begin in time
     OVERLAP = "overlap"  # a run of a schedule, before the one before it had ended
+    DEPENDENCY = "dependency"  # a part of the same post for which it waited was not done, or was stopped
+    LEFT = "left"  # another robot does this part of the post
     BEFORE = "before"  # cancelled before it began; the reason is not known
 
     @property

@@ -1,73 +1,99 @@
-"""What a robot can be asked to do: operations, steps and plans."""
+"""What a robot is asked to do: steps and plans."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from agentrob.model.accounts import ActionClass
+from agentrob.model.operations.built_in import BUILT_IN, Direction, Op, named, undeclared
+from agentrob.model.operations.declaration import MOST_ARGUMENTS, Operation, Value, check_name
 
-class Op(StrEnum):
-    """The operations of robots, as data calls them (tools that a VLM sees are named `act_move`, …)."""
-
-    MOVE = "move"
-    TURN = "turn"
-    HELLO = "hello"
-    HEART = "heart"
-    CLAP = "clap"
-    SHAKE = "shake"
-    BACKFLIP = "backflip"
-    SIT = "sit"
-    STAND = "stand"
-    STRETCH = "stretch"
-    GET_FRONT_IMAGE = "get_front_image"
-
-
-class Direction(StrEnum):
-    """Of a move: all four. Of a turn: left (counter-clockwise) or right."""
-
-    FORWARD = "forward"
-    BACKWARD = "backward"
-    LEFT = "left"
-    RIGHT = "right"
-
-    @property
-    def unit_vector(self) -> tuple[float, float]:
-        """(forward, left) in the robot's frame."""
-        return _UNIT_VECTORS[self]
-
-
-_UNIT_VECTORS = {
-    Direction.FORWARD: (1.0, 0.0),
-    Direction.BACKWARD: (-1.0, 0.0),
-    Direction.LEFT: (0.0, 1.0),
-    Direction.RIGHT: (0.0, -1.0),
-}
+#: The arguments of walking and turning, which are fields of a step.
+FIELDS = ("direction", "distance_m", "degrees", "speed_mps")
 
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
     """One step for a robot.
 
-    `move` has `direction`, `distance_m` and perhaps `speed_mps`; `turn` has `direction` and `degrees`; the others have
-    nothing. Distances and degrees are positive.
+    `move` has `direction`, `distance_m` and perhaps `speed_mps`; `turn` has `direction` and `degrees`; an operation
+    that a robot declares has `arguments`, as pairs (name, value); the others have nothing. Distances and degrees are
+    positive. `declared` is the declaration of an operation that is not built in, as far as it is known; it is no part
+    of what is asked.
     """
 
-    op: Op
+    op: str
     direction: Direction | None = None
     distance_m: float | None = None
     degrees: float | None = None
     speed_mps: float | None = None
+    arguments: tuple[tuple[str, Value], ...] = ()
+    declared: Operation | None = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.op, Op):  # a built-in operation is its `Op`, also where it was read from data
+            check_name(self.op, "operation")
+            object.__setattr__(self, "op", named(self.op))
+
+    @property
+    def operation(self) -> Operation:
+        """The declaration of what is to be done; where it is not known, the worst is assumed."""
+        return self.declared or BUILT_IN.get(self.op) or undeclared(self.op)
+
+    @property
+    def walks(self) -> bool:
+        """Whether it is a walk or a turn, whose path is known."""
+        return self.op in (Op.MOVE, Op.TURN)
+
+    @property
+    def turns_in_place(self) -> bool:
+        """Whether it is a turn by a robot that declares that its turns do not take it from its place at all: its foot
+        stays, and a turn needs no more space than it declares."""
+        return self.op is Op.TURN and self.declared is not None and self.declared.most_travel_m == 0
+
+    @property
+    def travel_m(self) -> float:
+        """How far at most it takes the robot, as limits and mandates count it: what is asked of a walk, what is
+        declared of an operation of the robot's own."""
+        if self.op in BUILT_IN:
+            return self.distance_m or 0.0
+        leaves = self.operation.action_class in (ActionClass.MOVE, ActionClass.RISKY)
+        return self.operation.most_travel_m if leaves else 0.0
+
+    def value(self, name: str) -> Any:
+        """Return what an argument of this name is set to; None if it is not set."""
+        return getattr(self, name) if name in FIELDS else dict(self.arguments).get(name)
 
     def asked(self) -> dict[str, Any]:
         """What is asked, as data: only the fields that this operation has."""
-        fields = asdict(self)
-        return {k: (str(v) if isinstance(v, StrEnum) else v) for k, v in fields.items() if k != "op" and v is not None}
+        fields = {name: getattr(self, name) for name in FIELDS} | dict(self.arguments)
+        return {k: (str(v) if isinstance(v, StrEnum) else v) for k, v in fields.items() if v is not None}
 
     @property
     def moves(self) -> bool:
         """Whether the robot's body moves at all."""
-        return self.op is not Op.GET_FRONT_IMAGE
+        return self.operation.moves
+
+
+def step_of(data: Mapping[str, Any]) -> Primitive:
+    """Read a step as `Plan.as_data` and records have it: what is not a field of walking is an argument.
+
+    Raises `ValueError` for what is no step.
+    """
+    direction = data.get("direction")
+    amounts = {name: data.get(name) for name in FIELDS[1:]}
+    arguments = {k: v for k, v in data.items() if k not in ("op", *FIELDS)}
+    for name, value in (*amounts.items(), *arguments.items()):
+        said = isinstance(value, str) and name in arguments
+        if not said and value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            raise ValueError(f"{name} must be a number (found {str(value)[:40]!r})")
+    if not isinstance(data.get("op"), str) or len(arguments) > MOST_ARGUMENTS:
+        raise ValueError(f"a step needs an operation and at most {MOST_ARGUMENTS} arguments")
+    pairs = tuple((str(k), v if isinstance(v, str) else float(v)) for k, v in arguments.items() if v is not None)
+    return Primitive(data["op"], None if direction is None else Direction(direction), **amounts, arguments=pairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +110,7 @@ class Plan:
     @property
     def distance_m(self) -> float:
         """Sum of all moves."""
-        return sum(s.distance_m or 0.0 for s in self.steps)
+        return sum(s.travel_m for s in self.steps)
 
     @property
     def moves(self) -> bool:

@@ -18,7 +18,15 @@ class StatusCard:
     """The machine-readable state of one command, shown by a forum that can as a card on the status post.
 
     `state` is a `CommandState` of `CARD_STATES`; on the card of a newer agent it may be another word. `until` is when
-    the approval that a waiting command needs lapses, as RFC 3339 with a zone; else empty.
+    the approval that a waiting command needs lapses, or until when a queued part of a post waits for others, as RFC
+    3339 with a zone; else empty.
+
+    The card of a part of a post to several robots also has its number `part`, counted from 1, of `parts`, the id of the
+    `post` and the hash of its text. A robot that may be chosen for a part bids: in `bid_s` it would be done, of which
+    it walks `bid_cm`, with `battery` percent (0: not known) and `ahead` commands before it. If the nearest to something
+    is wanted, it is `near_cm` away in the room `room`; 0 and empty if it does not know. `takes` is 1 on the post by
+    which a robot takes such a part; the first one in the thread counts. `left_to` is the robot to which another left
+    it.
     """
 
     robot: str
@@ -29,6 +37,18 @@ class StatusCard:
     place: int | None = None
     trace_id: str = ""
     until: str = ""
+    part: int = 0
+    parts: int = 0
+    post: str = ""
+    content_hash: str = ""
+    bid_s: int = 0
+    bid_cm: int = 0
+    near_cm: int = 0
+    room: str = ""
+    battery: int = 0
+    ahead: int = 0
+    takes: int = 0
+    left_to: str = ""
 
     @property
     def is_final(self) -> bool:

@@ -99,7 +99,8 @@ class StopResult:
 class Report:
     """Everything the final reply says. `status` is a final state. `timings_ms` counts from the moment the forum
     accepted the post. `goal` is what a model was to look for, in our words; `approved_by` is the handle of the account
-    that approved the command, if it needed an approval. `findings` are sentences about what was found on the way."""
+    that approved the command, if it needed an approval. `findings` are sentences about what was found on the way;
+    `hint` is a sentence of ours, with a post that is understood."""
 
     command: Command
     status: CommandState
@@ -112,3 +113,4 @@ class Report:
     goal: str = ""
     approved_by: str = ""
     findings: tuple[str, ...] = ()
+    hint: str = ""

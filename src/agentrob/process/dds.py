@@ -21,14 +21,23 @@ The classes below replace those of cyclonedds of the same name, also in Unitree'
 from __future__ import annotations
 
 import atexit
+import platform
 import threading
 import time
 import weakref
 from collections.abc import Callable
 from typing import Any
 
-from cyclonedds import core, domain, sub, topic
-from cyclonedds.idl import _xt_builder
+from agentrob.errors import ConfigError
+
+try:
+    from cyclonedds import core, domain, sub, topic
+    from cyclonedds.idl import _xt_builder
+except ModuleNotFoundError as e:
+    raise ConfigError(
+        f"robots on DDS need the package cyclonedds, which has no wheel for {platform.machine()}; build it: see "
+        '"On a Jetson or a Raspberry Pi" in docs/forum/deploy.md'
+    ) from e
 
 #: cyclonedds configuration; `{interface}` is `name="lo"` or `autodetermine="true"`. Without a log file: the one that
 #: the SDK configures is shared by all users of the host and cannot be opened by a second one.
@@ -84,9 +93,12 @@ class DataReader(sub.DataReader[Any]):  # type: ignore[misc]
     """A reader whose listener is called only once the reader is complete."""
 
     def __init__(self, parent: Any, of: Any, qos: Any = None, listener: Any = None) -> None:
+        on_data = listener.on_data if isinstance(listener, Listener) else None
+        if on_data is not None:
+            on_data.begin()
         super().__init__(parent, of, qos, listener)
-        if isinstance(listener, Listener) and listener.on_data is not None:
-            listener.on_data.complete(self)
+        if on_data is not None:
+            on_data.complete(self)
 
 
 class _OnData:
@@ -96,12 +108,22 @@ class _OnData:
         self._callback = callback
         self._complete = threading.Event()
         self._reader: Callable[[], Any] = lambda: None
+        self._creator, self._missed = 0, False
+
+    def begin(self) -> None:
+        """The reader is being created in this thread."""
+        self._creator = threading.get_ident()
 
     def complete(self, reader: DataReader) -> None:
         self._reader = weakref.ref(reader)  # a reader that the SDK closes must go
         self._complete.set()
+        if self._missed:
+            self._callback(reader)
 
     def __call__(self, _: Any) -> None:
+        if not self._complete.is_set() and threading.get_ident() == self._creator:
+            self._missed = True  # kept data of a writer in this process, which comes while the reader is created
+            return
         limit_s = time.monotonic() + _COMPLETE_S
         while not self._complete.wait(0.02):
             if _ended.is_set() or time.monotonic() > limit_s:
@@ -130,7 +152,12 @@ def _end() -> None:
     while _calling and time.monotonic() < limit_s:
         time.sleep(0.001)
     for participant in participants():
-        participant.__del__()  # cyclonedds has no other way to delete an entity that somebody still refers to
+        delete(participant)
+
+
+def delete(participant: DomainParticipant) -> None:
+    """Delete a participant with all that it holds, also what somebody still refers to, such as a reader's listener."""
+    participant.__del__()  # cyclonedds has no other way
 
 
 def use_in(channel: Any) -> None:

@@ -1,9 +1,11 @@
-"""Turns SIGTERM and SIGHUP into KeyboardInterrupt."""
+"""Turns signals that end a process into an event, or into KeyboardInterrupt."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
+import threading
 from collections.abc import Iterator
 
 
@@ -20,3 +22,27 @@ def sigterm_interrupts() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def event_at_termination() -> threading.Event:
+    """Return an event that SIGTERM and SIGINT set from now on. Call it from the main thread only.
+
+    The handler only writes into a pipe, from which a thread sets the event. If it set the event itself, a second signal
+    that comes within the first one's handler would wait for the lock of the event for ever.
+    """
+    ended = threading.Event()
+    read, write = os.pipe()
+    os.set_blocking(write, False)
+
+    def note(*_: object) -> None:
+        with contextlib.suppress(BlockingIOError):  # many signals are noted already
+            os.write(write, b"s")
+
+    def wait() -> None:
+        os.read(read, 1)
+        ended.set()
+
+    threading.Thread(target=wait, name="signals", daemon=True).start()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, note)
+    return ended

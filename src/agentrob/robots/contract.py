@@ -8,7 +8,8 @@
             robot.close()
 
 The robot must stand upright with two metres free around it. Operations that it does not offer are
-skipped. Its package must be installed, since a test looks up the entry point of its model.
+skipped; one that cannot walk is watched and stopped during its longest gesture instead. Its package must be installed,
+since a test looks up the entry point of its model.
 """
 
 from __future__ import annotations
@@ -17,12 +18,16 @@ import itertools
 import math
 import threading
 import time
+from functools import partial
 from importlib.metadata import entry_points
 
 from agentrob.config.robots import RobotConfig
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.language.messages.plan_text import example_of
+from agentrob.language.operations.clashes import clashes
+from agentrob.model import ActionClass, ActionResult, Direction, Op, Operation, Outcome, Primitive, RobotState
 from agentrob.robots.control.controller import wrap
 from agentrob.robots.protocol import HasCamera, Robot
+from agentrob.robots.safety.declared import SLACK_M, as_declared
 
 FORWARD = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.5)
@@ -64,7 +69,7 @@ class RobotContract:
         assert capabilities.model in found, "its model is the name of its entry point in the group agentrob.robots"
         settings = RobotConfig(model=capabilities.model, simulated=capabilities.simulated)
         told = found[capabilities.model].load().describe(settings)
-        assert (told.model, told.ops) == (capabilities.model, capabilities.ops)
+        assert (told.model, told.ops, told.declared) == (capabilities.model, capabilities.ops, capabilities.declared)
 
     def test_its_state_is_fresh_and_asking_never_blocks(self, robot: Robot) -> None:
         state = fresh(robot)
@@ -76,6 +81,8 @@ class RobotContract:
         assert time.monotonic() - began_s < 1.0
 
     def test_a_move_is_done_and_measured(self, robot: Robot) -> None:
+        if not can(robot, FORWARD):
+            return
         fresh(robot)
         result = robot.step(FORWARD, go_on)
         complete(result, FORWARD)
@@ -89,7 +96,7 @@ class RobotContract:
 
     def test_a_turn_is_done_and_measured_either_way(self, robot: Robot) -> None:
         fresh(robot)
-        for primitive in (LEFT, RIGHT):
+        for primitive in filter(partial(can, robot), (LEFT, RIGHT)):
             result = robot.step(primitive, go_on)
             complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
@@ -98,42 +105,43 @@ class RobotContract:
 
     def test_the_watch_is_asked_before_anything_moves(self, robot: Robot) -> None:
         before = fresh(robot)
-        for primitive in (FORWARD, LEFT):
+        for primitive in filter(partial(can, robot), (FORWARD, LEFT, motion_of(robot))):
             result = robot.step(primitive, lambda _: "not_now")
             complete(result, primitive)
             assert (result.outcome, result.reason) == (Outcome.STOPPED, "not_now")
         assert apart_m(before, fresh(robot)) < 0.03
 
     def test_the_watch_is_asked_all_the_time_and_ends_the_step(self, robot: Robot) -> None:
-        start, asked = fresh(robot), list[float]()
+        start, asked, motion = fresh(robot), list[float](), motion_of(robot)
 
         def half_way(state: RobotState) -> str | None:
             asked.append(time.monotonic())
-            return "enough" if apart_m(start, state) > 0.4 else None
+            return "enough" if under_way(motion, start, state, asked[0], 0.4) else None
 
-        result = robot.step(FAR, half_way)
-        complete(result, FAR)
+        result = robot.step(motion, half_way)
+        complete(result, motion)
         assert (result.outcome, result.reason) == (Outcome.STOPPED, "enough")
-        assert 0.35 < result.measured["distance_m"] < 0.9
+        assert motion is not FAR or 0.35 < result.measured["distance_m"] < 0.9
         assert max(b - a for a, b in itertools.pairwise(asked)) < 0.25
 
     def test_a_stop_from_another_thread_ends_the_step(self, robot: Robot) -> None:
         start, moving, results = fresh(robot), threading.Event(), list[ActionResult]()
+        began_s, motion = time.monotonic(), motion_of(robot)
 
         def notice(state: RobotState) -> str | None:
-            if apart_m(start, state) > 0.15:
+            if under_way(motion, start, state, began_s, 0.15):
                 moving.set()
             return None
 
-        step = threading.Thread(target=lambda: results.append(robot.step(FAR, notice)))
+        step = threading.Thread(target=lambda: results.append(robot.step(motion, notice)))
         step.start()
         assert moving.wait(LIMIT_S)
         stopped = robot.stop()
         step.join(LIMIT_S)
         (result,) = results
-        complete(result, FAR)
+        complete(result, motion)
         assert (result.outcome, result.reason) == (Outcome.STOPPED, "stop")
-        assert result.measured["distance_m"] < 1.2
+        assert motion is not FAR or result.measured["distance_m"] < 1.2
         assert stopped.latency_ms < 200
         assert stopped.was_moving
         assert stopped.confirmed, stopped.message
@@ -141,6 +149,8 @@ class RobotContract:
         assert stopped.coasted_m < 0.5
 
     def test_a_stop_of_a_turn_says_that_it_was_moving(self, robot: Robot) -> None:
+        if not can(robot, LEFT):
+            return
         start, turning, results = fresh(robot), threading.Event(), list[ActionResult]()
 
         def notice(state: RobotState) -> str | None:
@@ -148,7 +158,7 @@ class RobotContract:
                 turning.set()
             return None
 
-        around = Primitive(Op.TURN, Direction.LEFT, degrees=300.0)
+        around = Primitive(Op.TURN, Direction.LEFT, degrees=min(300.0, robot.capabilities.limits.step_deg))
         step = threading.Thread(target=lambda: results.append(robot.step(around, notice)))
         step.start()
         assert turning.wait(LIMIT_S)
@@ -162,7 +172,8 @@ class RobotContract:
         stopped = robot.stop()
         assert stopped.confirmed, stopped.message
         assert not stopped.was_moving
-        assert robot.step(FORWARD, go_on).outcome is Outcome.DONE
+        again = FORWARD if can(robot, FORWARD) else motion_of(robot)
+        assert robot.step(again, go_on).outcome is Outcome.DONE
 
     def test_a_gesture_ends_and_says_how(self, robot: Robot) -> None:
         fresh(robot)
@@ -171,6 +182,28 @@ class RobotContract:
             result = robot.step(primitive, go_on)
             complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
+
+    def test_its_own_operations_are_understood_and_take_no_words_that_mean_something_else(self, robot: Robot) -> None:
+        assert list(clashes(robot.capabilities)) == []
+
+    def test_each_of_its_own_operations_is_done_and_measured_as_declared(self, robot: Robot) -> None:
+        for operation in own_operations(robot):
+            start, primitive = fresh(robot), example_of(operation)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
+            assert result.outcome is Outcome.DONE, result.message
+            assert as_declared(result).outcome is Outcome.DONE, as_declared(result).message
+            assert {quantity.name for quantity in operation.measured} <= set(result.measured)
+            assert apart_m(start, fresh(robot)) <= operation.most_travel_m + SLACK_M, "it stays within its travel_m"
+            assert not operation.picture or (result.image or b"").startswith(b"\xff\xd8")
+
+    def test_the_watch_is_asked_before_each_of_its_own_operations_begins(self, robot: Robot) -> None:
+        for operation in own_operations(robot):
+            start, primitive = fresh(robot), example_of(operation)
+            result = robot.step(primitive, lambda _: "not_now")
+            complete(result, primitive)
+            assert (result.outcome, result.reason) == (Outcome.STOPPED, "not_now")
+            assert apart_m(start, fresh(robot)) < 0.03
 
     def test_a_picture_is_a_jpeg(self, robot: Robot) -> None:
         if Op.GET_FRONT_IMAGE in robot.capabilities.ops:
@@ -186,12 +219,36 @@ class RobotContract:
             return
         results: list[ActionResult] = []
         turn = Primitive(Op.TURN, Direction.LEFT, degrees=60.0)
-        turning = threading.Thread(target=lambda: results.append(robot.step(turn, go_on)))
+        motion = turn if can(robot, turn) else motion_of(robot)
+        turning = threading.Thread(target=lambda: results.append(robot.step(motion, go_on)))
         turning.start()
         pictures = [robot.look() for _ in range(3)]
         turning.join()
         assert all(picture.startswith(b"\xff\xd8") for picture in pictures)
         assert results[0].outcome is Outcome.DONE, results[0].message
+
+
+def can(robot: Robot, primitive: Primitive) -> bool:
+    return primitive.op in robot.capabilities.ops
+
+
+def motion_of(robot: Robot) -> Primitive:
+    """Return a step that takes the robot some seconds: a walk, or its longest gesture if it cannot walk."""
+    if can(robot, FAR):
+        return FAR
+    gestures = [one for one in robot.capabilities.operations if one.action_class is ActionClass.GESTURE]
+    assert gestures, "a robot that cannot walk has a gesture"
+    return example_of(max(gestures, key=lambda one: one.takes_s))
+
+
+def under_way(motion: Primitive, start: RobotState, now: RobotState, began_s: float, metres: float) -> bool:
+    """Return whether a motion has come so far: a walk so many metres, a gesture into its second half second."""
+    return apart_m(start, now) > metres if motion is FAR else time.monotonic() - began_s > 0.5
+
+
+def own_operations(robot: Robot) -> list[Operation]:
+    """Return the operations that the robot declares, without those that need its owner's consent."""
+    return [operation for operation in robot.capabilities.declared if not operation.needed_consent]
 
 
 def fresh(robot: Robot) -> RobotState:

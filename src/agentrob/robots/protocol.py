@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Event
 from typing import Protocol, runtime_checkable
 
 from agentrob.config.robots import RobotConfig
@@ -62,6 +63,32 @@ class HasPosture(Protocol):
     def posture(self, *, joints: bool) -> Posture:
         """Return the newest known posture; never blocks. Its `pose` is in the robot's own odometry frame. Joint angles
         are only read if asked for: that they are decoded takes time."""
+        ...
+
+
+@runtime_checkable
+class ExplainsSilence(Protocol):
+    """A robot that can say why no states or no range readings come: nobody publishes a topic, its QoS differs."""
+
+    def silence(self) -> str:
+        """Return sentences for its owner, empty if nothing is known to be wrong. Called when a step is refused for
+        want of a fresh state or of ranges; takes at most some milliseconds."""
+        ...
+
+
+class Simulator(Protocol):
+    """The simulation of a robot that its package brings along: the entry point `agentrob.simulators` of the robot's
+    model names a class of this kind, which is constructed without arguments."""
+
+    def settings(self, settings: RobotConfig) -> RobotConfig:
+        """Return the settings of a robot that is simulated: those given (model, domain, `simulated`) with its options,
+        map and scene. Raises `SimError` with a sentence that says what must be installed if it cannot run here."""
+        ...
+
+    def serve(self, settings: RobotConfig, ended: Event) -> None:
+        """Simulate the robot on the domain and interface of the settings until `ended` is set. Call
+        `print_ready` when its driver may connect. Runs in the main thread of a process of its
+        own."""
         ...
 
 

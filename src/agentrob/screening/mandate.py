@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from agentrob.language.goal import Aim, Goal
 from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Plan, Primitive
@@ -46,7 +47,8 @@ def goal_mandate(goal: Goal, most: Mandate, capabilities: Capabilities) -> Manda
     motions = min(most.steps, limits.command_steps)
     calls = Counter(step.op for step in goal.steps)
     calls.update(dict.fromkeys(searching, motions))
-    calls[Op.GET_FRONT_IMAGE] += most.calls.get(Op.GET_FRONT_IMAGE, 0)
+    for operation in capabilities.operations:
+        calls[operation.name] += most.calls.get(operation.name, 0) if operation.picture else 0
     looking_m = most.distance_m if Op.MOVE in searching else 0.0
     looking_deg = most.degrees if Op.TURN in searching else 0.0
     return Mandate(
@@ -74,7 +76,7 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
     steps = [*(result.primitive for result in tried), step]
     calls = sum(s.op is step.op for s in steps)
     motions = sum(s.moves for s in steps)
-    distance_m = sum(s.distance_m or 0.0 for s in steps)
+    distance_m = sum(s.travel_m for s in steps)
     degrees = sum(s.degrees or 0.0 for s in steps)
     seconds = sum(result.duration_s for result in tried)
     if not _plain(step):
@@ -104,7 +106,8 @@ def _plain(step: Primitive) -> bool:
     if step.op is Op.TURN:
         sides = (Direction.LEFT, Direction.RIGHT)
         return step.direction in sides and step.distance_m is None and _positive(step.degrees)
-    return step == Primitive(step.op)
+    as_declared = step.operation.objection(step.arguments) is None
+    return as_declared and replace(step, arguments=()) == Primitive(step.op)
 
 
 def _positive(amount: float | None) -> bool:

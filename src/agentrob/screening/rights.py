@@ -12,20 +12,30 @@ from typing import Literal
 
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.durations import duration
-from agentrob.model import Account, AccountKind, ActionClass, Decision, Language, Op, Plan, RobotRights, Role, Verdict
+from agentrob.model import (
+    Account,
+    AccountKind,
+    ActionClass,
+    Capabilities,
+    Decision,
+    Language,
+    Plan,
+    RobotRights,
+    Role,
+    Verdict,
+)
 
 Action = Literal["look", "stop", "command", "approve", "release", "home"]
 
-_CLASSES = {Op.GET_FRONT_IMAGE: ActionClass.PHOTO, Op.BACKFLIP: ActionClass.RISKY} | dict.fromkeys(
-    (Op.MOVE, Op.TURN), ActionClass.MOVE
-)
 #: Rights on forums that store none.
 _DEFAULT = RobotRights(command=dict.fromkeys(ActionClass, str(Role.OPERATOR)))
 
 
-def classes_of(plan: Plan) -> tuple[ActionClass, ...]:
-    """Return the action classes of a plan, each once; anything other than a photo, motion or flip is a gesture."""
-    return tuple(dict.fromkeys(_CLASSES.get(step.op, ActionClass.GESTURE) for step in plan.steps))
+def classes_of(plan: Plan, capabilities: Capabilities | None = None) -> tuple[ActionClass, ...]:
+    """Return the action classes of a plan, each once, as the robot declares its operations; without `capabilities` as
+    the plan says that they are declared. An operation that nobody declares is risky."""
+    declared = ((capabilities and capabilities.operation(step.op)) or step.operation for step in plan.steps)
+    return tuple(dict.fromkeys(operation.action_class for operation in declared))
 
 
 def may(

@@ -14,11 +14,31 @@ Not covered here:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import replace
 
-from agentrob.language.messages.catalog import say
-from agentrob.language.messages.plan_text import operation_names, sentence, step_sentence
-from agentrob.model import Account, Capabilities, Decision, Language, Op, Plan, Primitive, RobotRights, Verdict
+from agentrob.language.messages.catalog import can_say, say
+from agentrob.language.messages.plan_text import (
+    amount_of,
+    operation_name,
+    operation_names,
+    range_of,
+    sentence,
+    step_sentence,
+)
+from agentrob.model import (
+    Account,
+    Capabilities,
+    Decision,
+    Language,
+    Number,
+    Op,
+    Operation,
+    Plan,
+    Primitive,
+    RobotRights,
+    Verdict,
+)
 from agentrob.model.estimate import seconds_of, step_seconds
 from agentrob.screening.rights import classes_of, may
 from agentrob.screening.text import described_hazards, elsewhere, harm, side_remarks
@@ -45,7 +65,7 @@ def screen(
     author: Account,
     capabilities: Capabilities,
     language: Language,
-    allow_flip: bool = False,
+    consents: Collection[str] = (),
     step_s: float = math.inf,
     scene: str = "",
     part: str | None = None,
@@ -53,18 +73,20 @@ def screen(
 ) -> Verdict:
     """Check the whole command against today's state.
 
-    `text` is the visible text it was parsed from and `author` the account as it is now. `allow_flip` is the owner's
-    consent to flips, which simulated robots do not need. `step_s` is the longest step in seconds on forums that cannot
-    be polled often (law 16). `scene` describes the place in English, if known. `part` is the part of a text to several
-    robots that concerns this one's place (`agentrob.screening.audience`); by default the whole text. `rights` is what
-    the forum stores about who may command this robot; a required approval is the last thing to be reported. The reason
-    is a sentence in `language`.
+    `text` is the visible text it was parsed from and `author` the account as it is now. `consents` is what the owner
+    consents to (`Operation.needed_consent`), which simulated robots do not need. `step_s` is the longest step in
+    seconds on forums that cannot be polled often (law 16). `scene` describes the place in English, if known. `part` is
+    the part of a text to several robots that concerns this one's place (`agentrob.screening.audience`); by default the
+    whole text. `rights` is what the forum stores about who may command this robot; a required approval is the last
+    thing to be reported. The reason is a sentence in `language`.
     """
     simulated = capabilities.simulated
-    granted = may(author, "command", language, rights=rights, classes=classes_of(plan), simulated=simulated)
+    granted = may(
+        author, "command", language, rights=rights, classes=classes_of(plan, capabilities), simulated=simulated
+    )
     if granted.decision not in (Decision.ALLOW, Decision.NEEDS_APPROVAL):
         return granted
-    for rule, reason in _objections(plan, capabilities, allow_flip, language):
+    for rule, reason in _objections(plan, capabilities, consents, language):
         return Verdict(Decision.REFUSE, rule, reason)
     if (longest_s := max(step_seconds(step, capabilities) for step in plan.steps)) > step_s:
         rule, reason = _over("step_time", longest_s, step_s, language)
@@ -86,17 +108,17 @@ def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
 
 
 def _objections(
-    plan: Plan, capabilities: Capabilities, allow_flip: bool, language: Language
+    plan: Plan, capabilities: Capabilities, consents: Collection[str], language: Language
 ) -> Iterator[tuple[str, str]]:
     """Yield (rule, reason) for everything that speaks against the plan, the plainest first."""
     if not plan.steps:
         yield "plan.empty", say("refuse.empty", language)
     yield from _impossible(plan, capabilities, language)
     for step in plan.steps:
-        if not _well_formed(step):
+        if not _well_formed(step, capabilities):
             yield "plan.malformed", say("refuse.malformed", language, steps=step_sentence(step, language))
-    if any(step.op is Op.BACKFLIP for step in plan.steps) and not (allow_flip or capabilities.simulated):
-        yield "consent.flip", say("refuse.flip", language)
+    yield from _without_consent(plan, capabilities, consents, language)
+    yield from _beyond_arguments(plan, capabilities, language)
     yield from _beyond_a_step(plan, capabilities, language)
     yield from _beyond_a_command(plan, capabilities, language)
 
@@ -104,7 +126,7 @@ def _objections(
 def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
     missing = [step for step in dict.fromkeys(plan.steps) if step.op not in capabilities.ops]
     if missing:
-        known = operation_names(capabilities.ops, language)
+        known = operation_names(capabilities.operations, language)
         yield "ops.unknown", say("refuse.ops", language, steps=sentence(missing, language), can=known)
     for step in plan.steps:
         if step.op is Op.MOVE and step.direction not in capabilities.move_directions:
@@ -120,7 +142,32 @@ def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> I
             )
 
 
-def _well_formed(step: Primitive) -> bool:
+def _without_consent(
+    plan: Plan, capabilities: Capabilities, consents: Collection[str], language: Language
+) -> Iterator[tuple[str, str]]:
+    for step in plan.steps:
+        needed = _declaration(step, capabilities).needed_consent
+        if needed and needed not in consents and not capabilities.simulated:
+            key = f"refuse.{needed}" if can_say(f"refuse.{needed}") else "refuse.risky"
+            yield f"consent.{needed}", say(key, language, step=operation_name(step.operation, language))
+
+
+def _beyond_arguments(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:
+    for step in plan.steps:
+        wrong = None if step.walks else _declaration(step, capabilities).objection(step.arguments)
+        if wrong is not None and isinstance(argument := wrong[0], Number) and isinstance(asked := wrong[1], float):
+            yield "limit.argument", say(
+                "refuse.argument", language, step=operation_name(step.operation, language),
+                asked=amount_of(asked, argument.unit, language), range=range_of(argument, language),
+            )  # fmt: skip
+
+
+def _declaration(step: Primitive, capabilities: Capabilities) -> Operation:
+    """Return how the robot itself declares the operation of a step, whatever the plan says of it."""
+    return capabilities.operation(step.op) or step.operation
+
+
+def _well_formed(step: Primitive, capabilities: Capabilities) -> bool:
     """Return whether a step has positive, finite amounts exactly where they belong: plans may not come from the
     grammar.
     """
@@ -132,7 +179,11 @@ def _well_formed(step: Primitive) -> bool:
         return (
             step.direction in sides and step.distance_m is None and step.speed_mps is None and _positive(step.degrees)
         )
-    return step == Primitive(step.op)
+    wrong = _declaration(step, capabilities).objection(step.arguments)
+    bounds = (
+        wrong is not None and isinstance(wrong[0], Number) and isinstance(wrong[1], float) and math.isfinite(wrong[1])
+    )
+    return (wrong is None or bounds) and replace(step, arguments=()) == Primitive(step.op)
 
 
 def _positive(amount: float | None) -> bool:
@@ -143,7 +194,7 @@ def _beyond_a_step(plan: Plan, capabilities: Capabilities, language: Language) -
     limits = capabilities.limits
     for step in plan.steps:
         for rule, asked, limit in (
-            ("step_distance", step.distance_m, limits.step_m),
+            ("step_distance", step.travel_m, limits.step_m),
             ("step_degrees", step.degrees, limits.step_deg),
             ("speed", step.speed_mps, limits.speed_mps),
         ):

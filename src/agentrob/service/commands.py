@@ -30,6 +30,7 @@ from agentrob.errors import ForumError, RobotError, ServiceError
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Command, CommandState, EndReason, Intent, Post, Report, Understanding, Verdict
 from agentrob.model.lifecycle import stored_state
+from agentrob.model.operations.data import as_data
 from agentrob.process.webhooks import Outbox
 from agentrob.service import models
 from agentrob.service.auth import Caller
@@ -90,6 +91,7 @@ class CommandService:
             capabilities, state = await asyncio.gather(agent.driver.capabilities(), agent.driver.state())
             facts |= {
                 "model": capabilities.model, "ops": sorted(str(op) for op in capabilities.ops),
+                "operations": [as_data(operation) for operation in capabilities.declared],
                 "limits": asdict(capabilities.limits), "state": "halted" if state.halted else state.mode,
                 "battery_percent": state.battery_percent, "homed": state.homed,
                 "state_age_s": state.age_s if math.isfinite(state.age_s) else None,

@@ -39,6 +39,7 @@ class Robot(BaseModel):
     simulated: bool
     state: str
     ops: list[str] = []
+    operations: list[dict[str, Any]] = Field([], description="the operations that the robot declares")
     limits: dict[str, float] = {}
     boards: list[str] = []
     battery_percent: float | None = None

@@ -40,8 +40,8 @@ ROBOTS = {"go2": 1, "g1": 2}
 class WorldSettings:
     """`domains` maps each robot (go2, g1) to its DDS domain; `http_port` 0 picks a free port.
 
-    `world` is the name of a shipped world or the path of a world file (docs/worlds.md); `event_log` is the file that
-    `agentrob.sim.event_log.EventLog` appends to.
+    `world` is the name of a shipped world or the path of a world file (docs/robots/worlds.md); `event_log` is the file
+    that `agentrob.sim.event_log.EventLog` appends to.
     `pace` is how many simulated seconds go by in a real one, at most. Above 1 the world waits for each command of a
     driver that walks a robot, and the driver reads the time off the stamps of its states.
     """

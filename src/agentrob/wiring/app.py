@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from agentrob.config import load as configuration
 from agentrob.config.load import Config
-from agentrob.config.robots import RobotConfig
+from agentrob.config.robots import RehearsalConfig, RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
@@ -82,13 +82,18 @@ def check_minds(config: Config, name: str | None) -> list[ProbeResult]:
 
 def secret(config: Config, robot: str = "") -> str:
     """A forum token, from the environment: the robot's own variable (`AGENTROB_TOKEN_REX`), else the common one."""
-    common = config.forum.token_env
-    own = f"{common}_{robot.upper().replace('-', '_')}" if robot else common
+    common, own = config.forum.token_env, token_variable(config, robot)
     token = os.environ.get(own) or os.environ.get(common, "")
     if not token:
         either = common if own == common else f"{own} or {common}"
         raise ConfigError(f"the environment variable {either} must hold the agent's forum token")
     return token
+
+
+def token_variable(config: Config, robot: str = "") -> str:
+    """The environment variable that holds the token of this robot only; without a robot, the common one."""
+    common = config.forum.token_env
+    return f"{common}_{robot.upper().replace('-', '_')}" if robot else common
 
 
 def only_robot(config: Config, name: str | None) -> str:
@@ -341,6 +346,7 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
     from agentrob.agent.store.journals import make_journals
     from agentrob.forums.http import shared_connections
     from agentrob.worker.control import draining_on_request
+    from agentrob.worker.preload import preload
     from agentrob.worker.shared_events import SharedEvents
     from agentrob.worker.worker import Worker
 
@@ -349,6 +355,7 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
     tokens = {name: secret(config, name) for name in names}
     if shared := [name for name in names if list(tokens.values()).count(tokens[name]) > 1]:
         raise ConfigError(f"{', '.join(shared)} have the same forum token; each robot needs an account of its own")
+    preload()
 
     async def serve() -> None:
         events = SharedEvents()
@@ -494,7 +501,14 @@ def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabili
     kind = find("robots", model)
     if not callable(getattr(kind, "describe", None)):
         raise ConfigError(f"the robot {model!r} has no describe(settings), which says what it can do: {kind!r}")
-    capabilities: Capabilities = kind.describe(settings or RobotConfig(model=model))
+    try:
+        capabilities: Capabilities = kind.describe(settings or RobotConfig(model=model))
+    except ValueError as e:
+        raise ConfigError(f"the robot {model!r} declares what is not possible: {e}") from None
+    if capabilities.declared:
+        from agentrob.language.operations.clashes import refuse_clashes
+
+        refuse_clashes(capabilities)
     return capabilities
 
 
@@ -509,16 +523,19 @@ def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig
     """Settings of a robot in a simulated world, at home where it starts, told of what is in it.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
-    the world says that nothing stands. Raises `SimError` when there is no such world, or no place in it.
+    the world says that nothing stands. A robot of another package is simulated by that package (`simulators.py`).
+    Raises `SimError` when there is no such world, or no place in it, or when its simulation cannot run here.
     """
     from agentrob.sim.world.scene import load
     from agentrob.wiring.room_map import map_of
+    from agentrob.wiring.simulators import prepared
 
     settings = RobotConfig(model=model, domain=domain, simulated=True, home_on_start=True)
     if not in_world(model):
-        return settings
+        return prepared(settings)
     place = load(world)
     changes: dict[str, Any] = {"scene": place.in_words, "map": map_of(place, model)}
+    changes["rehearsal"] = RehearsalConfig(world=world)
     if model == "g1" and (free := place.place(model).free) is not None:  # a world in which a G1 starts says so
         changes |= {"allow_unknown_ranges": True, "fence": free.fence}
     return settings.model_copy(update=changes)

@@ -15,8 +15,11 @@ from pydantic import TypeAdapter
 
 from agentrob.board.command_reading import DraftCommand, DraftReading, ReadableRobot, RobotReading
 from agentrob.language.addressing import part_for
-from agentrob.language.messages.catalog import can_say, say
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import JointProblem, joint_command
+from agentrob.language.messages.catalog import can_say, quote, say
 from agentrob.language.messages.plan_text import sentence
+from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
 from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
@@ -85,6 +88,7 @@ def serve() -> None:
         "robot", Capabilities("", frozenset(Op)), scene="A room with a table 2 m in front of the robot."
     )
     read(DraftCommand("@robot walk forward 1 m, then turn left. 向前走一米", Account("0", "nobody"), (warm,)))
+    read(DraftCommand("@robot wave, then @another wave", Account("0", "nobody"), (warm,)))
     while _one(server):
         pass
 
@@ -111,7 +115,11 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     others = tuple(name for name in names if name != robot.name)
     if stop_intent(visible) is not None:
         return RobotReading(robot.name, say("read.stop", language_of(visible)), "stop")
+    if (joint := joint_command(visible)) is not None:
+        return _part_of(visible, author, robot, joint)
     part = part_for(visible, (robot.name,), others)
+    if (rehearsed := rehearsed_part(part, visible)) is not None:
+        return _preview(robot, author, rehearsed, language_of(part))
     timed = _timed(part)
     if timed is not None and timed.schedule is not None and visible.count(part) == 1:
         untimed = _read_now(visible.replace(part, timed.rest), author, replace(robot, history=()), others)
@@ -125,8 +133,38 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
     if timed is not None and timed.surely_later:
         return RobotReading(robot.name, timed.question, "ask_back")
     found = _read_now(visible, author, robot, others)
+    if found.outcome in ("would", "needs_approval") and speaks_of_preview(part, visible):
+        return RobotReading(robot.name, say("preview.unclear", language_of(part)), "ask_back")
     if timed is not None and found.outcome == "ask_back" and not found.rule:
         return replace(found, line=timed.question or found.line)
+    return found
+
+
+def _part_of(visible: str, author: Account, robot: ReadableRobot, joint: JointCommand | JointProblem) -> RobotReading:
+    """How a robot reads its part of a post in which robots wait for each other. The first of two parts is judged."""
+    parts = joint.of(robot.name) if isinstance(joint, JointCommand) else ()
+    if isinstance(joint, JointProblem) or not parts:
+        question = joint.question if isinstance(joint, JointProblem) else ""
+        if (harm := harm_in_words(visible, robot.scene, joint.language)) is not None:
+            return RobotReading(robot.name, harm.reason, "refuse", harm.rule)
+        return RobotReading(robot.name, question or say("joint.alias", joint.language, name=robot.name), "ask_back")
+    first = parts[0]
+    words = ". ".join(part.text for part in joint.parts)
+    understood = Understanding(Intent.COMMAND, joint.language, first.plan)
+    reading = _judged(visible, author, robot, (), understood, words)
+    if reading.outcome not in ("would", "needs_approval") or not first.after:
+        return reading
+    who = ", ".join(dict.fromkeys(quote(name) for n in first.after for name in joint.part(n).robots))
+    return replace(reading, line=say("read.part", joint.language, line=reading.line, who=who))
+
+
+def _preview(robot: ReadableRobot, author: Account, rest: str, language: Language) -> RobotReading:
+    """How a robot reads a request for a preview of `rest`."""
+    found = _read_now(f"@{robot.name} {rest}", author, robot, ())
+    if not rest or found.outcome == "nothing":
+        return RobotReading(robot.name, say("preview.what", language), "ask_back")
+    if found.outcome in ("would", "needs_approval"):
+        return RobotReading(robot.name, say("read.preview", language, line=found.line), "answer")
     return found
 
 
@@ -174,8 +212,14 @@ def _goal(
 
 
 def _judged(
-    visible: str, author: Account, robot: ReadableRobot, others: tuple[str, ...], understood: Understanding
+    visible: str,
+    author: Account,
+    robot: ReadableRobot,
+    others: tuple[str, ...],
+    understood: Understanding,
+    part: str | None = None,
 ) -> RobotReading:
+    """Screen a plan. `part` is the text by which it is judged, by default that for this robot."""
     plan, language = understood.plan, understood.language
     verdict = screen(
         plan,
@@ -183,9 +227,9 @@ def _judged(
         author=author,
         capabilities=robot.can,
         language=language,
-        allow_flip=robot.flips,
+        consents=robot.consents,
         scene=robot.scene,
-        part=text_for_robot(visible, (robot.name,), others),
+        part=text_for_robot(visible, (robot.name,), others) if part is None else part,
         rights=robot.rights,
     )
     steps, data = sentence(plan, language), tuple(plan.as_data())

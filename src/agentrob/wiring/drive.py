@@ -41,7 +41,7 @@ from agentrob.process import host_lock
 from agentrob.process.child import Child, terminate_all
 from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
-from agentrob.wiring import app
+from agentrob.wiring import app, simulators
 
 if TYPE_CHECKING:
     from agentrob.agent.execution.execute import Execution
@@ -158,7 +158,7 @@ async def _judged(
             author=LOCAL,
             capabilities=capabilities,
             language=understood.language,
-            allow_flip=settings.allow_flip,
+            consents=settings.consents,
             scene=settings.scene,
             part=text_for_robot(visible, addressee.names, addressee.others),
         )
@@ -301,11 +301,10 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Driver
     with tempfile.TemporaryDirectory(prefix="agentrob-drive-") as folder:
         work = Path(folder)
         try:
-            world = f"world/{settings.interface}/{settings.domain}"
-            if settings.simulated and app.in_world(settings.model) and world not in host_lock.held("world/"):
-                where = ["--domain", f"{settings.model}={settings.domain}", "--interface", settings.interface]
-                children.append(Child("world", ["sim", *where], work / "world.log"))
-                children[0].wait_ready()
+            if settings.simulated and simulators.world_lock(settings) not in host_lock.held("world/"):
+                for command in simulation_of(settings):
+                    children.append(Child("world", command, work / "world.log"))
+                    children[0].wait_ready()
             # the same data folder as always: a halt that is kept there holds for us too
             own = Config(data=str(config.data_dir.absolute()), robots={name: settings})
             own.write(work / "agentrob.toml")
@@ -315,6 +314,16 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Driver
             yield DriverClient(name, Path(driver.wait_ready()["socket"]))
         finally:
             terminate_all(children)
+
+
+def simulation_of(settings: RobotConfig) -> list[list[str]]:
+    """The command that simulates this robot; none if it simulates itself."""
+    if app.in_world(settings.model):
+        where = ["--domain", f"{settings.model}={settings.domain}", "--interface", settings.interface]
+        return [["sim", *where]]
+    if simulators.has_simulator(settings.model):
+        return [["simulator", settings.model, "--domain", str(settings.domain), "--interface", settings.interface]]
+    return []
 
 
 async def _reachable(name: str) -> bool:

@@ -8,7 +8,10 @@ from datetime import UTC, datetime
 from typing import Any
 
 from agentrob.language.addressing import part_for
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import JointProblem, joint_command
 from agentrob.language.messages.moments import local
+from agentrob.language.previews.reading import rehearsed_part
 from agentrob.language.schedule.reading import TimedText, timed_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Intent, Role, Schedule, Understanding
@@ -31,8 +34,14 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     from agentrob.screening.screen import screen
 
     capabilities, visible = capabilities_of(model), visible_text(text)
+    if (joint := joint_command(visible)) is not None:
+        return _joint_facts(joint)
     named = mentions(visible)
     name = named[0] if named else model
+    others = tuple(other for other in named if other != name)
+    rehearsed = rehearsed_part(part_for(visible, (name,), others), visible)
+    if rehearsed:
+        text = visible = f"@{name} {rehearsed}"
     understood: Understanding = asyncio.run(understand(text, name, capabilities))
     schedule: Schedule | None = None
     if (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
@@ -41,7 +50,7 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     elif timed is not None and (timed.surely_later or understood.intent is not Intent.COMMAND):
         understood = Understanding(Intent.ASK_BACK, understood.language, question=timed.question)
     facts: dict[str, Any] = {
-        "intent": str(understood.intent),
+        "intent": "preview" if rehearsed and understood.intent is Intent.COMMAND else str(understood.intent),
         "language": understood.language,
         "plan": understood.plan.as_data(),
         "notes": list(understood.plan.notes),
@@ -57,6 +66,18 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     return facts
 
 
+def _joint_facts(joint: JointCommand | JointProblem) -> dict[str, Any]:
+    """What a post is for its robots in which they wait for each other; whether each may is judged by its own agent."""
+    facts: dict[str, Any] = {"language": joint.language, "plan": [], "notes": [], "question": ""}
+    if isinstance(joint, JointProblem):
+        return {"intent": str(Intent.ASK_BACK), **facts, "question": f"{joint.question} {joint.example}"}
+    parts = [
+        {"robots": list(part.robots), "after": list(part.after), "plan": part.plan.as_data(), "notes": part.plan.notes}
+        for part in joint.parts
+    ]
+    return {"intent": str(Intent.COMMAND), **facts, "parts": parts}
+
+
 def _as_data(schedule: Schedule) -> dict[str, Any]:
     return {
         "time_zone": schedule.tz,
@@ -69,9 +90,13 @@ def _as_data(schedule: Schedule) -> dict[str, Any]:
 def describe_plan(facts: dict[str, Any]) -> str:
     """`plan_text` for people."""
     lines = [f"{facts['intent']}"]
+    for number, part in enumerate(facts.get("parts", ()), 1):
+        after = f", after part {' and '.join(map(str, part['after']))}" if part["after"] else ""
+        lines.append(f"  part {number}: {' or '.join('@' + name for name in part['robots'])}{after}")
+        lines += [f"    {_step(n, step)}" for n, step in enumerate(part["plan"], 1)]
+        lines += [f"    note: {note}" for note in part["notes"]]
     for n, step in enumerate(facts["plan"], 1):
-        details = " ".join(f"{k}={v}" for k, v in step.items() if k != "op")
-        lines.append(f"  {n}. {step['op']} {details}".rstrip())
+        lines.append(f"  {_step(n, step)}")
     lines += [f"  note: {note}" for note in facts["notes"]]
     if facts["question"]:
         lines.append(f"  it would answer: {facts['question']}")
@@ -80,6 +105,11 @@ def describe_plan(facts: dict[str, Any]) -> str:
     if schedule := facts.get("schedule"):
         lines.append(f"  a schedule: it would not run now, but on {_times(schedule)}")
     return "\n".join(lines)
+
+
+def _step(number: int, step: dict[str, Any]) -> str:
+    details = " ".join(f"{k}={v}" for k, v in step.items() if k != "op")
+    return f"{number}. {step['op']} {details}".rstrip()
 
 
 def _times(schedule: dict[str, Any]) -> str:

@@ -96,6 +96,17 @@ def drain(names: Sequence[str]) -> list[Draining]:
     return found
 
 
+def serving() -> dict[str, str]:
+    """The worker or agent of this machine that serves each robot, by the robot's name."""
+    found = dict[str, str]()
+    for connection in _connections():
+        with connection, contextlib.suppress(OSError, ValueError, KeyError, TypeError):  # it ends just now
+            with connection.makefile("r", encoding="utf-8") as lines:
+                hello = json.loads(lines.readline())
+            found |= {str(robot): str(hello["worker"]) for robot in hello["robots"]}
+    return found
+
+
 def _connections() -> Iterator[socket.socket]:
     for path in sorted(_folder().glob("*.sock")):
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)

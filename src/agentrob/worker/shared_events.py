@@ -2,11 +2,16 @@
 
 The accounts of the agents differ, so each stream is shared only by accounts that may read the same: on the board, those
 of the same role. Everything else, including what an agent missed, is read with the agent's own account.
+
+Most posts of a fleet are reports of its robots, which no agent obeys (law 1). Agents are not woken for each of them,
+but handle those of up to `LAZY_S` together; that a robot was stopped, which stops the other parts of a joint command,
+is handled at once.
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 import traceback
 from collections import deque
@@ -15,14 +20,17 @@ from datetime import datetime
 
 import structlog
 
+from agentrob.agent.intake.triage import NOT_OBEYED
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
 from agentrob.forums.protocol import Event, Forum
-from agentrob.model import EventKind, Role
+from agentrob.model import CommandState, EventKind, Role
 
 #: Events of this long are given to a new listener again, since its own reading of what it missed may be older.
 OVERLAP_S = 5.0
 #: An agent that does not handle this many events is cut off from the stream and reads them from the forum later.
 MOST_WAITING = 10_000
+#: How long a post of a robot may wait until it is handled: less than between two heartbeats, which it may replace.
+LAZY_S = 0.4
 #: The first and the longest wait before a stream that was cut is opened again.
 BACKOFF_S = 0.2, 5.0
 _log = structlog.get_logger()
@@ -100,11 +108,13 @@ class _Listener:
         self._open = True
         self._changed.set()
 
-    def put(self, event: Event) -> None:
+    def put(self, event: Event, *, wake: bool) -> None:
+        """Queue an event. It is handled at once if it is to `wake` the agent, else with the next one that does."""
         if len(self._queue) >= MOST_WAITING:
             return self.cut(ForumUnreachable(f"more than {MOST_WAITING} events wait to be handled"))
         self._queue.append(event)
-        self._changed.set()
+        if wake:
+            self._changed.set()
 
     def cut(self, error: ForumError) -> None:
         """End the listener's stream after the events that it has."""
@@ -139,6 +149,7 @@ class _Stream:
         self._reading: asyncio.Task[None] | None = None
         self._reader: _Listener | None = None  # the listener with whose account it is read
         self._after = ""
+        self._woken_s = -math.inf
 
     def join(self, forum: Forum, heartbeat_s: float) -> _Listener:
         listener = _Listener(forum, heartbeat_s, [event for _, event in self._recent])
@@ -202,8 +213,10 @@ class _Stream:
             self._open = True
             for listener in self._listeners:
                 listener.open()
+        wake = not _can_wait(event) or now_s - self._woken_s >= LAZY_S
+        self._woken_s = now_s if wake else self._woken_s
         for listener in tuple(self._listeners):
-            listener.put(event)
+            listener.put(event, wake=wake)
 
     def _close(self) -> None:
         self._listeners.clear()
@@ -211,6 +224,14 @@ class _Stream:
         self._open = False
         self._reading = self._reader = None
         self._after = ""
+
+
+def _can_wait(event: Event) -> bool:
+    """Whether an event is a robot's post, but not one that says that it was stopped: that stops others, too."""
+    post = event.post
+    if post is None or post.author.kind not in NOT_OBEYED:
+        return False
+    return post.card is None or post.card.state != CommandState.STOPPED
 
 
 def _key(event: Event) -> _EventKey:

@@ -121,7 +121,7 @@ async def test_law_18_how_far_it_went_is_unknown_where_the_odometry_was_lost_or_
         assert not re.search(r"measured -?\d", reply.raw)
         (record,) = (json.loads(path.read_text()) for path in scene.folder.rglob("records/*.json"))
         assert (record["steps"][0]["measured"], record["steps"][0]["unmeasured"]) == ({}, why)
-        assert _step(record["steps"][0]).measured == f"unknown: {why.replace('_', ' ')}"
+        assert _step(record["steps"][0], None).measured == f"unknown: {why.replace('_', ' ')}"
     results = [ActionResult(Primitive(Op.MOVE, Direction.FORWARD, distance_m=2.0), Outcome.STOPPED, unmeasured=why)]
     assert said[1] in measured(results[0], "zh")
     assert f'"measured": "unknown: {why}"' in result_message(results[0], None, {})

@@ -235,6 +235,16 @@ async def test_law_14_a_stop_in_mid_thought_ends_the_thought_at_once(guard: Guar
     assert [t.tool for t in execution.looked.turns] == ["act_move"]
 
 
+async def test_law_18_a_stop_that_comes_as_the_loop_ends_by_itself_is_told_as_the_stop(guard: Guard) -> None:
+    model, driver = Script([[WALK], ModelError("timeout", "it failed")]), LocalDriver(guard)
+    held = hooks(ended=lambda: EndReason.STOP if len(model.asked) == 2 else None)
+    async with asyncio.timeout(60):
+        execution = await run_visual_task(driver, COMMAND, visual_task(model), held)  # type: ignore[arg-type]
+    assert execution.status == "stopped"
+    assert execution.looked is not None
+    assert execution.looked.end.why == "model"
+
+
 async def test_law_13_a_stop_past_the_forum_ends_the_thought_too(guard: Guard) -> None:
     model, driver = Script([[WALK], asyncio.Event()]), LocalDriver(guard)
     looking = asyncio.create_task(run_visual_task(driver, COMMAND, visual_task(model), hooks()))  # type: ignore[arg-type]

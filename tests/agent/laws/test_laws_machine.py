@@ -554,7 +554,7 @@ class Laws(RuleBasedStateMachine):
         if agent.event_stream.cursor != str(len(self.world.events)) or not agent.inbox.empty:
             return False
         waiting = {job.task for job in agent.queue if self._waits(job)}
-        return all(task.done() or task in waiting for task in agent._tasks)
+        return all(task.done() or task in waiting for task in agent.tasks.running)
 
     def _waits(self, job: QueuedCommand) -> bool:
         """Return whether the agent cannot continue without the test."""

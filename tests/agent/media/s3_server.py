@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -15,6 +14,8 @@ from pathlib import Path
 
 from obstore.store import S3Store
 
+from tests.host_numbers import free_port
+
 #: The keys of the account that may write, and of the one that may only read.
 WRITER, READER = ("robot-key", "robot-secret"), ("reader-key", "reader-secret")
 _OWNER = ("owner-key", "owner-secret")
@@ -22,17 +23,6 @@ BUCKET = "robot-pictures"
 #: Buckets are also subdomains of this domain, as Volcengine TOS requires.
 DOMAIN = "tos-s3-cn-test.example"
 START_S = 100.0
-
-
-def free_ports(count: int) -> list[int]:
-    sockets = [socket.socket() for _ in range(count)]
-    try:
-        for one in sockets:
-            one.bind(("127.0.0.1", 0))
-        return [int(one.getsockname()[1]) for one in sockets]
-    finally:
-        for one in sockets:
-            one.close()
 
 
 class S3Server:
@@ -53,7 +43,7 @@ class S3Server:
         (folder / "s3.json").write_text(json.dumps({"identities": identities}))
         (folder / "data").mkdir()
         names = ("master", "master.grpc", "volume", "volume.grpc", "filer", "filer.grpc", "s3", "s3.grpc")
-        ports = dict(zip(names, free_ports(len(names)), strict=True))
+        ports = {name: free_port() for name in names}
         arguments = [
             f"-{name.replace('.grpc', '')}.port{'.grpc' * ('.' in name)}={port}" for name, port in ports.items()
         ]

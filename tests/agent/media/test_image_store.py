@@ -20,7 +20,8 @@ from agentrob.agent.media.image_store import Bucket, Link, make_store
 from agentrob.config.load import parse
 from agentrob.errors import ConfigError, ImageStoreError
 from tests.agent.agent_scene import Driver, make_scene
-from tests.agent.media.s3_server import BUCKET, DOMAIN, READER, WRITER, S3Server, free_ports
+from tests.agent.media.s3_server import BUCKET, DOMAIN, READER, WRITER, S3Server
+from tests.host_numbers import free_port
 
 DRAWS = True
 
@@ -105,7 +106,7 @@ async def test_a_key_that_may_not_write_is_reported_as_one_short_sentence(s3: S3
 async def test_a_store_that_is_down_is_reported_soon() -> None:
     begun_s = time.monotonic()
     with pytest.raises(ImageStoreError):
-        await bucket(f"http://127.0.0.1:{free_ports(1)[0]}").keep("7-path", JPEG)
+        await bucket(f"http://127.0.0.1:{free_port()}").keep("7-path", JPEG)
     assert time.monotonic() - begun_s < images.KEEP_S + 2
 
 

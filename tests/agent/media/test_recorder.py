@@ -323,7 +323,7 @@ async def test_a_drawing_that_no_reply_will_show_is_given_up(
     async with scene.agent(forum=forum) as agent:
         await scene.post("alice", "@quadruped walk forward 0.8 m")
         await scene.until(lambda: forum.looks)
-        await scene.until(lambda: not agent.recorder._drawing)
+        await scene.until(lambda: not agent.live_view.recorder._drawing)
 
 
 class StillsOnlyForum(MemoryForum):
@@ -397,7 +397,9 @@ async def test_law_15_a_stop_is_as_fast_while_the_camera_is_looked_through_and_a
         await scene.final(await scene.post("alice", "@quadruped walk back 0.8 m"))  # it may still be drawn
         running = await scene.post("alice", "@quadruped walk forward 5 m")
         await scene.state(running, "running")
-        await scene.until(lambda: agent.recorder._running and len(agent.recorder._running.frames) > 1)
+        await scene.until(
+            lambda: agent.live_view.recorder._running and len(agent.live_view.recorder._running.frames) > 1
+        )
         await scene.post("bob", "stop", running.topic_id)
         reply = await scene.final(running)
     assert reply.card is not None

@@ -7,7 +7,7 @@ import asyncio
 import contextlib
 import re
 import sqlite3
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ from agentrob.agent.reporting import status_post as status
 from agentrob.agent.reporting.status_post import Shown, StatusPost
 from agentrob.board.admin import local_admin
 from agentrob.config.forum import ForumConfig
-from agentrob.errors import ForumDenied
+from agentrob.errors import ForumDenied, ForumUnreachable
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import Written
@@ -151,6 +151,31 @@ async def test_law_6_a_claim_that_shows_its_end_is_not_shown_as_queued_again(sce
 
 
 @pytest.mark.slow
+class SlowForum(MemoryForum):
+    """A forum that gives no answer to the first edit that ends a command in time, and makes it later."""
+
+    late: Coroutine[object, object, Post] | None = None
+
+    async def edit_once(self, post_id: str, body: str, **more: object) -> Post:
+        edit = super().edit_once(post_id, body, **more)  # type: ignore[arg-type]
+        if self.late is not None:
+            return await edit
+        self.late = edit
+        raise ForumUnreachable("no answer")
+
+
+async def test_law_6_an_end_that_is_sent_again_while_the_first_try_is_under_way_is_written_once(scene: Scene) -> None:
+    forum = SlowForum(scene.world, ROBOT)
+    async with scene.agent(forum=forum):
+        final = await scene.final(await scene.post("alice", WALK))
+        assert MEASURED.search(final.raw)
+        assert forum.late is not None
+        await forum.late
+    assert await forum.post(final.id) == final
+    ends = [event for event in scene.world.events if event.post is not None and event.post.raw == final.raw]
+    assert len(ends) == 1, "the end is in the history twice"
+
+
 async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_once(
     tmp_path: Path, slow_driver: Driver
 ) -> None:

@@ -19,12 +19,17 @@ from agentrob.language.messages.done_text import done_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import (
     Account,
+    ActionClass,
     ActionResult,
+    Choice,
     Command,
     CommandState,
     Decision,
     Direction,
+    Number,
     Op,
+    Operation,
+    Option,
     Outcome,
     Plan,
     Pose,
@@ -32,6 +37,7 @@ from agentrob.model import (
     Report,
     RobotState,
     StopResult,
+    Unit,
     Verdict,
 )
 from agentrob.robots.safety.ranges import SAMPLES, SIDES, RangeMonitor
@@ -228,6 +234,19 @@ def test_what_was_not_measured_or_not_done_is_not_said_to_be_done() -> None:
     refused = ActionResult(WALK, Outcome.REFUSED, {"distance_m": 0.0}, reason="fence")
     assert done_text((lost, cut, still, refused), "en") == "walked forward by an unknown distance"
     assert done_text((cut, still, refused), "en") == ""
+
+
+def test_a_declared_operation_is_told_with_the_arguments_that_its_words_name():
+    place = Choice("place", (Option("kitchen", {"en": "kitchen|galley", "zh": "厨房"}),))
+    seconds = Number("seconds", Unit.SECONDS, 1.0, 10.0, 3.0)
+    go = Operation(
+        "go_to_place", ActionClass.MOVE, {"en": "go to the {place}"}, (place, seconds),
+        {"en": "went to the {place} in {seconds}", "zh": "到了{place}"}, travel_m=5.0,
+    )  # fmt: skip
+    step = Primitive("go_to_place", arguments=go.complete({"place": "kitchen"}), declared=go)
+    done = ActionResult(step, Outcome.DONE)
+    assert done_text((done,), "en") == "went to the kitchen in 3 s"
+    assert done_text((done,), "zh") == "到了厨房"
 
 
 def test_a_queued_command_says_behind_whom_and_about_how_long() -> None:

@@ -24,7 +24,7 @@ async def test_law_14_a_stop_of_a_clock_that_leapt_ahead_blocks_nothing_later(
         scene.world.clock_offset_s = 0.0
         if not restarted:
             await scene.final(await scene.post("alice", "@quadruped wave"))  # with this event the agent notices it
-            await agent._compare_clocks()
+            await agent.clock.compare()
             assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"
     if restarted:
         async with scene.agent():

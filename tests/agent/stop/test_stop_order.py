@@ -98,14 +98,14 @@ class Scenario:
         """Nothing was recorded."""
 
     async def end(self) -> None:
-        for task in tuple(self.agent._tasks):
+        for task in tuple(self.agent.tasks.running):
             task.cancel()
-        await asyncio.gather(*self.agent._tasks, return_exceptions=True)
+        await asyncio.gather(*self.agent.tasks.running, return_exceptions=True)
         self.waiting.clear()
         await self.agent.journal.close()
 
     async def idle(self) -> None:
-        while busy := self.agent._tasks - self.waiting:
+        while busy := self.agent.tasks.running - self.waiting:
             await asyncio.wait(busy)
 
     async def run(self, job: QueuedCommand) -> None:
@@ -146,7 +146,7 @@ class Scenario:
             case "pass":
                 self.clock.true_s += value
             case "beat":
-                self.agent._note_forum_time(self.world.now())
+                self.agent.clock.note(self.world.now())
             case "hear":
                 for event in await self.robot.changes(self.agent.event_stream.cursor):
                     self.agent.event_stream.cursor = event.id

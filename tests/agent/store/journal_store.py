@@ -82,6 +82,14 @@ class JournalStore:
         with self._connected() as db:
             assert db.execute(text(query), values).rowcount
 
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """Hold up all others that write motions."""
+        query = "LOCK TABLE motion IN EXCLUSIVE MODE" if self._url else "UPDATE claim SET boot = boot"
+        with self._connected() as db:
+            db.execute(text(query))
+            yield
+
     def copy(self) -> dict[str, list[dict[str, Any]]]:
         """Return all rows."""
         with self._connected() as db:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -175,6 +177,35 @@ async def test_law_6_a_motion_that_is_ended_before_the_robot_moved_may_begin_aft
     journal = await open_journal(tmp_path, REX)
     assert await journal.move("1", says("moved")) == "moved"
     await journal.close()
+
+
+async def test_a_motion_that_fails_or_is_ended_without_its_caller_is_no_error_of_the_event_loop(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    reported: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, about: reported.append(about))
+    end = asyncio.Event()
+
+    async def fails() -> str:
+        await end.wait()
+        raise OSError("the robot is gone")
+
+    async def not_yet() -> str:
+        await end.wait()
+        raise NotBegun
+
+    callers = [asyncio.create_task(journal.move(post, work)) for post, work in (("1", fails), ("2", not_yet))]
+    while not (await journal.moved("1") and await journal.moved("2")):  # noqa: ASYNC110 (a database)
+        await asyncio.sleep(0.01)
+    for caller in callers:
+        caller.cancel()
+    await asyncio.gather(*callers, return_exceptions=True)
+    end.set()
+    while await journal.moved("2"):  # noqa: ASYNC110 (a database)
+        await asyncio.sleep(0.01)
+    await journal.close()
+    del callers, caller
+    gc.collect()  # an exception that nobody asked for is reported when its task is deleted
+    assert not reported
 
 
 async def test_a_motion_goes_on_when_its_caller_is_cancelled(tmp_path: Path) -> None:

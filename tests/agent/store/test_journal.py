@@ -4,6 +4,7 @@ versions."""
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -161,3 +162,40 @@ async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None
         in_journal = {post: await state(agent.journal, post) for post in posts}
     assert in_journal == {post: card.state for post, card in posts.items() if card is not None}
     assert set(in_journal.values()) >= {"done", "asks_back", "answered", "refused", "stopped"}
+
+
+async def test_a_new_claim_has_not_waited_and_one_from_before_a_restart_of_the_machine_has_waited_too_long(
+    tmp_path: Path,
+) -> None:
+    journal = await open_journal(tmp_path, ROBOT)
+    assert (await journal.claim(command("1"))).waited_s == 0.0
+    JournalStore(tmp_path, ROBOT).change("UPDATE claim SET boot = 'another'")
+    [claim] = await journal.open_claims()
+    assert claim.waited_s == math.inf if journal.fence is None else 0.0 <= claim.waited_s < 60.0
+    await journal.close()
+
+
+async def test_law_6_a_motion_that_is_written_while_the_journal_closes_does_not_begin(tmp_path: Path) -> None:
+    """The motion's task exists, but another process holds up its write until after `close`."""
+    journal = await open_journal(tmp_path, ROBOT)
+    await journal.claim(command("1"))
+    begun: list[str] = []
+
+    async def moving() -> str:
+        begun.append("moved")
+        return "moved"
+
+    tasks = len(asyncio.all_tasks())
+    async with asyncio.timeout(60):
+        with JournalStore(tmp_path, ROBOT).writing():
+            caller = asyncio.create_task(journal.move("1", moving))
+            while len(asyncio.all_tasks()) < tasks + 2:  # noqa: ASYNC110 (the tasks of caller and motion)
+                await asyncio.sleep(0)
+            closing = asyncio.create_task(journal.close())
+            await asyncio.sleep(0)
+        await closing
+    await asyncio.gather(caller, return_exceptions=True)
+    assert not begun
+    journal = await open_journal(tmp_path, ROBOT)
+    assert await journal.move("1", says("moved")) == "moved", "it did not begin, so it is not interrupted"
+    await journal.close()

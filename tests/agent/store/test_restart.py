@@ -114,11 +114,15 @@ async def test_law_5_a_command_left_open_moves_after_a_restart_only_while_it_is_
         assert (await scene.final(posts[0])).card.state == "done"
         await scene.final(posts[1])
         claim = await agent.journal.claimed(posts[0].id)
-        assert claim.why_not(agent.event_stream.now(), agent._watermark_at, agent.stop_handler.stopped_at, 120) is None
+        assert (
+            claim.why_not(agent.event_stream.now(), agent.clock.watermark_at, agent.stop_handler.stopped_at, 120)
+            is None
+        )
         scene.world.clock_offset_s = 125
         await agent.event_stream.set_clock()
         assert (
-            claim.why_not(agent.event_stream.now(), agent._watermark_at, agent.stop_handler.stopped_at, 120) == "stale"
+            claim.why_not(agent.event_stream.now(), agent.clock.watermark_at, agent.stop_handler.stopped_at, 120)
+            == "stale"
         )
 
 

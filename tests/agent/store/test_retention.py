@@ -57,7 +57,7 @@ def rows(folder: Path, query: str) -> list[str]:
 
 async def test_law_6_claims_are_let_go_of_when_they_are_reported_and_old_and_open_ones_never(tmp_path: Path) -> None:
     posts = ("old", "open", "new")
-    journal = await kept(tmp_path, *posts, reported=("old", "new"), aged={"old": 31, "open": 400})
+    journal = await kept(tmp_path, *posts, reported=("old", "new"), aged={"old": 31, "open": 400, "new": 29})
     await journal.prune(30, 5000)
     assert rows(tmp_path, "SELECT post FROM claim ORDER BY number") == ["open", "new"]
     assert sorted(rows(tmp_path, "SELECT post FROM motion")) == ["new", "open"]

@@ -95,6 +95,29 @@ async def test_law_14_no_run_begins_after_its_schedule_was_ended(tmp_path: Path)
     await journal.close()
 
 
+async def test_a_schedule_that_ended_by_its_limit_is_renewed_once_unless_that_is_refused(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    for post in "1234":
+        await journal.add_schedule(asked(post), NOON)
+        await journal.end_schedule(post, ScheduleEnd.DONE if post == "4" else ScheduleEnd.LIMIT)
+    assert [each.post_id for each in await journal.renewable_schedules()] == ["1", "2", "3"]
+    renewed = KeptSchedule(asked("1"), NOON + HOUR, 30, None, False)
+    assert await journal.renew_schedule(renewed) is True
+    assert await journal.schedule("1") == renewed
+    assert await journal.renew_schedule(replace(renewed, runs_left=60)) is False
+    assert await journal.schedule("1") == renewed
+    await journal.refuse_renewal("2", ScheduleEnd.STOP)
+    refused = await journal.schedule("2")
+    assert refused is not None
+    assert (refused.ended, refused.told) == (ScheduleEnd.STOP, True)
+    assert [each.post_id for each in await journal.renewable_schedules()] == ["3"]
+    await journal.set_schedule_told("3")
+    await journal.prune(30, 5000)
+    assert [await journal.schedule(post) for post in "23"] == [None, None], "both ends were told"
+    assert {each.post_id for each in await journal.schedules()} == {"1", "4"}
+    await journal.close()
+
+
 async def test_a_schedule_is_let_go_of_when_its_end_was_told(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     for post in "1234":

@@ -257,9 +257,9 @@ async def test_an_agent_that_is_ended_while_a_model_thinks_ends_soon(
     ("text", "words", "sentence"),
     [
         (
-            f"@{ROBOT} walk forward 1 m so that the tower of cards wobbles",
-            "so that the tower of cards wobbles",
-            "objects to the words `so that the tower of cards wobbles`: somebody may be hurt, frightened or hindered.",
+            f"@{ROBOT} walk forward 1 m so that my friend is happy",
+            "so that my friend is happy",
+            "objects to the words `so that my friend is happy`: somebody may be hurt, frightened or hindered.",
         ),
         (f"@{ROBOT} 向前走1米", "", "负责检查命令的模型表示反对：可能会伤到、吓到或妨碍别人。"),
     ],

@@ -65,7 +65,7 @@ async def test_a_text_that_renders_too_slowly_is_shown_as_typed(renderer: Render
 
 
 async def test_a_long_normal_text_is_rendered(renderer: Renderer) -> None:
-    for path in sorted((Path(__file__).parents[3] / "docs").glob("*.md")):
+    for path in sorted((Path(__file__).parents[3] / "docs").rglob("*.md")):
         made = await renderer.render("@quadruped\n\n" + path.read_text()[:40_000], WRITER)
         assert TOO_COMPLEX not in made.html, path.name
         assert 'href="/u/quadruped"' in made.html

@@ -80,6 +80,9 @@ def linked(html: str) -> set[str]:
 @example("@quadruped²")
 @example("@quadruped- walk")
 @example("@quad-**ruped**")
+@example("@quadruped.~~@quad~~quad")
+@example("@quadruped/**quad**")
+@example("@quadruped:**93**")
 @example("＠ｑｕ\u200dａｄ")
 @example("é＠ｑｕａｄ\u200d＠ｑｕａｄ")
 def test_law_3_a_robot_reads_exactly_the_mentions_that_the_board_links(raw: str) -> None:

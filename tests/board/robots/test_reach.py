@@ -65,3 +65,14 @@ def test_the_author_is_told_when_the_agent_is_offline(tmp_path: Path) -> None:
     with running_site(tmp_path) as site:
         shown = site.browser("alice").send("/b/robots/new", title="A try", body="@quadruped wave", do="preview")
         assert hint_on(shown.text).startswith("@quadruped is not connected now, so it does not answer.")
+
+
+def test_the_examples_of_a_board_are_what_its_robot_can_do(tmp_path: Path) -> None:
+    with running_site(tmp_path) as site:
+        card = {**CARD, "boards": ["robots"], "ops": ["photo", "hello"], "move_directions": []}
+        site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
+        alice = site.browser("alice")
+        for path in ("/b/robots", "/b/robots/new"):
+            page = alice.get(path).text
+            assert "<code>@quadruped wave</code>" in page
+            assert "walk forward" not in page

@@ -66,6 +66,14 @@ def test_a_robot_is_live_while_its_agent_sends_cards() -> None:
     assert not robot_view("quadruped", CARD, now - timedelta(seconds=20)).live
 
 
+def test_limits_of_walks_and_turns_are_not_shown_for_a_robot_that_does_neither() -> None:
+    limits = CARD["limits"] | {"turn_dps": 45, "step_m": 5, "step_deg": 360, "command_steps": 10}
+    arm = robot_view("arm", CARD | {"ops": ["hello", "photo"], "limits": limits}, None)
+    assert arm.limits == (("One command", "60 s, 10 steps"),)
+    head = robot_view("head", CARD | {"ops": ["turn"], "limits": limits}, None)
+    assert head.limits == (("One command", "60 s, 10 steps"), ("Turning", "45°/s"), ("One turn", "360°"))
+
+
 def test_the_limits_of_a_command_are_one_line() -> None:
     view = robot_view("quadruped", CARD, None)
     assert view.limits == (("Speed", "0.5 m/s"), ("One command", "10 m, 60 s"))

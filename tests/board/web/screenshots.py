@@ -1,4 +1,5 @@
-"""Take the screenshots in docs/board.md: each page on desktop and phone, light and dark, side by side in one picture.
+"""Take the screenshots that the documentation shows: each page on desktop and phone, light and dark, side by side in
+one picture.
 
     scripts/board-pictures [--only NAME …] [--whole FOLDER]
 
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import re
 import sys
 import threading
 import time
@@ -24,7 +26,8 @@ from tests.board.web.browser_windows import Windows, running_chromium
 from tests.board.web.forum_site import Site, running_site
 from tests.board.web.page_list import PAGES, PageEntry, fill, send_presence
 
-FOLDER = Path(__file__).parents[3] / "docs/images/board"
+DOCS = Path(__file__).parents[3] / "docs"
+FOLDER = DOCS / "images/board"
 APPEARANCES = {
     "desktop-light": ((1280, 900), "light"),
     "desktop-dark": ((1280, 900), "dark"),
@@ -110,12 +113,20 @@ def take_screenshots(
     return taken
 
 
+def shown() -> set[str]:
+    """The names of the pictures that pages of the documentation show."""
+    pages = DOCS.rglob("*.md")
+    return {
+        name for page in pages for name in re.findall(r"images/board/([\w-]+)\.webp", page.read_text(encoding="utf-8"))
+    }
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--only", nargs="*", default=[], help="names of pages")
     parser.add_argument("--whole", type=Path, help="a folder for full-page screenshots as PNG")
     given = parser.parse_args()
-    wanted = [entry for entry in PAGES if not given.only or entry.name in given.only]
+    wanted = [entry for entry in PAGES if entry.name in (given.only or shown())]
     if given.whole:
         given.whole.mkdir(parents=True, exist_ok=True)
     FOLDER.mkdir(parents=True, exist_ok=True)

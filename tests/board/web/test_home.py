@@ -113,6 +113,24 @@ def test_any_text_gives_a_title(site: Site, text: str) -> None:
     assert 0 < len(title[1]) <= 80
 
 
+@pytest.mark.parametrize(
+    ("body", "posted"),
+    [
+        ("@quadruped wave", "preview: @quadruped wave"),
+        ("@quadruped 挥手", "预演：@quadruped 挥手"),
+        ("@quadruped preview wave", "@quadruped preview wave"),
+    ],
+)
+def test_the_rehearse_button_posts_a_request_for_a_preview(site: Site, body: str, posted: str) -> None:
+    alice = site.browser("alice")
+    assert '<button type="submit" name="do" value="rehearse"' in alice.get("/").text
+    topic = alice.send("/command", "/", body=body, do="rehearse")
+    topic_id = re.search(r"/t/(\d+)", str(topic.url))
+    assert topic_id
+    (post,) = site.api("alice").get(f"/topics/{topic_id[1]}/posts").json()["items"]
+    assert post["raw"] == posted
+
+
 def test_who_is_not_signed_in_sees_what_this_is_and_cannot_command(site: Site) -> None:
     nobody = site.browser()
     page = nobody.get("/").text
@@ -245,6 +263,18 @@ def test_a_picture_opens_in_place_and_escape_closes_it(site: Site, windows: Wind
     expect(dialog).not_to_be_visible()
     assert page.url == address
     assert stops(site) == before
+
+
+def test_the_preview_of_a_command_that_waits_for_an_approval_is_named(site: Site, windows: Windows) -> None:
+    waiting = RUNNING | {"state": "waiting"}
+    post = run_command(site, "@quadruped walk far", waiting)
+    page, robot = windows.open("bob"), site.api("quadruped")
+    page.goto(f"/p/{post}")
+    reply = page.locator("article.by-robot").get_attribute("data-post")
+    image = robot.post("/images", files={"file": ("a.png", png(), "image/png")}).json()["id"]
+    edit = {"body": "**Waits for approval.**", "card": waiting, "images": [image]}
+    robot.patch(f"/posts/{reply}", json=edit).raise_for_status()
+    expect(page.locator(".pictures .plot figcaption")).to_have_text("Paths of the preview")
 
 
 def test_a_report_comes_with_its_captions_and_its_recording_is_added_without_a_flicker(

@@ -103,13 +103,24 @@ def test_the_3d_view_is_loaded_only_when_asked_for_and_falls_back_to_the_map(sit
     page.on("request", lambda request: asked.append(request.url))
     missing = "no 3D model of a rover is known"
     card = CARD | {"map": MAP | {"no_geometry": missing}}
-    site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
     page.goto(f"/t/{topic}")
+    site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
     page.get_by_role("button", name="3D").click()
     expect(page.locator(".live-state")).to_contain_text(f"3D is not available here: {missing}")
     expect(page.locator(".map")).to_be_visible()
     expect(page.get_by_role("button", name="3D")).to_have_count(0)
     assert not [url for url in asked if "viewer3d" in url], "without a shape three.js is not loaded either"
+
+
+def test_a_robot_without_a_shape_has_no_3d_button(site: Site, windows: Windows) -> None:
+    topic, _ = command(site)
+    card = CARD | {"map": MAP | {"no_geometry": "the robot's owner shows its map only"}}
+    site.api("quadruped").put("/robots/quadruped", json={"card": card}).raise_for_status()
+    page = windows.open("alice")
+    page.goto(f"/t/{topic}")
+    expect(page.locator(".map")).to_be_visible()
+    expect(page.locator(".live-state")).not_to_have_text("")
+    expect(page.get_by_role("button", name="3D")).to_have_count(0)
 
 
 def test_the_replay_plays_pauses_and_goes_to_a_time(site: Site, windows: Windows) -> None:
@@ -154,6 +165,26 @@ def test_without_scripts_the_pages_show_the_last_picture(site: Site) -> None:
     assert "translate(2.0 -0.0)" in shown
     assert 'class="map-path" points="0.00,-0.00 0.05,-0.00' in shown
     assert shown.count('class="map-thing"') == 2
+
+
+def test_whoever_is_asked_to_approve_sees_the_preview_replayed_and_it_is_never_called_measured(site: Site) -> None:
+    topic, post = command(site)
+    robot, alice = site.api("quadruped"), site.browser("alice")
+    card = {"robot": "quadruped", "state": "waiting", "trace_id": "0123456789ab"}
+    asked = {"body": "**Waits for approval.**", "reply_to": post, "card": card}
+    robot.post(f"/topics/{topic}/posts", json=asked).raise_for_status()
+    simulated = gzip.compress(json.dumps(REPLAY | {"simulated": True}).encode())
+    robot.put(f"/commands/{post}/replay", content=simulated).raise_for_status()
+    waiting = alice.get(f"/c/{post}").text
+    assert "Waits for approval." in waiting
+    assert "Replay of the preview: simulated, nothing moved" in waiting
+    assert "</i> simulated</span>" in waiting
+    robot.put(
+        f"/commands/{post}", json={"record": {"robot": "quadruped", "steps": [{"op": "move"}]}}
+    ).raise_for_status()
+    assert "Replay of the preview: simulated, nothing moved" in alice.get(f"/c/{post}").text  # no other one came
+    robot.put(f"/commands/{post}/replay", content=gzip.compress(json.dumps(REPLAY).encode())).raise_for_status()
+    assert "Replay of the preview" not in alice.get(f"/c/{post}").text
 
 
 def test_who_may_not_read_the_robots_boards_sees_no_map(site: Site) -> None:

@@ -76,6 +76,24 @@ def test_the_robots_reply_appears_without_reloading(site: Site, windows: Windows
     assert page.evaluate("window.sameDocument")
 
 
+def test_a_part_of_several_robots_says_what_it_waits_for_and_to_whom_it_was_left(site: Site, windows: Windows) -> None:
+    topic = new_topic(site)
+    page = windows.open("bob")
+    page.goto(f"/t/{topic}")
+    wait_live(page)
+    part = {"robot": "quadruped", "state": "queued", "trace_id": "t", "part": 1, "parts": 2}
+    post = robot_posts(site, topic, "Waits.", part | {"until": "2030-01-01T10:00:00+00:00"})
+    article = page.locator(f"#post-{post}")
+    expect(article.locator(".status-line")).to_contain_text("waits for another part, at most until")
+    robot_edits(site, post, "Bids.", part | {"bid_s": 8, "near_cm": 120, "room": "lab"})
+    expect(article.locator(".status-line")).to_have_text("bids 8 s, 1.20 m away")
+    robot_edits(site, post, "Left.", part | {"state": "cancelled", "left_to": "humanoid"})
+    expect(article.locator(".chip")).to_have_text("left to @humanoid")
+    takes = robot_posts(site, topic, "I do it.", part | {"state": "answered", "takes": 1})
+    expect(page.locator(f"#post-{takes} .chip")).to_have_text("takes part 1")
+    expect(page.locator(f"#post-{takes}").get_by_role("link", name="Record")).to_have_count(0)
+
+
 def test_many_edits_in_a_row_end_with_the_last_one(site: Site, windows: Windows) -> None:
     topic = new_topic(site)
     page = windows.open("bob")

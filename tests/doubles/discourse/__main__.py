@@ -15,7 +15,9 @@ from tests.doubles.discourse.site import LIFTED, Site
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.doubles.discourse", description=__doc__)
     parser.add_argument("--port", type=int, default=8090, help="0 for any free one")
-    parser.add_argument("--lifted", action="store_true", help="with the limits lifted that docs/discourse.md names")
+    parser.add_argument(
+        "--lifted", action="store_true", help="with the limits lifted that docs/forum/discourse.md names"
+    )
     asked = parser.parse_args()
     site = Site(LIFTED if asked.lifted else None)
     site.add_category("Robots", "robots")

@@ -37,7 +37,7 @@ DEFAULTS: Mapping[str, float] = {
     "max_reqs_per_ip_per_10_seconds": 0,
     "long_polling_interval_s": 25,
 }
-#: The limits that `docs/discourse.md` asks an admin to lift.
+#: The limits that `docs/forum/discourse.md` asks an admin to lift.
 LIFTED: Mapping[str, float] = {
     "min_post_length": 5,
     "min_first_post_length": 5,

@@ -44,7 +44,7 @@ _OF_KIND = {
 _OF_ROLE = {Role.OPERATOR: "robot-operators", Role.ADMIN: "robot-admins"}
 CREATED, EDITED, REMOVED = EventKind.POST_CREATED, EventKind.POST_EDITED, EventKind.POST_REMOVED
 PASSWORD = "a long enough password"
-#: Site settings that docs/discourse.md asks an admin to change; the others belong to the start-up configuration.
+#: Site settings that docs/forum/discourse.md asks an admin to change; the others belong to the start-up configuration.
 SITE_SETTINGS = {k: v for k, v in LIFTED.items() if not k.startswith("max_") or k == "max_edits_per_day"}
 
 

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,11 +28,12 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
 
 
 @asynccontextmanager
-async def served(world: DiscourseWorld, driver: Driver, folder: Path) -> AsyncIterator[DiscourseForum]:
+async def served(world: DiscourseWorld, driver: Driver, folder: Path, **more: Any) -> AsyncIterator[DiscourseForum]:
     """Run a robot's agent on that Discourse until the block ends; the forum is the robot's."""
     forum = await world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+    settings = robot_settings(**more)
     agent = RobotAgent(
-        name=ROBOT, settings=robot_settings(), forum=forum, driver=driver.client(), mind=RulesMind(), data=folder
+        name=ROBOT, settings=settings, forum=forum, driver=driver.client(), mind=RulesMind(), data=folder
     )
     async with serving(agent):
         yield forum
@@ -64,6 +66,29 @@ async def test_a_command_is_executed_and_reported_and_another_one_stopped(driver
             await answer(alice, far, {"running"})
             await bob.reply(far.topic_id, "@quadruped stop", key="4")
             assert (await answer(alice, far, FINAL)).card.state == "stopped"  # type: ignore[union-attr]
+        _told_once(double)
+
+
+async def test_law_7_a_command_with_a_preview_is_carried_out_and_ends_after_its_approval(
+    driver: Driver, tmp_path: Path
+) -> None:
+    async with double_world() as (world, double):
+        alice, carol = (
+            await world.sign_in("alice", role=Role.OPERATOR),
+            await world.sign_in("carol", role=Role.ADMIN),
+        )
+        async with served(world, driver, tmp_path, approval={"classes": ["move"]}):
+            walk = (await alice.create_topic("robots", "A walk", "@quadruped walk forward 0.3 m", key="1")).post
+            while True:
+                shown = await answer(alice, walk, {"waiting"})
+                if "**Preview: nothing moved.**" in shown.raw:
+                    break
+            assert len(shown.images) == 1
+            await carol.reply(walk.topic_id, "@quadruped approve", key="2")
+            done = await answer(alice, walk, FINAL)
+            assert done.card is not None
+            assert done.card.state == "done", done.raw
+            assert "Preview and measured: " in done.raw
         _told_once(double)
 
 

@@ -1,5 +1,5 @@
-"""docs/discourse.md is accurate; the double can be started as a command and departs from Discourse's document only
-where stated."""
+"""docs/forum/discourse.md is accurate; the double can be started as a command and departs from Discourse's document
+only where stated."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.doubles.discourse.site import DEFAULTS, LIFTED
 from tests.forums.discourse.discourse_world import double_world
 
 ROOT = Path(__file__).parents[3]
-GUIDE = (ROOT / "docs/discourse.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/forum/discourse.md").read_text(encoding="utf-8")
 
 
 def test_the_configuration_in_the_guide_is_valid() -> None:

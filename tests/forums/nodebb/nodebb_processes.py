@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -27,7 +27,9 @@ url = "{url}"
 operators = {operators}
 moderators = {moderators}
 robot_agents = {robot_agents}
+"""
 
+_ROBOT = """
 [robots.{robot}]
 model = "fake"
 domain = {domain}
@@ -44,21 +46,29 @@ options = {{ room = [-1000, 1000, -1000, 1000] }}
 @contextmanager
 def running_robot(world: NodeBBWorld, secret: str, folder: Path) -> Iterator[Path]:
     """Start the driver and agent of a fake robot from a configuration file, as its owner would."""
-    config = folder / "agentrob.toml"
-    domain = os.environ["AGENTROB_TEST_DOMAIN"]
-    names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}
-    config.write_text(_CONFIG.format(data=folder / "data", url=world.url, robot=ROBOT, domain=domain, **names))
-    env = {**os.environ, "AGENTROB_TOKEN": secret, "AGENTROB_RUNTIME": str(folder)}
-    with ExitStack() as stack:
-        for what in (("driver",), ("agent", "run")):
-            stack.enter_context(_process(what, config, env, folder))
+    with running_robots(world, {ROBOT: secret}, folder) as config:
         yield config
 
 
 @contextmanager
-def _process(what: tuple[str, ...], config: Path, env: dict[str, str], folder: Path) -> Iterator[None]:
-    command = [sys.executable, "-m", "agentrob", *what, ROBOT, "--config", str(config)]
-    said = folder / f"{what[0]}.log"
+def running_robots(world: NodeBBWorld, secrets: Mapping[str, str], folder: Path) -> Iterator[Path]:
+    """Start the drivers and agents of fake robots, each an agent of its own, by their secrets on the forum."""
+    config, domain = folder / "agentrob.toml", int(os.environ["AGENTROB_TEST_DOMAIN"])
+    names = {k: json.dumps(GROUPS[k]) for k in ("operators", "moderators", "robot_agents")}
+    robots = [_ROBOT.format(robot=robot, domain=domain ^ number) for number, robot in enumerate(secrets)]
+    config.write_text(_CONFIG.format(data=folder / "data", url=world.url, **names) + "".join(robots))
+    with ExitStack() as stack:
+        for robot, secret in secrets.items():
+            env = {**os.environ, "AGENTROB_TOKEN": secret, "AGENTROB_RUNTIME": str(folder)}
+            for what in (("driver",), ("agent", "run")):
+                stack.enter_context(_process(what, robot, config, env, folder))
+        yield config
+
+
+@contextmanager
+def _process(what: tuple[str, ...], robot: str, config: Path, env: dict[str, str], folder: Path) -> Iterator[None]:
+    command = [sys.executable, "-m", "agentrob", *what, robot, "--config", str(config)]
+    said = folder / f"{robot}-{what[0]}.log"
     with said.open("w") as log:
         process = subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=log, text=True)
         assert process.stdout is not None
@@ -102,3 +112,8 @@ async def state(world: NodeBBWorld, post: Post, wanted: str, limit_s: float = 60
             if any(r.reply_to == post.id and r.card and r.card.state == wanted for r in replies):
                 return time.monotonic()
             await asyncio.sleep(0.1)
+
+
+async def replies_to(world: NodeBBWorld, post: Post) -> list[Post]:
+    """Return the replies to a post, as any account can read them."""
+    return [p for p in (await world.forums[0].posts(post.topic_id)).items if p.reply_to == post.id]

@@ -28,7 +28,7 @@ GROUP_OF = {
     Role.MODERATOR: "robot-moderators",
     Role.ADMIN: "administrators",
 }
-#: Settings that hinder robots and tests; `docs/nodebb.md` says which of them a forum should change, and how.
+#: Settings that hinder robots and tests; `docs/forum/nodebb.md` says which of them a forum should change, and how.
 LIFTED = {
     "postQueue": 0,
     "newbiePostDelay": 0,
@@ -68,7 +68,8 @@ class NodeBBWorld:
                 await self.client.send("POST", "/groups", {"name": name, "private": 1, "disableJoinRequests": 1})
 
     async def own_limits(self) -> None:
-        """Set the limits of a new NodeBB, with the exemptions for the robots' group that docs/nodebb.md asks for."""
+        """Set the limits of a new NodeBB, with the exemptions for the robots' group that docs/forum/nodebb.md asks
+        for."""
         exempt = ["administrators", "Global Moderators", *GROUPS["robot_agents"]]
         for setting in ("groupsExemptFromPostQueue", "groupsExemptFromNewUserRestrictions"):
             await self.set(setting, exempt)

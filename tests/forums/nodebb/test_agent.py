@@ -101,9 +101,10 @@ async def test_law_7_a_moderator_of_nodebb_approves_what_an_operator_asked(
     carol = await nodebb.sign_in("carol", role=Role.MODERATOR)
     async with serving_robot(nodebb, driver, tmp_path, approval={"classes": ["gesture"]}):
         post = (await alice.create_topic("robots", "A wave", f"@{ROBOT} wave", key="wave")).post
-        await _status_post(nodebb, "waiting")
+        await _sent_post(nodebb, lambda sent: "**Preview: nothing moved.**" in sent.text)
         await bob.reply(post.topic_id, f"@{ROBOT} approve", key="no")
         await _sent_post(nodebb, lambda final_post: final_post.card is None and "approve" in final_post.text)
         await carol.reply(post.topic_id, f"@{ROBOT} approve", key="yes")
         done = await _status_post(nodebb, "done")
     assert "Approved by `carol`" in done.text
+    assert "Preview and measured: " in done.text

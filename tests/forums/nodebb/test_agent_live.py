@@ -6,6 +6,7 @@ test is collected.
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -13,7 +14,15 @@ from pathlib import Path
 import pytest
 
 from agentrob.model import AccountKind, Role
-from tests.forums.nodebb.nodebb_processes import ROBOT, answer, final, running_robot, state
+from tests.forums.nodebb.nodebb_processes import (
+    ROBOT,
+    answer,
+    final,
+    replies_to,
+    running_robot,
+    running_robots,
+    state,
+)
 from tests.forums.nodebb.nodebb_world import NodeBBWorld
 
 URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
@@ -63,6 +72,26 @@ if URL:
             (tmp_path / "told.md").write_text(text, encoding="utf-8")
 
     @pytest.mark.slow
+    async def test_two_robots_with_an_agent_each_do_one_joint_command_on_nodebb(
+        world: NodeBBWorld, tmp_path: Path
+    ) -> None:
+        """Each agent knows of the other's part only what NodeBB tells it."""
+        alice, other = world.forums[0], "humanoid"
+        await world.sign_in(other, kind=AccountKind.ROBOT_AGENT)
+        text = f"@{ROBOT} walk forward 1 m, then @{other} walk forward 0.5 m. Then one of you walk backward 0.5 m"
+        with running_robots(world, {name: world.secrets[name] for name in (ROBOT, other)}, tmp_path):
+            post = (await alice.create_topic("robots", "Together", text, key="together")).post
+            async with asyncio.timeout(180):
+                while not (summary := [p for p in await replies_to(world, post) if " of 3 done:" in p.raw]):  # noqa: ASYNC110
+                    await asyncio.sleep(0.5)
+        assert summary[0].raw.startswith("3 of 3 done:"), summary[0].raw
+        cards = [p.card for p in await replies_to(world, post) if p.card]
+        assert sorted((c.part, c.state) for c in cards if c.state == "done") == [(1, "done"), (2, "done"), (3, "done")]
+        takers = [c.robot for c in cards if c.takes]  # both, where a bid was not seen in time: the first one counts
+        assert takers[0] == next(c.robot for c in cards if (c.part, c.state) == (3, "done"))
+        assert [c.left_to for c in cards if c.left_to] == takers[:1]
+
+    @pytest.mark.slow
     async def test_law_7_on_nodebb_what_needs_an_approval_is_done_with_a_moderators(
         world: NodeBBWorld, tmp_path: Path
     ) -> None:
@@ -86,7 +115,7 @@ if URL:
     ) -> None:
         """A new NodeBB queues posts, requires 120 s between a newcomer's posts and 10 s between anybody's.
 
-        The robot's group is exempt from the first two, as docs/nodebb.md asks; administrators are exempt from all
+        The robot's group is exempt from the first two, as docs/forum/nodebb.md asks; administrators are exempt from all
         three.
         """
         root = await world.sign_in("root", role=Role.ADMIN)

@@ -21,7 +21,11 @@ from agentrob.forums.nodebb.posts import mentions_in
 from agentrob.forums.nodebb.settings import Credentials, NodeBBOptions, account
 from agentrob.model import AccountKind, Role, StatusCard
 
-CARD = StatusCard("quadruped", "running", step=1, steps=2, doing="move", trace_id="t1")
+CARD = StatusCard(
+    "quadruped", "running", step=1, steps=2, doing="move", trace_id="t1", part=2, parts=3, post="12",
+    content_hash="0a" * 32, bid_s=9, bid_cm=150, near_cm=90, room="lab", battery=80, ahead=1, takes=1,
+    left_to="humanoid",
+)  # fmt: skip
 
 
 @settings(max_examples=50)

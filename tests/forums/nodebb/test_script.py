@@ -1,4 +1,5 @@
-"""scripts/nodebb prepares a NodeBB for a robot (against a recording); the configuration in docs/nodebb.md is valid."""
+"""scripts/nodebb prepares a NodeBB for a robot (against a recording); the configuration in docs/forum/nodebb.md is
+valid."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from agentrob.model import AccountKind, Role
 from tests.forums.nodebb.nodebb_world import ADMIN, NodeBBWorld
 
 ROOT = Path(__file__).parents[3]
-GUIDE = (ROOT / "docs/nodebb.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/forum/nodebb.md").read_text(encoding="utf-8")
 
 
 def test_the_configuration_of_the_guide_is_one() -> None:

@@ -269,6 +269,22 @@ def test_law_18_no_deed_of_a_generated_post_is_dropped_added_or_moved() -> None:
     assert not wrong, f"{len(wrong)} posts, for example {wrong[:5]}"
 
 
+#: A remark and a request without a pause between them, as the generator found them.
+JOINED_TO_A_REMARK = (
+    "那就向左平移一米，大家都在看完告诉我温度",
+    "记得挥手，免得绊倒人和找我的钥匙",
+    "请站起来，我很无聊，然后往前走半米，大家都在看完拍张照片",
+    "站起来，免得绊倒人完发一张照片，随后给他挥挥手",
+    "记得朝前走一米五，前面没有人和握手，不要伸个懒腰",
+    "麻烦你挥手，这样很好完数椅子",
+)
+
+
+@pytest.mark.parametrize("text", JOINED_TO_A_REMARK)
+def test_law_18_a_request_that_joins_a_remark_is_asked_about(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
 #: Constructs that people use every day; a question about them is the exception.
 PLAIN = {"join", "politeness", "reminder", "count", "order word", "remark"}
 MOST_ASKED = 0.2

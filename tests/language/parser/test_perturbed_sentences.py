@@ -61,8 +61,8 @@ NAUGHTY = (
     "walk 1 m, do it again twice " * 60, "wave 99 times, do this 99 times " * 40, "1/0 m", "1/3 m", "\xbd" * 3,
     "turn left " * 90, "@rex " * 100, "[quote]" * 100, "*a " * 200, "<" * 300, "`" * 301,
 )  # fmt: skip
-#: The limits are those of the machine of docs/figures.md (median text 0.26 ms); a slower one has more in proportion.
-#: Where the same code took 0.70 ms, `yardstick_s` was 3.4 ms.
+#: The limits are those of the machine of docs/safety/figures.md (median text 0.26 ms); a slower one has more in
+#: proportion. Where the same code took 0.70 ms, `yardstick_s` was 3.4 ms.
 YARDSTICK_S = 0.0034 * 0.26 / 0.70
 TYPICAL_S, WORST_S = 0.005, 0.020
 

@@ -52,7 +52,7 @@ def test_law_13_the_sets_hold_and_are_of_both_languages() -> None:
 def test_law_13_no_row_of_the_own_sets_is_read_otherwise() -> None:
     rows = [json.loads(line) for line in ROWS.read_text(encoding="utf-8").splitlines()]
     own = rows[:OWN]
-    assert sum(row["stop"] for row in own) == 142 + 113  # as in the table of docs/understanding.md
+    assert sum(row["stop"] for row in own) == 142 + 113  # as in the table of docs/safety/understanding.md
     assert [row["text"] for row in own if row.get("wrong")] == []
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.config.load import Config, parse
-from agentrob.config.minds import MindConfig, MindLimitsConfig, PriceConfig
 from agentrob.errors import ConfigError
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.rules import RulesMind
@@ -95,10 +93,3 @@ def test_a_mind_is_made_by_its_name() -> None:
         ConfigError, match=r"mind 'other' is not installed; installed minds: rules; configured as .*: clever"
     ):
         make_mind("other", config)
-
-
-def test_the_documentation_names_every_setting() -> None:
-    told = (Path(__file__).parents[3] / "docs/minds.md").read_text(encoding="utf-8")
-    for section, prefix in ((MindConfig, ""), (MindLimitsConfig, "limits."), (PriceConfig, "price.")):
-        for name in section.model_fields:
-            assert name in ("limits", "price") or f"`{prefix}{name}`" in told, name

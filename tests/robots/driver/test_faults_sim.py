@@ -1,4 +1,4 @@
-"""Every fault in docs/faults.md without a test of a law: a Go2 in full physics, real DDS, and a driver.
+"""Every fault in docs/safety/faults.md without a test of a law: a Go2 in full physics, real DDS, and a driver.
 
 The room injects the fault; the test checks the step's result and where the robot really was.
 """

@@ -1,4 +1,5 @@
-"""docs/real-robot.md is accurate: its commands make certificates, and its two configurations reach each other."""
+"""docs/robots/real-robot.md is accurate: its commands make certificates, and its two configurations reach each
+other."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from agentrob.config.load import parse
 from agentrob.robots.driver.remote import driver_client
 from tests.robots.driver_scene import NEAR, Drivers, until
 
-GUIDE = (Path(__file__).parents[3] / "docs/real-robot.md").read_text(encoding="utf-8")
+GUIDE = (Path(__file__).parents[3] / "docs/robots/real-robot.md").read_text(encoding="utf-8")
 SECTION = GUIDE[GUIDE.index("## 9. The driver on the robot's computer") : GUIDE.index("## What is unverified")]
 
 

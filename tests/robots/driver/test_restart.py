@@ -156,7 +156,7 @@ def test_a_mark_is_there_while_a_step_runs_and_no_longer(tmp_path: Path) -> None
         {"alive_s": 3600.0},
         {"alive_s": "soon"},
         {"boot": "another"},
-        {"op": "dance"},
+        {"op": "Dance!"},
         {"mode": None, "op": None},
         None,
     ],
@@ -199,7 +199,7 @@ async def test_law_12_a_driver_that_follows_a_killed_one_moves_its_robot_without
         process.communicate()
         left = CrashMarker(mark).interrupted_step()
         assert left is not None
-        assert left.op is Op.MOVE
+        assert left.op == Op.MOVE
         _, successor = drivers.start(name)
         assert not mark.exists()
         assert not (await robot.state()).halted

@@ -121,7 +121,7 @@ def test_a_real_robot_never_homes_itself(make: Make) -> None:
 
 
 def test_the_configuration_of_the_guide_homes_its_robot(make: Make) -> None:
-    guide = (Path(__file__).parents[3] / "docs" / "add-a-robot.md").read_text(encoding="utf-8")
+    guide = (Path(__file__).parents[3] / "docs/robots/add-a-robot.md").read_text(encoding="utf-8")
     written = tomllib.loads(next(t for t in re.findall(r"```toml\n(.*?)```", guide, re.DOTALL) if "[robots." in t))
     (settings,) = written["robots"].values()
     guard = make(**{"simulated": False, "home_on_start": False, **settings, "model": "fake"})

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from agentrob.model import Direction, Op, Primitive, RobotState
+from agentrob.model import BUILT_IN, Direction, Op, Primitive, RobotState
 from agentrob.robots.safety.ranges import RangeMonitor, clearances, obstacle_in
 from tests.robots.guard_scene import B, F, L, R, move, turn
 
@@ -78,6 +79,15 @@ def test_law_8_a_walk_needs_room_ahead_by_its_speed_and_some_at_its_flanks(
 def test_law_8_a_turn_needs_room_on_all_sides_and_a_gesture_is_not_judged() -> None:
     assert dict(clearances(turn(90), 0.0)) == dict.fromkeys(range(4), 0.40)
     assert clearances(Primitive(Op.HELLO), 0.0) == ()
+
+
+def test_law_8_a_turn_on_a_foot_that_stays_needs_what_the_robot_declares() -> None:
+    stays = replace(BUILT_IN[Op.TURN], travel_m=0.0)
+    assert clearances(replace(turn(90), declared=stays), 0.0) == ()
+    roomy = replace(turn(90), declared=replace(stays, free_space_m=0.25))
+    assert dict(clearances(roomy, 0.0)) == dict.fromkeys(range(4), 0.25)
+    leaves = replace(turn(90), declared=replace(BUILT_IN[Op.TURN], free_space_m=0.1))
+    assert dict(clearances(leaves, 0.0)) == dict.fromkeys(range(4), 0.40), "it may leave its place: as for any robot"
 
 
 @pytest.mark.parametrize(("side", "named"), [(0, "ahead"), (1, "to the left"), (2, "behind"), (3, "to the right")])

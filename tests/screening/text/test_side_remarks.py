@@ -25,6 +25,7 @@ def rule_of(remark: str) -> str | None:
     "remark",
     [
         "the cat is in another room",
+        "keep obstacle avoidance on",
         "nobody is in the hallway",
         "there is no one around",
         "the stairs are closed",

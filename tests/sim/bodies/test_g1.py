@@ -21,7 +21,6 @@ from agentrob.sim.rendering.view import front_view
 from agentrob.sim.services import g1_sport
 from agentrob.sim.services.g1_sport import G1Sport
 from agentrob.sim.world.legged import PERIOD_S
-from agentrob.sim.world.meshes import read_stl
 from agentrob.sim.world.scene import OPEN_FLOOR
 from agentrob.sim.world.world import World
 
@@ -354,15 +353,3 @@ def test_the_go2_feels_the_g1_by_its_ranges(both: World) -> None:
     both.data.qpos[g1.root_q : g1.root_q + 2] = go2.xy_m + np.array([1.2, 0.0])
     mujoco.mj_forward(both.model, both.data)
     assert 0.5 < ranges.read()[0] < 1.0
-
-
-def test_a_binary_stl_is_read_triangle_by_triangle(tmp_path: Any) -> None:
-    corner = np.dtype([("normal", "<3f4"), ("corners", "<9f4"), ("attribute", "<u2")])
-    triangles = np.zeros(2, corner)
-    triangles["corners"][1] = [0, 0, 0, 1, 0, 0, 0, 1, 0]
-    path = tmp_path / "two.STL"
-    path.write_bytes(bytes(80) + (2).to_bytes(4, "little") + triangles.tobytes())
-    vertices, faces = read_stl(path)
-    assert vertices.shape == (6, 3)
-    assert vertices[4].tolist() == [1, 0, 0]
-    assert faces.tolist() == [[0, 1, 2], [3, 4, 5]]

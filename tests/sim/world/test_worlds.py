@@ -88,8 +88,8 @@ def test_a_world_of_ones_own_is_a_file(tmp_path: Path) -> None:
 
 
 def test_the_world_that_the_documentation_shows_is_one() -> None:
-    text = (Path(__file__).parents[3] / "docs/worlds.md").read_text(encoding="utf-8")
-    kitchen = parse(tomllib.loads(text.split("```toml")[1].split("```")[0]), "docs/worlds.md")
+    text = (Path(__file__).parents[3] / "docs/robots/worlds.md").read_text(encoding="utf-8")
+    kitchen = parse(tomllib.loads(text.split("```toml")[1].split("```")[0]), "docs/robots/worlds.md")
     assert kitchen.description()["things"] == [{"name": "stove", "note": "hot"}]
     world = World([Go2()], kitchen)
     world.run(0.5)

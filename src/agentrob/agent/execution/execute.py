@@ -10,7 +10,7 @@ import contextlib
 import math
 import time
 import traceback
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, replace
 
 import structlog
@@ -49,9 +49,15 @@ TELL_S = 5.0
 #: Why a step ended: a person stopped it.
 BY_PEOPLE = frozenset({EndReason.STOP, "halt"})
 LAPSED = "lease_lapsed"
+#: A step that is refused because another robot took the room first is tried this often.
+ROOM_TAKEN, ROOM_TRIES = frozenset({"room_busy", "room_restless"}), 3
 FENCED = "fenced"
 _BY_US = frozenset({EndReason.SHUTDOWN, SILENT, LAPSED, FENCED})
 _log = structlog.get_logger()
+
+
+async def _enters(_: Sequence[Primitive]) -> None:
+    """The robot shares no room."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +67,9 @@ class ExecutionHooks:
     `since` returns the time (monotonic seconds) since when no stop may have come. `permit` judges a plan again, on the
     current state. `ended` returns the reason as soon as the command must end. `alive` waits until the stop channel is
     proven alive; `silent` returns whether it no longer is. `stop` stops the robot. `on_step` is called with each step
-    and its number from 0. A step takes at most `step_s`. `on_run` gets the run before its first step; its results can
-    be read at any time.
+    and its number from 0. A step takes at most `step_s`. `enter_room` waits until these steps may begin in the room
+    that the robot shares, or until waiting does not help: the driver then refuses the first one. `on_run` gets the run
+    before its first step; its results can be read at any time.
     """
 
     since: Callable[[], Awaitable[float]]
@@ -73,6 +80,7 @@ class ExecutionHooks:
     stop: Callable[[str], Awaitable[object]]
     on_step: Callable[[Primitive, int], None]
     step_s: float = math.inf
+    enter_room: Callable[[Sequence[Primitive]], Awaitable[object]] = _enters
     on_run: Callable[[Run], None] = lambda _: None
 
 
@@ -118,15 +126,28 @@ class Run:
     async def steps(self) -> CommandState:
         """Do the steps; return the command's final state."""
         for number, step in enumerate(self.plan.steps):
-            if (status := await self._may(step)) is not None:
-                return status
-            self.hooks.on_step(step, number)
-            result = await self._step(step)
+            for _ in range(ROOM_TRIES):
+                await self.wait_for_room(self.plan.steps[number:])
+                if (status := await self._may(step)) is not None:
+                    return status
+                self.hooks.on_step(step, number)
+                result = await self._step(step)
+                if result.outcome is not Outcome.REFUSED or result.reason not in ROOM_TAKEN:
+                    break
+                self.results.remove(result)  # another robot took the room first: nothing moved, and it waits again
+            else:
+                self.results.append(result)
             if not result.ok:
                 if result.reason in BY_PEOPLE:
                     await self._ask_who()
                 return self._status_of(result)
         return CommandState.DONE
+
+    async def wait_for_room(self, steps: Sequence[Primitive]) -> None:
+        """Wait for the shared room; the time does not count as the command's."""
+        began_s = time.monotonic()
+        await self.hooks.enter_room(steps)
+        self.started_s += time.monotonic() - began_s
 
     async def _may(self, step: Primitive) -> CommandState | None:
         """Return None if the step may begin now, else the final state of the command."""

@@ -35,6 +35,7 @@ class GoalRun(Run):
 
     async def act(self, step: Primitive) -> StepAttempt:
         """Execute a step if permitted; raises `CommandEnded` if the whole command must end."""
+        await self.wait_for_room([step])
         if (problem := await self._problem(step)) is not None:
             return StepAttempt(None, problem)
         self.hooks.on_step(step, len(self.results))

@@ -21,6 +21,7 @@ from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.messages.catalog import say
 from agentrob.minds.visual_loop.seen_text import colours_text, mark_text, seen_text, thing_text
 from agentrob.model import (
+    PHOTO,
     Capabilities,
     Command,
     CommandState,
@@ -45,7 +46,7 @@ AROUND_DEG, FULL_TURN_DEG = 45.0, 360.0
 CORRECTED_M, FAILED_M = 0.15, 0.5
 #: How long a detector may look at one picture.
 LOOK_LIMIT_S = 10.0
-_PICTURE = Primitive(Op.GET_FRONT_IMAGE)
+_PICTURE = Primitive(PHOTO)
 _log = structlog.get_logger()
 
 

@@ -110,7 +110,10 @@ class VisualRun(GoalRun):
             self.end = await self.follow()
         except CommandEnded as e:
             return e.status
-        return CommandState.DONE if self.end.claim == "done" else CommandState.FAILED
+        if self.end.claim == "done":
+            return CommandState.DONE
+        why = self.hooks.ended()  # it may have come while the loop ended by itself
+        return CommandState.FAILED if why is None else why.state_in_motion
 
     async def follow(self) -> LoopEnd:
         """Run the loop to its end. Raises `CommandEnded` or `LeaseLost` as soon as it is interrupted."""

@@ -32,6 +32,7 @@ async def run_visual_task_locally(
 
     It ends on `agentrob stop`, on a stop of the hardware, or with this process.
     """
+    await vision_model.prepare()  # no first question then waits for a library while the robot's lease is held
     async with driver:
         capabilities = await driver.capabilities()
         now = datetime.now(UTC)
@@ -46,7 +47,7 @@ def judge(
 ) -> Verdict:
     """Screen a step, or the part of a goal that can be judged before it is pursued."""
     return screen(
-        plan, text=text, author=author, capabilities=capabilities, language=language, allow_flip=settings.allow_flip,
+        plan, text=text, author=author, capabilities=capabilities, language=language, consents=settings.consents,
         scene=settings.scene, part="",
     )  # fmt: skip
 

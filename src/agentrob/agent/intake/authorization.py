@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Awaitable, Collection
 from dataclasses import dataclass, replace
 
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, RobotError
 from agentrob.forums.protocol import Forum, RobotRightsSource
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import joint_command
 from agentrob.language.messages.catalog import say
 from agentrob.language.visible_text import mentions
 from agentrob.model import (
@@ -47,7 +50,7 @@ class CommandTerms:
     that needs an approval by them needs it on every forum. `approval` is the decision of somebody who approved it.
     """
 
-    allow_flip: bool = False
+    consents: Collection[str] = ()
     step_s: float = math.inf
     robot: str = ""
     scene: str = ""
@@ -70,15 +73,19 @@ def own_rights(settings: RobotConfig) -> RobotRights:
     )
 
 
-async def rights_on(forum: Forum, command: Command, terms: CommandTerms) -> RobotRights | None:
-    """The robot's rights on the board where the command stands now, or the owner's if the forum keeps none.
+async def rights_on(
+    forum: Forum, command: Command, terms: CommandTerms, reading: Awaitable[Post] | None = None
+) -> RobotRights | None:
+    """The robot's rights on the board where the command stands now, or the owner's if the forum keeps none. `reading`
+    gives the command's post as it is now, if it is being read already.
 
     A forum that keeps rights and does not know this robot grants nothing. Raises `ForumError`.
     """
     if not isinstance(forum, RobotRightsSource) or not terms.robot:
         return terms.rights
     try:
-        post = await forum.post(command.post_id)  # a moderator may have moved its topic to another board
+        # A moderator may have moved its topic to another board.
+        post = await (forum.post(command.post_id) if reading is None else reading)
         kept = await forum.robot_rights(terms.robot, post.board_id)
         return replace(kept, approval=(*kept.approval, *terms.rights.approval)) if terms.rights else kept
     except (ForumNotFound, ForumDenied):
@@ -94,17 +101,22 @@ def judge(
     rights: RobotRights | None = None,
 ) -> Verdict:
     """Screen a plan; the author's rights are checked first."""
-    others = [name for name in mentions(command.text) if name not in terms.names]
+    joint = joint_command(command.text) if command.part else None
+    if isinstance(joint, JointCommand):  # what is left of its text says who begins when, and is understood
+        part = ". ".join(part.text for part in joint.parts)
+    else:
+        others = [name for name in mentions(command.text) if name not in terms.names]
+        part = text_for_robot(command.text, terms.names, others, known=terms.known)
     return screen(
         plan,
         text=command.text,
         author=author,
         capabilities=capabilities,
         language=command.language,
-        allow_flip=terms.allow_flip,
+        consents=terms.consents,
         step_s=terms.step_s,
         scene=terms.scene,
-        part=text_for_robot(command.text, terms.names, others, known=terms.known),
+        part=part,
         rights=rights,
     )
 
@@ -117,11 +129,12 @@ async def permission(
 
     What cannot be read is not granted. A rule that begins with `command.` means that the command has changed.
     """
+    reading = asyncio.ensure_future(forum.post(command.post_id))
     try:
         post, author, rights, capabilities = await asyncio.gather(
-            forum.post(command.post_id),
+            reading,
             forum.account(command.author.name),
-            rights_on(forum, command, terms),
+            rights_on(forum, command, terms, reading),
             driver.capabilities(),
         )
     except ForumNotFound:

@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 import traceback
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from datetime import datetime
 from uuid import uuid4
 
 import structlog
 
-from agentrob.agent.intake.triage import Route, TriagedPost
+from agentrob.agent.intake.triage import NOT_OBEYED, Route, TriagedPost
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.store.journal import Journal
 from agentrob.errors import JournalError
 from agentrob.forums.protocol import Event
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import joint_command
 from agentrob.mcp.metadata import split_tag
 from agentrob.model import Command, EndReason, EventKind, Post
 
 _TO_TAKE = frozenset({Route.READ, Route.STALE})
+#: How often the journal notes the newest event while none concerns this robot; a restart receives those since then
+#: again.
+SAVE_S = 10.0
 _log = structlog.get_logger()
 
 
@@ -101,10 +108,10 @@ class Inbox:
 
     async def take_all(self) -> None:
         """Handle events until cancelled."""
-        saved_s = 0.0
+        saved_s = -math.inf
         while True:
             event, triaged = await self._waiting.get()
-            save = triaged.route is not Route.NOTHING or time.monotonic() - saved_s > 1.0
+            save = triaged.route is not Route.NOTHING or time.monotonic() - saved_s > SAVE_S
             await self._take(event, triaged, save)
             saved_s = time.monotonic() if save else saved_s
 
@@ -144,8 +151,9 @@ class Inbox:
         if post is None:
             return
         if event.kind is not EventKind.POST_CREATED:
-            await self._amend(post)
-            await self._amended(post)
+            if post.author.kind not in NOT_OBEYED:  # else it is no command; most edits of a fleet are its robots'
+                await self._amend(post)
+                await self._amended(post)
             return
         if triaged.route not in (Route.CANCEL, Route.STOP, Route.HALT, Route.NOTHING):
             triaged = await self._settled(post, triaged)
@@ -160,12 +168,16 @@ class Inbox:
                 await self._take_command(post, triaged)
 
     async def _take_command(self, post: Post, triaged: TriagedPost) -> None:
-        """Claim the post of a command and start it."""
+        """Claim the post of a command, or each part that this robot has of it, and start it."""
         if triaged.route is Route.STALE or post.version > 1:
             ended: EndReason | None = EndReason.STALE if triaged.route is Route.STALE else EndReason.EDITED
         else:
             ended = self._why_stopped(post)
-        claim = await self._journal().claim(self._command(post, triaged), ended)
+        for command in self._commands(post, triaged):
+            await self._start(post, command, ended)
+
+    async def _start(self, post: Post, command: Command, ended: EndReason | None) -> None:
+        claim = await self._journal().claim(command, ended)
         if not claim.new:
             return
         if (tag := split_tag(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
@@ -176,7 +188,7 @@ class Inbox:
             job.end(came)
         self._enqueue(job)
         if came is not None:
-            await self._journal().end([post.id], came)
+            await self._journal().end([command.key], came)
 
     def _why_stopped(self, post: Post) -> EndReason | None:
         return self.ended(post.id) or self._stopped(post.created_at)
@@ -192,6 +204,18 @@ class Inbox:
                 continue
             job.end(why)
             await self._journal().end([job.command.key], why)
+
+    def _commands(self, post: Post, triaged: TriagedPost) -> list[Command]:
+        """The command of a post; of a post to several robots that wait for each other, one for each part of this
+        robot."""
+        command, joint = self._command(post, triaged), joint_command(triaged.text)
+        mine = joint.of(self._robot) if isinstance(joint, JointCommand) else ()
+        if not mine or not isinstance(joint, JointCommand):
+            return [command]
+        return [
+            replace(command, part=part.number, parts=len(joint.parts), further=at > 0, trace_id=uuid4().hex[:12])
+            for at, part in enumerate(mine)
+        ]
 
     def _command(self, post: Post, triaged: TriagedPost) -> Command:
         return Command(

@@ -18,7 +18,7 @@ from agentrob.language.visible_text import mentions, without_mentions
 from agentrob.model import Account, AccountKind, Intent, Language, Post
 
 #: Never obeyed, whatever they write.
-_NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
+NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
 
 
 class Route(StrEnum):
@@ -42,7 +42,8 @@ class Addressing:
     `names` are the mentions it answers to, without @. `boards` are where it may be commanded (a stop counts anywhere).
     `running_topics` are threads in which a command of this robot runs or waits, `schedule_topics` those in which it has
     a schedule, `renewable_topics` those in which one may be renewed, `commands` the posts of the commands that run or
-    wait, and `robots` the accounts that are known to be robots. `watermark_at` is when its agent first started,
+    wait, `robots` the accounts that are known to be robots, and `partners` those that carry out parts of the same post,
+    whose stop is a stop of all. `watermark_at` is when its agent first started,
     `now_at` the forum's clock.
     """
 
@@ -57,6 +58,7 @@ class Addressing:
     renewable_topics: Collection[str] = ()
     commands: Collection[str] = ()
     robots: Collection[str] = ()
+    partners: Collection[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +93,10 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
     others = tuple(name for name in named if name not in addressing.names)
     # In the thread of a command that runs a stop needs no mention; "@another-robot stop" is for that robot, but only
     # where it is known to be one: "@alice stop it!" may be a warning to a person who never wrote here.
-    robots = tuple(name for name in others if name in addressing.robots)
+    partner = any(name in addressing.partners for name in others)
+    robots = () if partner else tuple(name for name in others if name in addressing.robots)
     scheduled = post.topic_id in addressing.schedule_topics
-    here = mine or (not robots and (scheduled or post.topic_id in addressing.running_topics))
+    here = mine or partner or (not robots and (scheduled or post.topic_id in addressing.running_topics))
     # Where nothing moves or waits, "cancel" in the thread of a schedule ends that schedule; elsewhere it is a stop.
     if here and scheduled and not edited and _only_cancels(text, post.topic_id, addressing.running_topics):
         return TriagedPost(Route.CANCEL, text, others)
@@ -107,7 +110,7 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
         and (edited or post.id not in addressing.commands)
         and approval_in(text) is None
     )
-    if doubted and (stop := stop_while_moving(text, tuple(addressing.names), robots)):
+    if doubted and (stop := stop_while_moving(text, (*addressing.names, *addressing.partners), robots)):
         return TriagedPost(Route.HALT if stop is Intent.HALT else Route.STOP, text, others, taken_as_stop=True)
     renewable = (mine or not robots) and post.topic_id in addressing.renewable_topics
     if renewable and not edited and renews_schedule(text):
@@ -130,7 +133,7 @@ def _only_cancels(text: str, topic_id: str, running_topics: Collection[str]) -> 
 
 def obeyed(author: Account, me: Account) -> bool:
     """Whether what this account writes or presses can count at all; what it may do is asked elsewhere."""
-    return author.name != me.name and author.kind not in _NOT_OBEYED and not author.suspended
+    return author.name != me.name and author.kind not in NOT_OBEYED and not author.suspended
 
 
 def language_of(text: str) -> Language:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import structlog
@@ -20,18 +21,24 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """One file of a reply: the photo of a step (from 1), the path as PNG, or the recording as WebP; as JSON lines, the
-    data of the recording or a model's calls."""
+    """One file of a reply: the photo of a step (from 1), the path or the paths of a preview as PNG, or the
+    recording as WebP; as JSON lines, the data of the recording or a model's calls."""
 
-    kind: Literal["step", "path", "recording", "data", "calls"]
+    kind: Literal["step", "path", "preview", "recording", "data", "calls"]
     data: bytes
     step: int = 0
     link: Link | None = None
+    there: bool = False
 
     @property
     def attached(self) -> bool:
         """Whether it is attached to the post itself."""
         return self.link is None
+
+    @property
+    def added(self) -> bool:
+        """Whether it is attached with the reply: `there` are those that the post has already."""
+        return self.attached and not self.there
 
 
 async def illustrate(
@@ -42,16 +49,20 @@ async def illustrate(
     hurry: bool = False,
     once: bool = False,
     calls: bytes = b"",
+    preview: Callable[[], bytes | None] | None = None,
 ) -> tuple[Picture, ...]:
     """Return all pictures of a report, stills first. Never raises: a picture that cannot be drawn is left out, and one
     that cannot be stored is attached.
 
     With `hurry` (the agent is shutting down) nothing is drawn or stored. `once`: the reply cannot be edited later, so
-    it waits longer for its recording. `calls` are a model's calls as JSON lines.
+    it waits longer for its recording. `calls` are a model's calls as JSON lines. `preview` draws the
+    paths of a preview.
     """
     drawn = () if hurry else report.results
     path, recording = await asyncio.gather(_path(drawn), recorder.animation(report, hurry=hurry, once=once))
-    pictures = [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
+    paths = await _drawn(preview) if preview is not None and not hurry else None
+    pictures = [Picture("preview", paths)] if paths else []
+    pictures += [Picture("step", r.image, n) for n, r in enumerate(report.results, 1) if r.image]
     pictures += [Picture("path", path)] if path else []
     pictures += [Picture("recording", recording)] if recording else []
     if store is None or hurry or not pictures:
@@ -76,8 +87,12 @@ async def late_recording(post_id: str, recorder: Recorder, store: ImageStore | N
 async def _path(results: Sequence[ActionResult]) -> bytes | None:
     if not any(len(r.path) > 1 for r in results):
         return None
+    return await _drawn(partial(path_plot, results))
+
+
+async def _drawn(draw: Callable[[], bytes | None]) -> bytes | None:
     try:
-        return await asyncio.to_thread(path_plot, results)
+        return await asyncio.to_thread(draw)
     except Exception as e:  # the reply must not fail because of a picture
         _log.warning("path not drawn", error=str(e) or type(e).__name__)
         return None

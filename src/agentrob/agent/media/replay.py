@@ -10,7 +10,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from agentrob.agent.media.room_map import Point
+from agentrob.language.messages.plan_text import step_label
 from agentrob.model import Pose, Posture
+from agentrob.rehearsal.preview import Preview
 
 VERSION = 1
 #: A longer replay keeps every second pose, until it is as small as this.
@@ -46,6 +48,16 @@ class PoseLog:
     def add(self, sample: PoseSample) -> None:
         if len(self.samples) < MOST_SAMPLES:
             self.samples.append(sample)
+
+
+def preview_log(preview: Preview) -> PoseLog:
+    """The first run of a preview, as the poses of a command; empty if it was not simulated."""
+    log = PoseLog([(round(x_m, 3), round(y_m, 3)) for x_m, y_m, _ in preview.planned])
+    labels = [step_label(step, "en") for step in preview.plan.steps]
+    log.steps += list(zip(preview.step_times_s, labels, strict=False))
+    for at_s, x_m, y_m, yaw_rad, height_m, w, x, y, z, *joints in preview.frames:
+        log.add(PoseSample(at_s, Pose(x_m, y_m, yaw_rad), Posture(0.0, None, height_m, (w, x, y, z), tuple(joints))))
+    return log
 
 
 def encoded(log: PoseLog, **head: Any) -> bytes:

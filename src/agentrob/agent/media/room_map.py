@@ -7,7 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from agentrob.agent.media.plot import path_of
+from agentrob.config.map import MapThing
 from agentrob.config.robots import RobotConfig
+from agentrob.minds.visual_loop.vocabulary import thing_named
 from agentrob.model import Pose, Primitive
 
 Point = tuple[float, float]
@@ -21,9 +23,36 @@ class RoomMap:
         (x_m, y_m), yaw_rad = self._map.home_at_m, math.radians(self._map.home_facing_deg)
         self._home = Pose(x_m, y_m, yaw_rad)
 
+    @property
+    def name(self) -> str:
+        """The name of the room; robots that share it are in one frame."""
+        return self._map.room or f"@{self._robot}"
+
     def in_room(self, pose: Pose) -> Pose:
         """A pose in the frame of the room."""
         return _placed(self._home, pose)
+
+    def thing(self, words: str) -> MapThing | None:
+        """The thing of the map that people call so, in English or Chinese; None if there is none, or more than one.
+
+        Things of one name whose centre lies within another of that name are its parts, like the legs of a table.
+        """
+        named = [thing for thing in self._map.things if thing.name]
+        found = [thing for thing in named if thing.name.casefold() == words.casefold()]
+        if not found and (asked := thing_named(words)):
+            found = [thing for thing in named if asked.fits(thing_named(thing.name))]
+        whole = max(found, key=_area_m2, default=None)
+        if whole is None or any(_metres_to(whole, *part.at_m) > 0 for part in found):
+            return None
+        return whole
+
+    def metres_to(self, words: str, pose: Pose) -> float | None:
+        """How far a pose in the frame of the home is from the outline of a thing, 0 within it; None for an unknown
+        thing."""
+        if (thing := self.thing(words)) is None:
+            return None
+        at = self.in_room(pose)
+        return _metres_to(thing, at.x_m, at.y_m)
 
     def planned(self, start: Pose, steps: Iterable[Primitive]) -> list[Point]:
         """The requested path from `start`, which is in the frame of the room, as if every step were exact."""
@@ -40,7 +69,7 @@ class RoomMap:
         at_home = [self.in_room(Pose(x, y, 0.0)) for x, y in corners]
         things = [thing.model_dump(exclude_defaults=True) for thing in self._map.things]
         return {
-            "room": self._map.room or f"@{self._robot}",
+            "room": self.name,
             "size_m": list(self._map.size_m) if self._map.size_m else None,
             "fence": [[round(p.x_m, 3), round(p.y_m, 3)] for p in at_home],
             "home": [round(v, 3) for v in (self._home.x_m, self._home.y_m, self._home.yaw_rad)],
@@ -48,6 +77,22 @@ class RoomMap:
                 {**thing, **{key: list(thing[key]) for key in ("at_m", "size_m") if thing.get(key)}} for thing in things
             ],
         }
+
+
+def _metres_to(thing: MapThing, x_m: float, y_m: float) -> float:
+    """The distance from a point of the room to the outline of a thing, 0 within it."""
+    dx, dy, turned = x_m - thing.at_m[0], y_m - thing.at_m[1], math.radians(thing.turned_deg)
+    if thing.size_m is None:
+        return max(0.0, math.hypot(dx, dy) - (thing.radius_m or 0.0))
+    along = abs(math.cos(turned) * dx + math.sin(turned) * dy) - thing.size_m[0] / 2
+    across = abs(-math.sin(turned) * dx + math.cos(turned) * dy) - thing.size_m[1] / 2
+    return math.hypot(max(0.0, along), max(0.0, across))
+
+
+def _area_m2(thing: MapThing) -> float:
+    if thing.size_m is None:
+        return math.pi * (thing.radius_m or 0.0) ** 2
+    return thing.size_m[0] * thing.size_m[1]
 
 
 def _placed(frame: Pose, pose: Pose) -> Pose:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Coroutine
-from dataclasses import dataclass, field
+from collections.abc import Callable, Coroutine, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta
 from functools import partial
 from typing import Any
@@ -19,16 +19,19 @@ import structlog
 
 from agentrob.agent.intake.authorization import CommandTerms, own_rights, rights_on
 from agentrob.agent.intake.triage import Route, TriagedPost
-from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand
+from agentrob.agent.queue.previews import Previews
+from agentrob.agent.queue.queue import LATE_S, CommandQueue, QueuedCommand, ShownPreview
 from agentrob.agent.reporting import report as reply_text
+from agentrob.agent.reporting.preview_text import approval_preview
 from agentrob.agent.reporting.status_post import SOON_S, Shown, retry_until_answered, retry_while_denied
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import ForumDenied, ForumError, ForumNotFound
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound, JournalError
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
-from agentrob.model import CommandState, Decision, EndReason, Post, StatusCard, Verdict
+from agentrob.model import CommandState, Decision, EndReason, Plan, Post, Verdict
+from agentrob.rehearsal.preview import Preview, read_preview, write_preview
 from agentrob.screening.rights import may_approve
 
 #: For this long after a decision in a thread, an approval must reply to the command that it means, so that two people
@@ -38,6 +41,8 @@ OTHER_S = 30.0
 CLOCK_S = 2.0
 #: The timeout for asking the forum who may approve.
 ASK_S = 10.0
+#: How long a decided command waits for the end of its preview's process.
+CANCEL_S = 1.0
 _log = structlog.get_logger()
 
 
@@ -53,7 +58,8 @@ class Approvals:
     journal: Journal
     queue: CommandQueue
     now: Callable[[], datetime]
-    spawn: Callable[[Coroutine[Any, Any, Any]], object]
+    spawn: Callable[[Coroutine[Any, Any, Any]], asyncio.Task[Any]]
+    previews: Previews
     _settled_at: dict[str, datetime] = field(default_factory=dict)
 
     # ---------------------------------------------------------------- waiting
@@ -66,34 +72,133 @@ class Approvals:
         """Return how long after its post, or after the time of its run, this command can be approved."""
         return self.wait_s if job.command.run is None else min(self.wait_s, LATE_S)
 
-    async def wait(self, job: QueuedCommand, understood: str, needed: str) -> None:
+    async def wait(self, job: QueuedCommand, understood: str, needed: str, plan: Plan | None) -> None:
         """Wait until the command is approved or ended: denied, stopped, changed, or not approved in time.
 
         Other commands pass it meanwhile. After a restart it continues to wait.
 
-        `understood` says what it would do and `needed` why it needs an approval.
+        `understood` says what it would do and `needed` why it needs an approval. The `plan` is rehearsed meanwhile, and
+        an approval that comes afterwards is bound to that preview. A decision waits for nothing of this: neither for
+        the preview nor for a forum that takes its time to show the question.
         """
         wait_s = self.wait_of(job)
         until_at = job.command.posted_at + timedelta(seconds=wait_s)
         job.asked = await self.journal.ask(job.command.key, self.now(), until_at)
-        if job.decided is None:
-            await job.unless_ended(self._post_request(job, understood, needed, job.asked.until_at))
-        left_s = wait_s - job.waited_s - (time.monotonic() - job.accepted_s)
-        left_s = min(left_s, (job.asked.until_at - self.now()).total_seconds())
-        await self.queue.hold(job, max(0.0, left_s), until=lambda: job.decided)
+        if job.decided is not None:
+            with job.log_errors("preview not recalled"):
+                await self._recall(job)
+        else:
+            job.asking = self.spawn(self._ask(job, understood, needed, plan, job.asked.until_at))
+            job.asking.add_done_callback(lambda _: job.notify())
+        try:
+            await self.queue.hold(job, self._left_s(job), until=lambda: job.decided or _failed(job.asking))
+        finally:
+            await _cancelled(job.asking)
         if job.ended is None and job.decided is None:
+            if job.asking is not None and _failed(job.asking):
+                job.asking.result()
             job.end(EndReason.LAPSED)
             await self.journal.end([job.command.key], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
-    async def _post_request(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> None:
-        """Post that the command waits, for what and for whose approval."""
+    def _left_s(self, job: QueuedCommand) -> float:
+        """Return how much longer it can be approved."""
+        assert job.asked is not None
+        left_s = self.wait_of(job) - job.waited_s - (time.monotonic() - job.accepted_s)
+        return max(0.0, min(left_s, (job.asked.until_at - self.now()).total_seconds()))
+
+    async def _ask(
+        self, job: QueuedCommand, understood: str, needed: str, plan: Plan | None, until_at: datetime
+    ) -> None:
+        """Post that the command waits, for what and for whose approval; then what its preview found.
+
+        A preview that an earlier process has shown stays, unless the command is understood otherwise now.
+        """
+        with job.log_errors("preview not recalled"):
+            await retry_until_answered(partial(self._recall, job))
+        if job.preview is not None and plan is not None and job.preview.plan.steps == plan.steps:
+            return await self._ask_again(job, job.preview, await self._question(job, understood, needed, until_at))
+        job.preview = job.shown = None
+        making = None if plan is None else asyncio.create_task(self.previews.make(job.command, plan))
+        try:
+            question = await self._question(job, understood, needed, until_at)
+            follows = [] if making is None else [say("preview.follows", job.command.language)]
+            with contextlib.suppress(ForumDenied, ForumNotFound):
+                await job.status.ask(_with(question, follows))
+            if making is not None:
+                with job.log_errors("preview not shown"):
+                    await self._show_preview(job, question, making)
+        finally:
+            if making is not None:
+                making.cancel()
+                await asyncio.wait({making})
+
+    async def _question(self, job: QueuedCommand, understood: str, needed: str, until_at: datetime) -> Shown:
+        language = job.command.language
         rights = await retry_until_answered(partial(rights_on, self.forum, job.command, self._terms))
         wait_s = (until_at - job.command.posted_at).total_seconds()
-        text = reply_text.waits(understood, needed, rights, self.called, wait_s, job.command.language)
-        card = StatusCard(self.name, CommandState.WAITING, trace_id=job.command.trace_id, until=until_at.isoformat())
+        text = reply_text.waits(understood, needed, rights, self.called, wait_s, language)
+        return Shown(text, job.command.card(CommandState.WAITING, until=until_at.isoformat()))
+
+    async def _show_preview(self, job: QueuedCommand, question: Shown, making: asyncio.Task[Preview]) -> None:
+        """Show a preview beside the question, or that there is none. From then on approvals are bound to it."""
+        language, preview, paths = job.command.language, None, None
+        found = say("preview.none", language)
+        with job.log_errors("no preview"):
+            preview = await making
+            found = approval_preview(preview, language)
+            paths = await asyncio.to_thread(self.previews.draw, preview)
+        pictures = [paths] if paths else []
+        added, key = Shown(found, question.card), _preview_key(preview)
+        if preview is not None:  # before anybody sees it: a restart then knows what an approval is bound to
+            kept = write_preview(replace(preview, frames=(), step_times_s=())).decode()
+            await self.journal.keep_preview(job.command.key, kept)
+        written = await job.status.ask_with(_with(question, [found]), pictures, added, key)
+        if preview is not None:
+            job.preview, job.shown = preview, self._shown_by(job, written)
+            await self.journal.set_preview_shown(job.command.key, job.shown.at, job.shown.pictures)
+            await self.previews.publish(preview, job.page)
+
+    def _shown_by(self, job: QueuedCommand, post: Post) -> ShownPreview:
+        """Since when the preview is there that this post shows."""
+        if job.status.limited:  # a reply of its own
+            return ShownPreview(post.created_at, 0)
+        return ShownPreview(post.edited_at or self.now(), len(post.images))
+
+    async def _recall(self, job: QueuedCommand) -> None:
+        """Take up the preview that an earlier process has shown for this command, if it has. Raises `ForumError` if the
+        forum must tell whether it has, and does not."""
+        if job.recalled or not job.known or job.shown is not None:
+            return
+        kept = await self.journal.preview(job.command.key)
+        if kept is not None:
+            preview = read_preview(kept.data)
+            if kept.shown_at is not None:
+                shown: ShownPreview | None = ShownPreview(kept.shown_at, kept.pictures)
+            elif (post := await self._post_with(job, preview)) is not None:  # it ended between showing and recording
+                shown = self._shown_by(job, post)
+                await self.journal.set_preview_shown(job.command.key, shown.at, shown.pictures)
+            else:
+                shown = None
+            if shown is not None and not job.recalled:
+                job.preview, job.shown = preview, shown
+        job.recalled = True
+
+    async def _post_with(self, job: QueuedCommand, preview: Preview) -> Post | None:
+        """Return our post that shows a preview, if there is one."""
+        if job.status.limited:
+            return await self.forum.find(f"{_preview_key(preview)}:{job.command.key}")
+        post = await self.forum.post(job.status.post_id) if job.status.post_id is not None else None
+        return post if post is not None and preview.hash[:12] in post.raw else None
+
+    async def _ask_again(self, job: QueuedCommand, preview: Preview, question: Shown) -> None:
+        """Show the question with the preview that was shown before a restart, and its pictures, which are there."""
+        found = approval_preview(preview, job.command.language)
+        if job.status.limited:
+            await job.status.ask(question)
+        shown = _with(question, [found])
         with contextlib.suppress(ForumDenied, ForumNotFound):
-            await job.status.ask(Shown(text, card))
+            await job.status.ask_with(shown, [], Shown(found, question.card), _preview_key(preview))
 
     @property
     def _terms(self) -> CommandTerms:
@@ -121,7 +226,14 @@ class Approvals:
             self.spawn(self._answer(post, why))
             return
         approved = triaged.route is Route.APPROVE
-        decided = ApprovalDecision(approved, post.author, post.id, post.content_hash, post.created_at)
+        if approved and not await self._recalled(job):
+            self.spawn(self._answer(post, say("agent.approval.unseen", triaged.language)))
+            return
+        shown = job.preview if job.shown is not None and post.created_at >= job.shown.at else None
+        decided = ApprovalDecision(
+            approved, post.author, post.id, post.content_hash, post.created_at,
+            preview=shown.hash if shown is not None else "", start=shown.start if shown is not None else None,
+        )  # fmt: skip
         if not await self.journal.decide(job.command.key, decided):
             self.spawn(self._answer(post, say("agent.approval.nothing", triaged.language)))
             return
@@ -160,6 +272,16 @@ class Approvals:
         verdict = await self._may(job, post, triaged)
         return "" if verdict.decision is Decision.ALLOW else verdict.reason
 
+    async def _recalled(self, job: QueuedCommand) -> bool:
+        """Whether it is known which preview was beside the question."""
+        try:
+            async with asyncio.timeout(ASK_S):
+                await self._recall(job)
+        except (ForumError, JournalError, TimeoutError) as e:
+            _log.warning("preview not recalled", post=job.command.post_id, error=str(e))
+            return False
+        return True
+
     async def _may(self, job: QueuedCommand, post: Post, triaged: TriagedPost) -> Verdict:
         try:
             async with asyncio.timeout(ASK_S):
@@ -179,6 +301,26 @@ class Approvals:
             )
         except ForumError as e:
             _log.warning("approval not answered", post=post.id, error=str(e))
+
+
+def _preview_key(preview: Preview | None) -> str:
+    """The first half of the key of a reply that shows a preview, where edits are limited."""
+    return f"preview:{preview.hash[:12] if preview is not None else 'none'}"
+
+
+def _with(question: Shown, paragraphs: Sequence[str]) -> Shown:
+    return replace(question, text="\n\n".join([question.text, *paragraphs]))
+
+
+def _failed(task: asyncio.Task[None] | None) -> bool:
+    return task is not None and task.done() and not task.cancelled() and task.exception() is not None
+
+
+async def _cancelled(task: asyncio.Task[None] | None) -> None:
+    """Cancel a task; wait for its end, but not long, since a command waits for this."""
+    if task is not None and not task.done():
+        task.cancel()
+        await asyncio.wait({task}, timeout=CANCEL_S)
 
 
 def _waits(job: QueuedCommand, denies: bool) -> bool:

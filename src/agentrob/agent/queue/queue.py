@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Callable, Coroutine, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from functools import cached_property
 from typing import Any, TypeVar
 
 import structlog
@@ -16,14 +17,26 @@ import structlog
 from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import joint_command
 from agentrob.minds.visual_loop.loop import LoopRecord
 from agentrob.minds.visual_loop.pursuit import in_words
 from agentrob.model import Command, EndReason, StopResult
+from agentrob.rehearsal.preview import Preview
 
 #: No run of a schedule begins later than this after its time.
 LATE_S = 300.0
 T = TypeVar("T")
 _log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class ShownPreview:
+    """A preview beside the question for an approval: since when it is there, by the forum's clock, and the number of
+    pictures that the status post has by it."""
+
+    at: datetime
+    pictures: int
 
 
 @dataclass(eq=False)
@@ -37,8 +50,12 @@ class QueuedCommand:
     returns the result of the stop that ended it, `stopped_by` names who stopped it, and `cancelled_earlier` counts the
     commands that it cancelled. `assessment` is how it was understood, `looked` the visual loop of a model that steered.
     `takes_s` is its estimated duration, None while that is not known; `begun_s` (monotonic) when it began to move.
+    `preview` is what was found when it was rehearsed, `shown` since when that is beside its question, `recalled`
+    whether what an earlier process showed was looked for, and `asking` the task that writes the question.
     `run` is its execution in this process with the results so far, `status` its status post, `task` the task that
-    processes it.
+    processes it. `waits_for_others`: it is a part of a post that waits for other parts; `fresh_s` (monotonic) is then
+    when that wait ended, from which on it counts as queued. `left_to` is the robot that does it instead, and `because`
+    why it was ended, in a sentence, where `ended` alone does not say it.
     """
 
     command: Command
@@ -60,9 +77,17 @@ class QueuedCommand:
     looked: LoopRecord | None = None
     takes_s: float | None = None
     begun_s: float | None = None
+    preview: Preview | None = None
+    shown: ShownPreview | None = None
+    recalled: bool = False
+    asking: asyncio.Task[None] | None = None
     run: Run | None = None
     status: Any = None
     task: asyncio.Task[None] | None = None
+    waits_for_others: bool = False
+    fresh_s: float | None = None
+    left_to: str = ""
+    because: str = ""
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
 
     def note(self, name: str, at: datetime) -> None:
@@ -80,16 +105,38 @@ class QueuedCommand:
             return None
         return max(0.0, self.takes_s - (time.monotonic() - self.begun_s if self.begun_s is not None else 0.0))
 
+    @cached_property
+    def joint(self) -> JointCommand | None:
+        """Return the parts of its post, if it is one of several."""
+        found = joint_command(self.command.text) if self.command.part else None
+        return found if isinstance(found, JointCommand) else None
+
+    @property
+    def queued_s(self) -> float:
+        """Return the time since which it counts as queued, in seconds of the monotonic clock."""
+        return self.accepted_s - self.waited_s if self.fresh_s is None else self.fresh_s
+
     @property
     def decided(self) -> ApprovalDecision | None:
         """Return the decision on its approval, if there is one."""
         return self.asked.decided if self.asked is not None else None
 
     @property
+    def only_waits(self) -> bool:
+        """Return whether it waits for an approval and nothing else: that is asked for, and its preview shown."""
+        waits = self.held and self.asked is not None and self.decided is None
+        return waits and (self.asking is None or self.asking.done())
+
+    @property
     def goal_text(self) -> str:
         """Return the visual goal in our words; empty for a plan."""
         goal = self.assessment.goal if self.assessment is not None else None
         return in_words(goal, self.command.language) if goal is not None else ""
+
+    @property
+    def page(self) -> str:
+        """Return the post that has the command's page, empty if there is none yet."""
+        return page_post(self.command, self.status.post_id if self.status is not None else None)
 
     @contextlib.contextmanager
     def log_errors(self, problem: str) -> Iterator[None]:
@@ -103,6 +150,10 @@ class QueuedCommand:
         """Record the decision on its approval."""
         assert self.asked is not None
         self.asked = replace(self.asked, decided=decided)
+        self._changed.set()
+
+    def notify(self) -> None:
+        """Wake the tasks that wait for a change of this command."""
         self._changed.set()
 
     def end(self, why: EndReason) -> None:
@@ -128,6 +179,12 @@ class QueuedCommand:
         while self.ended is None:
             self._changed.clear()
             await self._changed.wait()
+
+
+def page_post(command: Command, status_post: str | None) -> str:
+    """Return the post that has a command's page, record and replay, empty if there is none: its own one, and for a run
+    of a schedule or a further part that of the report, since a post has one page."""
+    return command.post_id if command.run is None and not command.further else status_post or ""
 
 
 class CommandQueue:
@@ -164,8 +221,8 @@ class CommandQueue:
         return next((job for job in self._jobs if job.command.post_id == post_id), None)
 
     def asking(self) -> set[asyncio.Task[Any]]:
-        """Return the tasks of the commands that wait for an approval."""
-        return {job.task for job in self._jobs if job.task and job.held and job.asked and not job.decided}
+        """Return the tasks of the commands that only wait: for an approval, or for other parts of their posts."""
+        return {job.task for job in self._jobs if job.task and (job.waits_for_others or job.only_waits)}
 
     def ahead(self, job: QueuedCommand) -> list[QueuedCommand]:
         """Return the commands ahead of it, the one that is done directly before it last; none if it is next."""
@@ -212,9 +269,13 @@ class CommandQueue:
                 self._turn = None
             self._notify_waiting()
 
-    def _notify_waiting(self) -> None:
+    def wake(self) -> None:
+        """Wake the tasks of all commands, which then check what they wait for."""
         for job in self._jobs:
             job._changed.set()
+
+    def _notify_waiting(self) -> None:
+        self.wake()
         self._on_change()
 
     def end_all(self, why: EndReason) -> list[QueuedCommand]:
@@ -243,7 +304,7 @@ class CommandQueue:
     async def turn(self, job: QueuedCommand, expiry_s: float) -> bool:
         """Wait for the command's turn. Return False if it was ended or is older than `expiry_s`."""
         job.ready = True
-        left_s = None if job.begun else expiry_s - job.waited_s - (time.monotonic() - job.accepted_s)
+        left_s = None if job.begun else expiry_s - (time.monotonic() - job.queued_s)
         if left_s is not None and left_s <= 0:
             job.end(EndReason.EXPIRED)
         try:

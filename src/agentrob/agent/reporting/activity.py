@@ -48,7 +48,7 @@ class AgentActivity:
         self.stop_at = datetime.now(UTC)
 
     def card(self) -> dict[str, Any]:
-        """The fields of the robot's card (`docs/seams.md`)."""
+        """The fields of the robot's card (`docs/reference/interfaces.md`)."""
         return {
             "worker": self.worker,
             "version": __version__,

@@ -21,6 +21,7 @@ from agentrob.config.robots import RobotConfig
 from agentrob.errors import ForumError, RobotError
 from agentrob.forums.protocol import RobotPages
 from agentrob.model import Capabilities, Lock, Pose, RobotState
+from agentrob.model.operations.data import as_data
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
@@ -31,6 +32,8 @@ DEBOUNCE_S = 0.1
 #: How many waiting commands are listed.
 LINE = 20
 REFRESH_S = 5.0
+#: How often the driver is asked for the robot's limits, which change only with the driver's process.
+LIMITS_S = 30.0
 #: How often the driver is asked where a robot that stands still is in its room: its home may have been set.
 PLACE_S = 30.0
 #: After a reset the odometry jumps, so the guard accepts a new home only after a moment.
@@ -40,7 +43,8 @@ _log = structlog.get_logger()
 
 class Presence:
     """Publishes a card every five seconds and on changes. `waiting` returns the queued commands' posts in order, `sees`
-    are the things that the robot's detector knows, `scheduled` returns what the card says of schedules."""
+    are the things that the robot's detector knows, `scheduled` returns what the card says of schedules, `room_entry`
+    for whom the robot waits in its room."""
 
     def __init__(
         self,
@@ -55,6 +59,7 @@ class Presence:
         geometry: Geometry | None = None,
         sees: Collection[str] = (),
         scheduled: Callable[[], dict[str, Any]] = dict,
+        room_entry: Callable[[], dict[str, Any]] = dict,
     ) -> None:
         self._pages = pages
         self._driver = driver
@@ -65,7 +70,7 @@ class Presence:
         self._activity = activity
         self._room, self._geometry = room, geometry
         self._sees = sorted(sees)
-        self._scheduled = scheduled
+        self._scheduled, self._room_entry = scheduled, room_entry
         self._stands: Pose | None = None
         self._odometry: Pose | None = None
         self._placed_s = -math.inf
@@ -103,7 +108,7 @@ class Presence:
         try:
             state = await self._driver.state()
             await self._note_pose(state)
-            if self._capabilities is None or time.monotonic() - self._asked_s >= REFRESH_S:
+            if self._capabilities is None or time.monotonic() - self._asked_s >= LIMITS_S:
                 self._capabilities, self._asked_s = await self._driver.capabilities(), time.monotonic()
         except RobotError:
             self._capabilities = None  # another driver may answer next, with other limits
@@ -137,6 +142,7 @@ class Presence:
         return {
             "model": capabilities.model if capabilities else self._settings.model,
             "ops": sorted(str(op) for op in capabilities.ops) if capabilities else [],
+            "operations": [as_data(operation) for operation in capabilities.declared] if capabilities else [],
             "limits": asdict(capabilities.limits) if capabilities else {},
             "directions": sorted(str(way) for way in capabilities.move_directions) if capabilities else [],
             "state": ("halted" if state.halted else state.mode) if state else "offline",
@@ -150,13 +156,14 @@ class Presence:
             "camera": bool(self._settings.room_camera),
             "sees": self._sees,
             "owner": self._settings.owner,
-            "consents": ["flip"] if self._settings.allow_flip else [],
+            "consents": sorted(self._settings.consents),
             "approval": [str(kind) for kind in self._settings.approval.classes],
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
             "told": self._owner.last_action if self._owner else None,
             **self._map(),
             **self._scheduled(),
+            **self._room_entry(),
             **(self._activity.card() if self._activity else {}),
         }
 

@@ -16,12 +16,11 @@ from agentrob.agent.reporting.schedule_text import named
 from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.language.messages.done_text import done_text
 from agentrob.language.messages.durations import duration
-from agentrob.language.messages.plan_text import step_label
+from agentrob.language.messages.plan_text import measured_text, step_label
 from agentrob.model import (
     ActionResult,
     CommandState,
     Language,
-    Op,
     Outcome,
     Plan,
     Primitive,
@@ -50,8 +49,6 @@ _DISARMING = (
     (re.compile(r"\bwww\.", re.IGNORECASE), "www. "),
     (re.compile(r"^(?:#+|[-+*=_|]+|\d{1,9}[.)])(?=\s|$)"), ""),
 )
-#: The measured value of each operation, and its format.
-_MEASURES = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f}°")}
 _COLUMNS = ("step", "asked", "measured", "outcome")
 #: Reasons for which the agent itself ended a step; the driver's message does not mention them.
 _NOT_THE_DRIVERS = frozenset({"stop_channel", "shutdown", "unreachable", "internal"})
@@ -137,10 +134,13 @@ def final(
     stopped = "" if report.stop is None else stop_figures(report.stop, language)
     warned = report.stop is not None and not report.stop.confirmed  # above everything that needs scrolling
     run = report.command.run
+    command = report.command
     which = [named(run, language)] if run is not None and not run.missed else []
+    which += [say("joint.part.of", language, part=command.part, parts=command.parts)] if command.parts > 1 else []
     parts = [
         *which,
         *_lead(report),
+        report.hint,
         stopped if warned else "",
         summary,
         shown if linked else "",
@@ -230,7 +230,7 @@ def _why(report: Report) -> str:
     # On the way to a goal, a failed step may be followed by others.
     last = _decisive(report.results[-1:] if report.goal else report.results)
     if last is not None and report.status not in (CommandState.DONE, CommandState.STOPPED):
-        reason = _reason(last, language)
+        reason = reason_text(last, language)
         sentences = [sentence for sentence in sentences if sentence not in reason]  # say "My agent was ended." once
         sentences.append(reason)
         if can_say(todo := f"agent.todo.{last.reason}"):
@@ -249,7 +249,7 @@ def _decisive(results: Sequence[ActionResult]) -> ActionResult | None:
     return next((r for r in results if not r.ok and r.outcome is not Outcome.SKIPPED), None)
 
 
-def _reason(result: ActionResult, language: Language) -> str:
+def reason_text(result: ActionResult, language: Language) -> str:
     """Return the catalogue's sentence for the reason, if any, or the driver's English message if that says more."""
     reason = result.reason
     own = say(f"agent.reason.{reason}", language) if can_say(f"agent.reason.{reason}") else ""
@@ -293,12 +293,13 @@ def outcome(result: ActionResult, language: Language) -> str:
 
 
 def measured(result: ActionResult, language: Language) -> str:
-    """Return the measured value of a step, or a dash if there is none."""
-    if result.primitive.op not in _MEASURES or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
+    """Return what is measured of a step by the declaration of its operation, or a dash if that is nothing."""
+    quantities = result.primitive.operation.measured
+    if not quantities or result.outcome in (Outcome.SKIPPED, Outcome.REFUSED):
         return "–"
-    key, form = _MEASURES[result.primitive.op]
-    if key in result.measured:
-        return form.format(result.measured[key])
+    found = [measured_text(result.measured[q.name], q.unit) for q in quantities if q.name in result.measured]
+    if found:
+        return ", ".join(found)
     why = f"agent.unknown.{result.unmeasured}"
     return say(why, language) if result.unmeasured and can_say(why) else say("agent.unknown", language)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import math
 import time
 from collections.abc import Awaitable, Callable, Sequence
@@ -19,7 +20,7 @@ from typing import Any, TypeVar
 import structlog
 
 from agentrob.errors import ForumDenied, ForumError, ForumLimited, ForumNotFound, ForumUnreachable
-from agentrob.forums.protocol import Forum, Written
+from agentrob.forums.protocol import Forum, KeyedEdits, Written
 from agentrob.model import Command, CommandState, Post, StatusCard
 
 T = TypeVar("T")
@@ -34,6 +35,8 @@ POST_WITHIN_S, SOON_S = 7 * 86400.0, 60.0
 MOST_DENIED = 1000
 #: A status post is abandoned if it has not changed for this long and its command does not move.
 LEFT_S, _LOOK_S = 5.0, 0.5
+#: How long the end waits for an earlier edit of the status post.
+EDIT_S = 10.0
 #: After this many failures (about 50 s) the text is posted without pictures, in case they cause the failures.
 PICTURE_TRIES = 9
 _log = structlog.get_logger()
@@ -61,10 +64,11 @@ class StatusPost:
         self._edits_left = min(MAX_EDITS, forum.max_edits or 0) if limited else None
         self._limited = limited
         self._post_id: str | None = None
-        self._asks_id: str | None = None
+        self._asks_ids: set[str] = set()
         self._next: Shown | None = None
         self._last: Shown | None = None
         self._sending: asyncio.Task[None] | None = None
+        self._editing: asyncio.Task[Post] | None = None
         self._shows = True
 
     @property
@@ -80,7 +84,7 @@ class StatusPost:
     @property
     def posts(self) -> frozenset[str]:
         """Return the agent's posts about this command; a reply to one of them refers to the command."""
-        return frozenset(post_id for post_id in (self._post_id, self._asks_id) if post_id is not None)
+        return frozenset(self._asks_ids if self._post_id is None else {self._post_id, *self._asks_ids})
 
     @property
     def shown(self) -> StatusCard | None:
@@ -124,30 +128,55 @@ class StatusPost:
                     return
                 self._edits_left -= 1
             try:
-                await self._forum.edit(self._post_id, shown.text, card=shown.card)
+                await self._edit(self._post_id, shown)
                 self._last = shown
             except ForumError as e:
                 _log.info("status not shown", post=self._command.post_id, error=str(e))
 
+    async def _edit(self, post_id: str, shown: Shown, images: Sequence[bytes] = ()) -> Post:
+        """Edit the status post, once the edit before it is answered: an edit whose caller was cancelled reaches the
+        forum all the same, and must not replace a newer one."""
+        while self._editing is not None and not self._editing.done():
+            await asyncio.wait({self._editing})
+        self._editing = asyncio.create_task(self._forum.edit(post_id, shown.text, images=images, card=shown.card))
+        self._editing.add_done_callback(_retrieved)
+        return await asyncio.shield(self._editing)
+
     async def ask(self, shown: Shown) -> None:
-        """Write a question to people, trying until it is posted; as a separate reply if edits are limited."""
+        """Write a question to people, trying until it is posted; as a separate reply if edits are limited. May be
+        cancelled at any time: what is shown afterwards comes afterwards."""
+        await self._write_question(shown, (), "waits", shown)
+
+    async def ask_with(self, shown: Shown, images: Sequence[bytes], added: Shown, key: str) -> Post:
+        """Replace the question by a longer one with pictures; if edits are limited, write what was `added` as another
+        reply, under `key`. Return the post that was written."""
+        return await self._write_question(shown, images, key, added)
+
+    async def _write_question(self, shown: Shown, images: Sequence[bytes], key: str, alone: Shown) -> Post:
         self._next = None
         if self._sending is not None:
             await asyncio.wait({self._sending})
         post_id, command = self._post_id, self._command
-        if post_id is not None and not self._limited:
-            await retry_while_denied(
-                lambda: retry_until_answered(lambda: self._forum.edit(post_id, shown.text, card=shown.card)), SOON_S
-            )
+        if post_id is None or self._limited:
+
+            async def reply(pictures: Sequence[bytes]) -> Written:
+                return await self._forum.reply(
+                    command.topic_id, alone.text, key=f"{key}:{command.key}", reply_to=command.post_id,
+                    images=pictures, card=alone.card,
+                )  # fmt: skip
+
+            written = (await _illustrated(reply, images)).post
+            self._asks_ids.add(written.id)
         else:
-            key = f"waits:{command.key}"
-            written = await retry_until_answered(
-                lambda: self._forum.reply(
-                    command.topic_id, shown.text, key=key, reply_to=command.post_id, card=shown.card
-                )
-            )
-            self._asks_id = written.post.id
+            before = len((await retry_until_answered(lambda: self._forum.post(post_id))).images) if images else 0
+
+            async def edit(pictures: Sequence[bytes]) -> Post:
+                there = pictures and len((await self._forum.post(post_id)).images) > before  # the answer was lost
+                return await self._edit(post_id, shown, () if there else pictures)
+
+            written = await retry_while_denied(lambda: _illustrated(edit, images), SOON_S)
         self._last = shown
+        return written
 
     async def has_ended(self) -> bool:
         """Return whether the status post shows a final state. Never raises a `ForumError`."""
@@ -177,9 +206,10 @@ class StatusPost:
         """
         self._next = None
         self._shows = False
-        if self._sending is not None and not self._sending.done():
-            await asyncio.wait({self._sending}, timeout=10.0)
-            self._sending.cancel()
+        if under_way := {task for task in (self._sending, self._editing) if task is not None and not task.done()}:
+            _, late = await asyncio.wait(under_way, timeout=EDIT_S)
+            for task in late:
+                task.cancel()
         if self._post_id is not None and not self._limited:
             with contextlib.suppress(ForumError):  # removed, or no longer editable
                 return await _illustrated(lambda pictures: self._post_final(final, pictures, measured, before), images)
@@ -206,8 +236,17 @@ class StatusPost:
         if (card := now.card) is not None and is_final(card) and not (measured and _guessed(card)):
             return card.trace_id == final.card.trace_id
         await before()
-        await self._forum.edit(self._post_id, final.text, images=images, card=final.card)
+        await self._edit_once(self._post_id, final, images)
         return True
+
+    async def _edit_once(self, post_id: str, final: Shown, images: Sequence[bytes]) -> None:
+        """Write the end. A forum that was slow to make an earlier try does not show it yet, and must not make both."""
+        if not isinstance(self._forum, KeyedEdits):
+            await self._forum.edit(post_id, final.text, images=images, card=final.card)
+            return
+        content = f"{final.card.state} {len(images)} {final.text}"
+        key = f"end:{hashlib.sha256(content.encode()).hexdigest()[:32]}"
+        await self._forum.edit_once(post_id, final.text, key=key, images=images, card=final.card)
 
     async def _post_final_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:
         command, ours = self._command, True
@@ -277,6 +316,12 @@ async def _illustrated(write: Callable[[Sequence[bytes]], Awaitable[T]], images:
         except ForumError as e:
             _log.warning("pictures not taken", count=len(pictures), error=str(e))
     return await retry_until_answered(lambda: write(()))
+
+
+def _retrieved(edit: asyncio.Task[Post]) -> None:
+    """Retrieve the error of an edit that nobody awaits, so that asyncio does not report it."""
+    if not edit.cancelled():
+        edit.exception()
 
 
 async def retry_until_answered(write: Callable[[], Awaitable[T]], tries: float = math.inf) -> T:

@@ -14,7 +14,7 @@ from agentrob.agent.media.pictures import Picture
 from agentrob.agent.reporting.report import asked, markdown_table, measured, outcome
 from agentrob.language.messages.catalog import quote, say
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
-from agentrob.model import ActionResult, Language, Op
+from agentrob.model import ActionResult, Language
 
 #: The maximum number of rows in a reply.
 MOST_ROWS = 30
@@ -60,7 +60,7 @@ def _rows(
 
 
 def _step(number: int, result: ActionResult, called: str, seen: dict[int, str], language: Language) -> list[str]:
-    what = measured(result, language) if result.primitive.op is not Op.GET_FRONT_IMAGE else _NONE
+    what = measured(result, language) if not result.primitive.operation.picture else _NONE
     cell = outcome(result, language)
     if number in seen:
         cell += ("，" if language == "zh" else ", ") + seen[number]

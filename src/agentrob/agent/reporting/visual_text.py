@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from agentrob.language.messages.catalog import can_say, join_sentences, quote, say
 from agentrob.minds.visual_loop.claims import turned_deg, walked_m
 from agentrob.minds.visual_loop.loop import LoopCall, LoopRecord
-from agentrob.model import ActionResult, Language, Op, Outcome
+from agentrob.model import ActionResult, Language, Outcome
 
 #: The maximum number of refused calls in a report.
 MOST_REFUSED = 3
@@ -27,7 +27,7 @@ def paragraphs(
     done = [r for r in results if r.outcome not in (Outcome.SKIPPED, Outcome.REFUSED)]
     sentences = [say(
         "visual.measured", language, metres=walked_m(done), degrees=turned_deg(done),
-        pictures=sum(r.primitive.op is Op.GET_FRONT_IMAGE for r in done), calls=len(looked.turns),
+        pictures=sum(r.primitive.operation.picture for r in done), calls=len(looked.turns),
     )]  # fmt: skip
     if unknown := sum(bool(r.unmeasured) for r in done):
         sentences.append(say("visual.unmeasured", language, count=unknown))

@@ -27,13 +27,16 @@ from agentrob.agent.store.rows import (
     ApprovalDecision,
     ApprovalRequest,
     Claim,
+    KeptPreview,
     KeptSchedule,
     MotionState,
+    PartWait,
     ScheduledCommand,
     read_claim,
     read_schedule,
+    read_wait,
 )
-from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, MOTION, SCHEDULE
+from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, JOINT, MOTION, PREVIEW, SCHEDULE
 from agentrob.agent.store.transactions import Transactions
 from agentrob.errors import JournalError
 from agentrob.model import Command, CommandState, EndReason, FencingToken, Plan, ScheduleEnd
@@ -180,6 +183,7 @@ class Journal:
                 check_transition(claim.state, final)
             db.execute(queries.SET_CLAIM, self._this(post_id, final=str(final)))
             db.execute(queries.FORGET_ASSESSMENT, self._this(post_id))
+            db.execute(queries.FORGET_PREVIEW, self._this(post_id))
 
         await self._rows.write(work)
 
@@ -218,6 +222,27 @@ class Journal:
             return counts
 
         return await self._rows.write(work)
+
+    async def keep_preview(self, key: str, data: str) -> None:
+        """Keep the preview of a command before it is shown, instead of an earlier one, until the final reply."""
+
+        def work(db: Connection) -> None:
+            db.execute(queries.FORGET_PREVIEW, self._this(key))
+            insert_new(db, PREVIEW, robot=self._robot, post=key, data=data, pictures=0)
+
+        await self._rows.write(work)
+
+    async def set_preview_shown(self, key: str, at: datetime, pictures: int) -> None:
+        """Record since when a preview is beside its question, and with how many pictures."""
+        await self._do(queries.SET_PREVIEW, key, shown_at=at.isoformat(), pictures=pictures)
+
+    async def preview(self, key: str) -> KeptPreview | None:
+        """Return the preview of a command that waits for its approval or has got it, if there is one."""
+        found = await self._first(queries.THIS_PREVIEW, key)
+        if found is None:
+            return None
+        at = datetime.fromisoformat(found.shown_at) if found.shown_at is not None else None
+        return KeptPreview(str(found.data), at, int(found.pictures))
 
     async def has_decision(self, post_id: str) -> bool:
         """Whether this post approved or denied something."""
@@ -290,6 +315,41 @@ class Journal:
     async def set_schedule_told(self, post_id: str) -> None:
         """Record that the end of a schedule was told, unless it was renewed meanwhile."""
         await self._do(queries.SET_ENDED, post_id, told=1)
+
+    # ---------------------------------------------------------------- parts of posts to several robots
+    async def begin_wait(self, key: str, at: datetime) -> PartWait:
+        """Record that a part waits for others, and return its wait; the first one counts, also after a restart."""
+
+        def work(db: Connection) -> PartWait:
+            insert_new(db, JOINT, robot=self._robot, post=key, told=1)
+            db.execute(queries.BEGIN_WAIT, self._this(key, waits_since=at.isoformat()))
+            wait = read_wait(*db.execute(queries.THIS_WAIT, self._this(key)).one())
+            assert wait is not None
+            return wait
+
+        return await self._rows.write(work)
+
+    async def end_wait(self, key: str, at: datetime) -> None:
+        """Record when the wait of a part ended; the first end counts."""
+        await self._do(queries.END_WAIT, key, released_at=at.isoformat())
+
+    async def add_summary(self, command: Command) -> None:
+        """Record that this robot sums up the post of a command once all parts have ended. The first one counts."""
+        row = {"summary": COMMAND.dump_json(command).decode(), "told": 0}
+
+        def work(db: Connection) -> None:
+            if not insert_new(db, JOINT, robot=self._robot, post=command.key, **row):
+                db.execute(queries.SET_SUMMARY, self._this(command.key, **row))
+
+        await self._rows.write(work)
+
+    async def summaries(self) -> Sequence[Command]:
+        """The commands whose posts this robot has still to sum up."""
+        found = await self._rows.read(lambda db: db.execute(queries.SUMMARIES, self._this()).all())
+        return [COMMAND.validate_json(row.summary) for row in found]
+
+    async def set_summary_told(self, key: str) -> None:
+        await self._do(queries.SET_JOINT, key, told=1)
 
     async def prune(self, days: float, commands: int) -> None:
         """Delete claims that ended more than `days` ago, or more than a day ago and more than `commands` claims ago.

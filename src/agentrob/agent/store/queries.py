@@ -29,7 +29,18 @@ from sqlalchemy import (
 )
 from sqlalchemy.dialects import postgresql, sqlite
 
-from agentrob.agent.store.schema import APPROVAL, ASSESSMENT, CLAIM, HOLDER, META, MOTION, SCHEDULE, now_s
+from agentrob.agent.store.schema import (
+    APPROVAL,
+    ASSESSMENT,
+    CLAIM,
+    HOLDER,
+    JOINT,
+    META,
+    MOTION,
+    PREVIEW,
+    SCHEDULE,
+    now_s,
+)
 from agentrob.model import ScheduleEnd
 
 ROBOT, KEY = bindparam("this_robot", type_=Text), bindparam("this_key", type_=Text)
@@ -45,10 +56,12 @@ def _this(table: Table) -> Any:
 
 _CLAIMS = select(
     CLAIM.c.command, CLAIM.c.boot, CLAIM.c.accepted_s, now_s() - CLAIM.c.at, CLAIM.c.status_post, CLAIM.c.final,
-    CLAIM.c.ended, MOTION.c.state, APPROVAL.c.asked_at, APPROVAL.c.until_at, APPROVAL.c.said,
+    CLAIM.c.ended, MOTION.c.state, JOINT.c.waits_since, JOINT.c.released_at,
+    APPROVAL.c.asked_at, APPROVAL.c.until_at, APPROVAL.c.said,
 ).select_from(
     CLAIM.outerjoin(APPROVAL, and_(APPROVAL.c.robot == CLAIM.c.robot, APPROVAL.c.post == CLAIM.c.post))
     .outerjoin(MOTION, and_(MOTION.c.robot == CLAIM.c.robot, MOTION.c.post == CLAIM.c.post))
+    .outerjoin(JOINT, and_(JOINT.c.robot == CLAIM.c.robot, JOINT.c.post == CLAIM.c.post))
 ).where(_ours(CLAIM))  # fmt: skip
 NEWEST_NUMBER = select(func.coalesce(func.max(CLAIM.c.number), 0)).where(_ours(CLAIM))
 
@@ -61,6 +74,7 @@ THIS_MOTION = select(MOTION.c.state, MOTION.c.result).where(_this(MOTION))
 THIS_ASSESSMENT = select(ASSESSMENT.c.result).where(_this(ASSESSMENT))
 DECIDED_BY = select(APPROVAL.c.post).where(_ours(APPROVAL), APPROVAL.c.said_by == KEY)
 VALUE = select(META.c.value).where(_this(META))
+THIS_PREVIEW = select(PREVIEW.c.data, PREVIEW.c.shown_at, PREVIEW.c.pictures).where(_this(PREVIEW))
 _SCHEDULES = select(
     SCHEDULE.c.data, SCHEDULE.c.next_at, SCHEDULE.c.runs_left, SCHEDULE.c.ended, SCHEDULE.c.told
 ).where(_ours(SCHEDULE))  # fmt: skip
@@ -69,6 +83,9 @@ THIS_SCHEDULE = _SCHEDULES.where(SCHEDULE.c.post == KEY)
 SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, SCHEDULE.c.post)
 #: Those that ended by the limit of runs or days, and may be renewed.
 RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value).order_by(SCHEDULE.c.post)
+THIS_WAIT = select(JOINT.c.waits_since, JOINT.c.released_at).where(_this(JOINT))
+#: What is to be summed up.
+SUMMARIES = select(JOINT.c.summary).where(_ours(JOINT), JOINT.c.summary.is_not(None), JOINT.c.told == 0)
 #: The newest plans that were done in a topic.
 PLANS = (
     select(CLAIM.c.plan)
@@ -95,6 +112,13 @@ SET_ENDED = SET_SCHEDULE.where(SCHEDULE.c.ended.is_not(None))
 SET_RENEWABLE = SET_SCHEDULE.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value)
 #: Only from the run that was the next one, so that no run is taken twice.
 ADVANCE_SCHEDULE = END_SCHEDULE.where(SCHEDULE.c.next_at == bindparam("was_next", type_=Text))
+SET_JOINT = update(JOINT).where(_this(JOINT))
+SET_SUMMARY = SET_JOINT.where(JOINT.c.summary.is_(None))
+#: The first end of a wait counts.
+BEGIN_WAIT = SET_JOINT.where(JOINT.c.waits_since.is_(None))
+END_WAIT = SET_JOINT.where(JOINT.c.released_at.is_(None))
+SET_PREVIEW = update(PREVIEW).where(_this(PREVIEW))
+FORGET_PREVIEW = delete(PREVIEW).where(_this(PREVIEW))
 FORGET_ASSESSMENT = delete(ASSESSMENT).where(_this(ASSESSMENT))
 FORGET_ASSESSMENTS = delete(ASSESSMENT).where(_ours(ASSESSMENT))
 #: The posts of a forum that was replaced.
@@ -105,6 +129,8 @@ SET_ASIDE = (
     update(MOTION).where(_ours(MOTION)).values(post=_MARK + MOTION.c.post),
     update(APPROVAL).where(_ours(APPROVAL)).values(post=_MARK + APPROVAL.c.post, said_by=None),
     delete(SCHEDULE).where(_ours(SCHEDULE)),
+    delete(JOINT).where(_ours(JOINT)),
+    delete(PREVIEW).where(_ours(PREVIEW)),
     FORGET_ASSESSMENTS,
 )  # fmt: skip
 
@@ -122,8 +148,10 @@ def _prune() -> tuple[Any, ...]:
     told = delete(SCHEDULE).where(
         _ours(SCHEDULE), SCHEDULE.c.told == 1, SCHEDULE.c.post.not_in(select(CLAIM.c.post).where(_ours(CLAIM)))
     )
+    joint = delete(JOINT).where(_ours(JOINT), JOINT.c.told == 1, JOINT.c.post.in_(posts))
     return (
         *of_them,
+        joint,
         delete(CLAIM).where(*ended),
         delete(MOTION).where(_ours(MOTION), MOTION.c.at < before, unclaimed),
         told,

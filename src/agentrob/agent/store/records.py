@@ -99,7 +99,7 @@ def approval(asked: ApprovalRequest | None) -> dict[str, Any] | None:
         return until
     return until | {
         "approved": decision.approved, "by": decision.by.name, "role": str(decision.by.role),
-        "post": decision.post_id, "at": decision.at.isoformat(),
+        "post": decision.post_id, "at": decision.at.isoformat(), "preview": decision.preview,
     }  # fmt: skip
 
 

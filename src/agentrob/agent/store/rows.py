@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from agentrob.model import Account, Command, CommandState, EndReason, Schedule, ScheduleEnd
+from agentrob.model import Account, Command, CommandState, EndReason, Pose, Schedule, ScheduleEnd
 from agentrob.model.lifecycle import stored_reason, stored_state
 
 
@@ -27,13 +27,18 @@ class MotionState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ApprovalDecision:
-    """An approval or a denial of a command, bound to its post as a command is bound to its own."""
+    """An approval or a denial of a command, bound to its post as a command is bound to its own.
+
+    `preview` is the hash of the preview that was shown before, empty if there was none, and `start` where it begins.
+    """
 
     approved: bool
     by: Account
     post_id: str
     content_hash: str
     at: datetime
+    preview: str = ""
+    start: Pose | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,16 @@ class ApprovalRequest:
     asked_at: datetime
     until_at: datetime
     decided: ApprovalDecision | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class KeptPreview:
+    """A preview as its room writes it, since when it is beside its question, by the forum's clock, and the number of
+    pictures that the status post has by it. `shown_at` is None if the process ended before that was known."""
+
+    data: str
+    shown_at: datetime | None
+    pictures: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +89,14 @@ class KeptSchedule:
         return self.asked.command.post_id
 
 
+@dataclass(frozen=True, slots=True)
+class PartWait:
+    """The wait of a part for others of its post, since `since`, until `released_at`, by the forum's clock."""
+
+    since: datetime
+    released_at: datetime | None = None
+
+
 COMMAND, DECIDED = TypeAdapter(Command), TypeAdapter(ApprovalDecision)
 SCHEDULED = TypeAdapter(ScheduledCommand)
 
@@ -85,7 +108,8 @@ class Claim:
     `waited_s` is how long ago it was accepted, by the machine's clock that cannot be set. If the machine was restarted
     since, it is infinite; if workers share the journal's database, it is then the time by the database's clock.
     `final` is the state of its final reply, None while it is open. `ended` is why it may never move, None while it may.
-    `asked` is its request for approval. `motion` is the state of its motion row.
+    `asked` is its request for approval, `wait` its wait for other parts of its post. `motion` is the state of its
+    motion row.
     """
 
     command: Command
@@ -96,6 +120,7 @@ class Claim:
     ended: EndReason | None = None
     asked: ApprovalRequest | None = None
     motion: MotionState | None = None
+    wait: PartWait | None = None
 
     @property
     def state(self) -> CommandState:
@@ -119,16 +144,20 @@ class Claim:
             return EndReason.STOP
         if posted_at <= watermark_at:
             return EndReason.STALE
+        if self.wait is not None and self.wait.released_at is None:
+            return None  # it ends by itself, at a time that the other parts decide
         if self.asked is not None and self.asked.decided is None:
             return EndReason.LAPSED if now_at > self.asked.until_at else None
         # What was approved is as fresh as its approval is.
         since_at = self.asked.decided.at if self.asked is not None and self.asked.decided is not None else posted_at
+        if self.wait is not None and self.wait.released_at is not None:
+            since_at = max(since_at, self.wait.released_at)  # and what waited, as the end of its wait
         return None if now_at - since_at <= timedelta(seconds=max_age_s) else EndReason.STALE
 
 
 def read_claim(row: Any, shared: bool) -> Claim:
     """A row of `CLAIMS`; its `waited_s` counts until now. `shared`: another machine may have accepted it."""
-    command, taken_in, accepted_s, age_s, status_post, final, ended, motion, *asked = row
+    command, taken_in, accepted_s, age_s, status_post, final, ended, motion, waits_since, released_at, *asked = row
     elsewhere_s = age_s if shared and age_s >= 0.0 else float("inf")
     return Claim(
         COMMAND.validate_json(command),
@@ -139,6 +168,7 @@ def read_claim(row: Any, shared: bool) -> Claim:
         ended=stored_reason(ended) if ended is not None else None,
         asked=read_asked(*asked),
         motion=MotionState(motion) if motion is not None else None,
+        wait=read_wait(waits_since, released_at),
     )
 
 
@@ -148,6 +178,13 @@ def read_schedule(row: Any) -> KeptSchedule:
     at = datetime.fromisoformat(next_at) if next_at is not None else None
     end = ScheduleEnd(ended) if ended is not None else None
     return KeptSchedule(SCHEDULED.validate_json(data), at, int(runs_left), end, bool(told))
+
+
+def read_wait(waits_since: str | None, released_at: str | None) -> PartWait | None:
+    if waits_since is None:
+        return None
+    ended = datetime.fromisoformat(released_at) if released_at is not None else None
+    return PartWait(datetime.fromisoformat(waits_since), ended)
 
 
 def read_asked(asked_at: str | None, until_at: str | None, decision: str | None) -> ApprovalRequest | None:

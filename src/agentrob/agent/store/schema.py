@@ -51,6 +51,14 @@ APPROVAL = _table(
     Column("said_by", Text),
 )  # fmt: skip
 ASSESSMENT = _table("assessment", "post", Column("result", Text, nullable=False))
+#: Previews of commands that wait for an approval. `shown_at`: since when it is beside the question, by the forum's
+#: clock, none until that is known; `pictures`: how many the status post has by it.
+PREVIEW = _table(
+    "preview", "post",
+    Column("data", Text, nullable=False),
+    Column("shown_at", Text),
+    Column("pictures", BigInteger, nullable=False),
+)  # fmt: skip
 #: Commands for later times. `next_at` is the next run, none if there is none; `told`: the end was told, or need not be.
 SCHEDULE = _table(
     "schedule", "post",
@@ -58,6 +66,15 @@ SCHEDULE = _table(
     Column("next_at", Text),
     Column("runs_left", BigInteger, nullable=False),
     Column("ended", Text),
+    Column("told", BigInteger, nullable=False),
+)  # fmt: skip
+#: Parts of posts to several robots. `waits_since`: since when a part has waited for others, and `released_at` when that
+#: ended. `summary`: what the robot that is named first has to sum up once all parts have ended; `told`: it has.
+JOINT = _table(
+    "joint", "post",
+    Column("waits_since", Text),
+    Column("released_at", Text),
+    Column("summary", Text),
     Column("told", BigInteger, nullable=False),
 )  # fmt: skip
 #: On PostgreSQL, the fencing number of each robot's newest holder, and the mark of the last transaction it committed.

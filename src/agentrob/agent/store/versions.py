@@ -13,8 +13,9 @@ from agentrob.agent.store.queries import VALUE, put
 from agentrob.agent.store.schema import ALL, META
 from agentrob.errors import JournalError
 
-#: 1: a SQLite file for each robot, without a robot in its rows. 2: the tables of `schema`. 3: with schedules.
-VERSION = 3
+#: 1: a SQLite file for each robot, without a robot in its rows. 2: the tables of `schema`. 3: with schedules. 4: with
+#: parts of posts to several robots. 5: with previews.
+VERSION = 5
 #: The first number of PostgreSQL's advisory locks for versions; the second one is the version.
 VERSION_LOCK = 4_107_006
 _KEY = "schema"

@@ -10,6 +10,7 @@ import structlog
 
 from agentrob.errors import MindError
 from agentrob.language.goal import Goal
+from agentrob.language.joint.reading import joint_command
 from agentrob.language.parser.grammar import parse, small_talk_of
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.llm.errors import ModelError
@@ -37,7 +38,8 @@ class Assessment:
     `ErrorKind`, or one of those above), empty when it was. `usage` is one entry per question to a model,
     failed ones included. `screened` is what a model had against the command, None where none was asked; `goal` is what
     needs eyes, and then the plan has only the steps that it names. `schedule` is when the command is to be carried out,
-    None for at once; `untimed` is then the text of the post without the time.
+    None for at once; `untimed` is then the text of the post without the time. `previews`: the command is only
+    rehearsed, and moves nothing.
     """
 
     understanding: Understanding
@@ -49,6 +51,7 @@ class Assessment:
     goal: Goal | None = None
     schedule: Schedule | None = None
     untimed: str = ""
+    previews: bool = False
 
 
 async def extract(mind: Mind, text: str, addressee: Addressee, history: Sequence[Plan] = ()) -> Assessment:
@@ -85,6 +88,7 @@ def _warm_up_rules() -> None:
     for text in WARM_UP:
         parse(text, (), (), frozenset())
         small_talk_of(text, (), ())
+    joint_command("@rex wave, then @bot wave")
 
 
 def _assessment(reading: Reading) -> Assessment:

@@ -20,7 +20,10 @@ from agentrob.eyes.protocol import Detector
 from agentrob.forums.protocol import Forum
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Goal
-from agentrob.language.messages.catalog import say
+from agentrob.language.joint.parts import JointCommand
+from agentrob.language.joint.reading import JointProblem, joint_command
+from agentrob.language.messages.catalog import join_sentences, quote, say
+from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
 from agentrob.language.registry import language_of
 from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
@@ -32,12 +35,13 @@ from agentrob.minds.safety_review import SafetyReview, apply_review, review_comm
 from agentrob.minds.visual_loop.goal import goal_of
 from agentrob.minds.visual_loop.pursuit import for_model, goal_for, in_words, judged_plan, without_model
 from agentrob.model import (
+    PHOTO,
+    AccountKind,
     Capabilities,
     Command,
     CommandState,
     Decision,
     Intent,
-    Op,
     Plan,
     Primitive,
     Report,
@@ -100,12 +104,41 @@ class Assessor:
         return _ASSESSMENT.dump_json(await self.consider(job, terms)).decode()
 
     async def consider(self, job: QueuedCommand, terms: CommandTerms) -> Assessment:
-        """Understand and judge a command now, without storing the assessment. One that says when is understood and
-        judged without the time."""
+        """Understand and judge a command now, without storing the assessment. Nothing that speaks of a preview moves:
+        it is one, or is asked about."""
+        command = job.command
+        if command.run is None and (joint := joint_command(command.text)) is not None:
+            return await self._consider_part(job, joint, terms)
+        part = part_for(command.text, tuple(self.names), self._others(command))
+        rehearsed = rehearsed_part(part, command.text)
+        if rehearsed is not None and command.run is None:
+            return await self._considered_preview(job, part, rehearsed, terms)
+        assessment = await self._considered_command(job, part, terms)
+        if assessment.understanding.intent is Intent.COMMAND and speaks_of_preview(part, command.text):
+            return _asks(assessment, "preview.unclear")
+        return assessment
+
+    async def _considered_preview(self, job: QueuedCommand, part: str, rest: str, terms: CommandTerms) -> Assessment:
+        """The assessment of a post that asks to preview `rest`."""
+        command = job.command
+        timed = timed_text(rest, command.posted_at, self.settings.time_zone) if rest else None
+        alone = replace(command, text=f"@{next(iter(self.names))} {rest or part}")
+        assessment = await self._consider(job, alone, terms)
+        job.takes_s = None  # it takes no time of the robot
+        if timed is not None and timed.schedule is not None:
+            return _asks(assessment, "preview.later")
+        if not rest or assessment.understanding.intent is Intent.NOTHING:
+            return _asks(assessment, "preview.what")
+        if assessment.goal is not None:
+            return _asks(assessment, "preview.goal")
+        return replace(assessment, previews=assessment.understanding.intent is Intent.COMMAND)
+
+    async def _considered_command(self, job: QueuedCommand, part: str, terms: CommandTerms) -> Assessment:
+        """The assessment of a post that asks for no preview. One that says when is understood and judged without the
+        time."""
         command = job.command
         if command.run is not None:
             return await self._consider(job, command, terms, alone=True)
-        part = part_for(command.text, tuple(self.names), self._others(command))
         if lists_schedules(part):
             return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
         timed = timed_text(part, command.posted_at, self.settings.time_zone)
@@ -122,6 +155,30 @@ class Assessor:
                 return assessment
         assessment = await self._consider(job, command, terms)
         return _asks_when(assessment, timed)
+
+    async def _consider_part(
+        self, job: QueuedCommand, joint: JointCommand | JointProblem, terms: CommandTerms
+    ) -> Assessment:
+        """Judge this robot's part of a post to several robots. It is read by the rules, whatever the mind, as the
+        agents of the other robots read it; if any part is not understood, all of them ask."""
+        command, language = job.command, joint.language
+        question = joint.question if isinstance(joint, JointProblem) else await self._not_joint(command, joint)
+        if question or isinstance(joint, JointProblem):
+            asked = Understanding(Intent.ASK_BACK, language, question=question)
+            return Assessment(asked, "rules", harm_in_words(command.text, terms.scene, language))
+        capabilities = await self.driver.capabilities()
+        understood = Understanding(Intent.COMMAND, language, joint.part(command.part).plan)
+        return await self._judged(job, Assessment(understood, "rules"), command, capabilities, (), terms)
+
+    async def _not_joint(self, command: Command, joint: JointCommand) -> str:
+        """Why no agent carries out its part of a post that was read, as a question; empty if they do."""
+        if not command.part:  # it was called by another name, which the other agents do not know
+            return say("joint.alias", joint.language, name=quote(command.robot))
+        for name in joint.robots:
+            account = await retry_until_answered(partial(self.forum.account, name))
+            if account is None or account.kind is not AccountKind.ROBOT_AGENT:
+                return say("joint.robot", joint.language, name=quote(name))
+        return ""
 
     def _others(self, command: Command) -> tuple[str, ...]:
         return tuple(name for name in mentions(command.text) if name not in self.names)
@@ -157,30 +214,42 @@ class Assessor:
             assessment = replace(assessment, understanding=photographed)
         understood = assessment.understanding
         if understood.intent is Intent.COMMAND:
-            command = replace(command, language=understood.language)
-            chained = await retry_until_answered(partial(chain_refusal, self.forum, command))
-            goal = assessment.goal
-            plan = judged_plan(goal, local=not self.by_model(goal, capabilities)) if goal else understood.plan
-            job.takes_s = None if assessment.goal else seconds_of(plan, capabilities)
-            rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
-            known = replace(terms, known=assessment.goal is not None)
-            verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
-            assessment = replace(assessment, verdict=verdict)
-            assessment = await self._with_opinion(
-                job, assessment, part_for(command.text, addressee.names, addressee.others)
-            )
-            assessment = await self._looked_at(
-                job, command.text, assessment, addressee, capabilities, history, terms.scene
-            )
-        elif understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
+            return await self._judged(job, assessment, command, capabilities, history, terms)
+        if understood.intent is Intent.ASK_BACK:  # harm is named also where the rest is not understood
             assessment = replace(assessment, verdict=harm_in_words(command.text, terms.scene, understood.language))
+        return assessment
+
+    async def _judged(
+        self,
+        job: QueuedCommand,
+        assessment: Assessment,
+        command: Command,
+        capabilities: Capabilities,
+        history: Sequence[Plan],
+        terms: CommandTerms,
+    ) -> Assessment:
+        """Judge a command that was understood: by rights, limits and rules, and by what looks at it besides."""
+        command = replace(command, language=assessment.understanding.language)
+        addressee = Addressee(tuple(self.names), self._others(command), capabilities, self.settings.step_length_m)
+        chained = await retry_until_answered(partial(chain_refusal, self.forum, command))
+        goal = assessment.goal
+        plan = judged_plan(goal, local=not self.by_model(goal, capabilities)) if goal else assessment.understanding.plan
+        job.takes_s = None if assessment.goal else seconds_of(plan, capabilities)
+        rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
+        known = replace(terms, known=assessment.goal is not None)
+        verdict = chained or judge(command, plan, command.author, capabilities, known, rights)
+        assessment = replace(assessment, verdict=verdict)
+        assessment = await self._with_opinion(
+            job, assessment, part_for(command.text, addressee.names, addressee.others)
+        )
+        assessment = await self._looked_at(job, command.text, assessment, addressee, capabilities, history, terms.scene)
         return assessment
 
     async def _photographed(
         self, understood: Understanding, command: Command, capabilities: Capabilities, terms: CommandTerms
     ) -> Understanding:
         """Answer "what do you see?" with a photo, where this account may have one now without an approval."""
-        plan = Plan((Primitive(Op.GET_FRONT_IMAGE),), (say("note.see", understood.language),))
+        plan = Plan((Primitive(PHOTO),), (say("note.see", understood.language),))
         rights = await retry_until_answered(partial(rights_on, self.forum, command, terms))
         verdict = judge(command, plan, command.author, capabilities, terms, rights)
         if self.over_limit(command) or (verdict is not None and verdict.decision is not Decision.ALLOW):
@@ -249,6 +318,14 @@ class Assessor:
         usage = (*assessment.usage, *(screened.usage if screened else ()))
         verdict = apply_review(verdict, screened, language, settings.screen == "required")
         return replace(assessment, verdict=verdict, usage=usage, screened=screened)
+
+
+def _asks(assessment: Assessment, key: str) -> Assessment:
+    """The assessment of a post that is asked about instead of being done."""
+    language = assessment.understanding.language
+    question = join_sentences([say(key, language), say("preview.still", language)], language)
+    asked = Understanding(Intent.ASK_BACK, language, question=question)
+    return replace(assessment, understanding=asked, verdict=None, goal=None, schedule=None)
 
 
 def _asks_when(assessment: Assessment, timed: TimedText) -> Assessment:

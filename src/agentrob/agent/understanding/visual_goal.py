@@ -18,7 +18,7 @@ from agentrob.minds.llm.prompt import loop_prompt
 from agentrob.minds.usage import Usage
 from agentrob.minds.visual_loop.loop import LoopBudget
 from agentrob.minds.visual_loop.pursuit import in_words
-from agentrob.model import Capabilities, Intent, Language, Mandate, Op, Understanding
+from agentrob.model import PHOTO, Capabilities, Intent, Language, Mandate, Understanding
 from agentrob.screening.mandate import goal_mandate
 
 #: The most pictures of a goal without a model, and the most degrees that it turns.
@@ -47,7 +47,7 @@ def local_task_of(
     """Return all that is needed to pursue a goal without a model, within the limits of one command."""
     limits = capabilities.limits
     most = Mandate(
-        {Op.GET_FRONT_IMAGE: LOCAL_PICTURES}, limits.command_m, LOCAL_DEG, limits.command_s,
+        {PHOTO: LOCAL_PICTURES}, limits.command_m, LOCAL_DEG, limits.command_s,
         limits.command_steps + LOCAL_PICTURES,
     )  # fmt: skip
     fov_deg = fov_deg or FOV_OF_MODEL_DEG.get(capabilities.model, FOV_DEG)
@@ -64,7 +64,7 @@ def visual_task_of(
     The model gets the goal in English, and answers in the language of the post.
     """
     most = Mandate(
-        {Op.GET_FRONT_IMAGE: look.pictures}, look.distance_m, look.degrees, look.seconds, look.calls + look.pictures,
+        {PHOTO: look.pictures}, look.distance_m, look.degrees, look.seconds, look.calls + look.pictures,
         look.speed_mps,
     )  # fmt: skip
     mandate = goal_mandate(goal, most, capabilities)

@@ -53,7 +53,7 @@ def _on_this_host(settings: BoardSettings) -> Iterator[None]:
         lock = serving_lock(settings)
     except RobotBusy:
         key = settings.database_path or settings.database_shown
-        what = f"another process serves {key} already; several can serve one forum on PostgreSQL only (docs/deploy.md)"
+        what = f"another process serves {key} already; several can on PostgreSQL only (docs/forum/postgres.md)"
         raise BoardError(503, "already_served", what, "end it first") from None
     with lock:
         yield

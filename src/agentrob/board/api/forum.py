@@ -1,4 +1,5 @@
-"""The JSON API for accounts, boards, topics, posts, read positions, search and events (see `docs/seams.md`)."""
+"""The JSON API for accounts, boards, topics, posts, read positions, search and events (see
+`docs/reference/interfaces.md`)."""
 
 from __future__ import annotations
 
@@ -288,7 +289,7 @@ def _card(by: Account, card: CardIn | None) -> dict[str, Any] | None:
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents can send cards", "omit `card`")
     commands.check_robot(by, card.robot, "card")
-    return card.model_dump()
+    return card.stored()
 
 
 def post_written(services: Services, by: Account, written: Written) -> Response:

@@ -107,7 +107,8 @@ def _geometry(told: dict[str, Any]) -> str | None:
     tags=["robots"],
 )
 async def publish_geometry(request: Request, services: AppServices, name: str, by: Member) -> Response:
-    """Store the shape of a robot, gzipped, for the 3D view (`docs/seams.md`). Returns the name it is stored under."""
+    """Store the shape of a robot, gzipped, for the 3D view (`docs/reference/interfaces.md`). Returns the name it is
+    stored under."""
     check_own_robot(by, name)
     data = await request.body()
     stored = await asyncio.to_thread(geometry.store, services.settings.images_dir, data)
@@ -132,7 +133,7 @@ async def get_geometry(services: AppServices, name: str, who: ReadingViewer) -> 
     tags=["commands"],
 )
 async def publish_replay(request: Request, services: AppServices, post_id: str, by: Member) -> Response:
-    """Publish how a robot moved in a command (`docs/seams.md`); a later one replaces it."""
+    """Publish how a robot moved in a command (`docs/reference/interfaces.md`); a later one replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents publish replays", "use a robot agent's token")
     services.store.reader.post(post_id)  # 404 also for a post that the agent may not see

@@ -1,4 +1,4 @@
-"""Request and response models of the JSON API (see `docs/seams.md`)."""
+"""Request and response models of the JSON API (see `docs/reference/interfaces.md`)."""
 
 from __future__ import annotations
 
@@ -64,7 +64,24 @@ class CardIn(BaseModel):
     doing: str = Field("", max_length=500)
     place: Count | None = None
     trace_id: str = Field("", max_length=64)
-    until: str = Field("", max_length=40, description="RFC 3339 with a zone: until when it may be approved")
+    until: str = Field("", max_length=40, description="RFC 3339 with a zone: until when it may be approved, or waits")
+    part: Count = 0
+    parts: Count = 0
+    post: str = Field("", max_length=64)
+    content_hash: str = Field("", max_length=64)
+    bid_s: Count = 0
+    bid_cm: Count = 0
+    near_cm: Count = 0
+    room: str = Field("", max_length=40)
+    battery: Count = 0
+    ahead: Count = 0
+    takes: Count = 0
+    left_to: str = Field("", max_length=64)
+
+    def stored(self) -> dict[str, Any]:
+        """The card as it is stored: only that of a part of a post has the fields of parts."""
+        base = {"robot", "state", "step", "steps", "doing", "place", "trace_id", "until"}
+        return {name: value for name, value in self.model_dump().items() if name in base or value}
 
 
 class TopicIn(_In):

@@ -6,6 +6,7 @@ connection, so that they work as jobs of the writer and in other processes (`adm
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import re
 import secrets
@@ -46,8 +47,13 @@ _BY_TOKEN = (
     .join(db.tokens, db.tokens.c.account_id == db.accounts.c.id)
     .where(db.tokens.c.hash == bindparam("hash"), db.tokens.c.revoked_us.is_(None))
 )
-#: Verified when the name is unknown, so that the response time does not reveal which names exist.
-_NOBODY = _hasher.hash(secrets.token_hex())
+
+
+@functools.cache
+def _nobody() -> str:
+    """The hash that is verified when a name is unknown, so that the response time does not reveal which names exist.
+    Made at the first sign-in: it takes 0.1 s and 64 MB, which processes that sign nobody in need not spend."""
+    return _hasher.hash(secrets.token_hex())
 
 
 # -------------------------------------------------------------------- accounts
@@ -113,8 +119,9 @@ def hash_password(password: str) -> str:
 
 def verify_password(password_hash: str | None, password: str) -> bool:
     """Return whether a password is correct; slow on purpose, and equally slow if the account has no password."""
+    nobody = _nobody()  # whether or not it is needed: the first of all sign-ins may not reveal it either
     try:
-        right = _hasher.verify(password_hash or _NOBODY, password[:PASSWORD_MAX].encode("utf-8", "surrogatepass"))
+        right = _hasher.verify(password_hash or nobody, password[:PASSWORD_MAX].encode("utf-8", "surrogatepass"))
     except (VerificationError, InvalidHashError):
         return False
     return right and password_hash is not None
@@ -151,7 +158,7 @@ def end_session(connection: Connection, secret: str) -> None:
 def by_session(reader: Reader, secret: str) -> Account | None:
     """The account that a session signs in."""
     digest = hash_of(secret)
-    row = reader.kept(("session", digest), lambda: reader.first(_BY_SESSION, hash=digest))
+    row = reader.kept(("session", digest), lambda: reader.first(_BY_SESSION, hash=digest), access=True)
     return account_from(row) if row and row.expires_us > now_us() else None
 
 
@@ -190,7 +197,7 @@ def by_token(reader: Reader, secret: str) -> Account | None:
 def token_of(reader: Reader, secret: str) -> tuple[Account, frozenset[str]] | None:
     """The account that a bearer token signs in, and the scopes of the token (`SCOPES`)."""
     digest = hash_of(secret)
-    row = reader.kept(("token", digest), lambda: reader.first(_BY_TOKEN, hash=digest))
+    row = reader.kept(("token", digest), lambda: reader.first(_BY_TOKEN, hash=digest), access=True)
     return (account_from(row), frozenset(row.scopes.split())) if row else None
 
 

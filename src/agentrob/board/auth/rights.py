@@ -102,7 +102,7 @@ class RobotSettings:
 
 def settings_of(reader: Reader, robot: str) -> RobotSettings:
     """The settings of a robot; safe defaults if none are stored."""
-    return reader.kept(("robot", robot), lambda: _read(reader, robot))
+    return reader.kept(("robot", robot), lambda: _read(reader, robot), access=True)
 
 
 def _read(reader: Reader, robot: str) -> RobotSettings:

@@ -21,6 +21,7 @@ from agentrob.board.auth import visibility
 from agentrob.board.content import writes
 from agentrob.board.content.renderer import Renderer
 from agentrob.board.db.database import open_engine, unavailable
+from agentrob.board.db.read_cache import ReadCache
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Image, StoredEvent, StoredPost, Written, now_us
 from agentrob.board.db.writer import Job, T, Writer
@@ -51,8 +52,10 @@ class Store:
         reading = open_engine(settings, writes=False, patience_s=READ_S)
         self._engines = [reading, open_engine(settings, writes=True, process=process)]
         try:
-            self.reader = Reader(self._engines[0].connect(), visibility.readable_boards, keeps=True)
-            self.everything = Reader(self.reader.connection, keeps=True)
+            connection = self._engines[0].connect()
+            cache = ReadCache(connection)
+            self.reader = Reader(connection, visibility.readable_boards, cache)
+            self.everything = Reader(connection, cache=cache)
             self._finder = search.finder(self._engines[0].connect(), visibility.readable_boards)
         except DBAPIError as e:
             raise unavailable(e) from e

@@ -12,14 +12,13 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import LARGEST_ID, from_cursor, to_cursor
 from agentrob.board.db.database import unavailable
+from agentrob.board.db.read_cache import ReadCache
 from agentrob.board.db.records import Board, Image, StoredEvent, StoredPost, Topic, Version, from_us
 from agentrob.board.db.rows import account_from, board_from, event_from, event_id, post_from, topic_from
 from agentrob.errors import BoardError
 from agentrob.model import Account, AccountKind, Page
 
 T = TypeVar("T")
-#: Entries of the cache, which every commit clears.
-MAX_KEPT = 500
 #: The largest page size.
 MAX_LIMIT = 100
 
@@ -37,8 +36,9 @@ _TAGS = select(func.aggregate_strings(db.topic_tags.c.tag, " ")).where(db.topic_
 _TOPICS = select(db.topics, _TAGS.scalar_subquery().label("tags"), *_AUTHOR).join(
     db.accounts, db.accounts.c.id == db.topics.c.author_id
 )
+_HAS_IMAGES = select(db.post_images.c.post_id).where(db.post_images.c.post_id == db.posts.c.id).exists()
 _POSTS = (
-    select(db.posts, db.topics.c.board_id, *_AUTHOR)
+    select(db.posts, db.topics.c.board_id, _HAS_IMAGES.label("has_images"), *_AUTHOR)
     .join(db.topics, db.topics.c.id == db.posts.c.topic_id)
     .join(db.accounts, db.accounts.c.id == db.posts.c.author_id)
 )
@@ -90,19 +90,17 @@ def not_found(what: str, which: str, hint: str = "") -> BoardError:
 class Reader:
     """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
-    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `keeps`:
-    what was read is kept until somebody else commits; never within a transaction that writes.
+    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `cache`
+    keeps what was read; never within a transaction that writes.
     """
 
     def __init__(
-        self, connection: Connection, sees: Callable[[], frozenset[str]] | None = None, keeps: bool = False
+        self, connection: Connection, sees: Callable[[], frozenset[str]] | None = None, cache: ReadCache | None = None
     ) -> None:
         self.connection = connection
-        self._sees, self._keeps = sees, keeps
+        self._sees, self._cache = sees, cache
         #: Whether the database is known to be unreachable; then nobody waits for it, above all not the event loop.
         self.gone: Callable[[], bool] = lambda: False
-        self._kept: dict[Hashable, Any] = {}
-        self._kept_at: int | None = None
 
     def rows(self, statement: Executable, **values: Any) -> Sequence[Row[Any]]:
         if self.gone():
@@ -119,31 +117,17 @@ class Reader:
             if not e.connection_invalidated:
                 raise
             self.connection.rollback()  # the next read connects anew
-            if not self._keeps:
+            if self._cache is None:
                 raise
         return self.connection.execute(statement, values).all()  # a server that was started again meanwhile
 
-    def kept(self, key: Hashable, read: Callable[[], T]) -> T:
-        """The result of `read`, cached until the next commit by any process."""
-        newest = self.version() if self._keeps else None
-        if newest is None:
-            return read()
-        if newest != self._kept_at or len(self._kept) >= MAX_KEPT:
-            self._kept, self._kept_at = {}, newest
-        if key not in self._kept:
-            self._kept[key] = read()
-        found: T = self._kept[key]
-        return found
+    def kept(self, key: Hashable, read: Callable[[], T], *, access: bool = False) -> T:
+        """The result of `read`, cached until it may have changed, by any process (`ReadCache.kept`)."""
+        return read() if self._cache is None or self.gone() else self._cache.kept(key, read, access=access)
 
     def version(self) -> int | None:
         """A number that changes with every commit of another connection; None if the database has none."""
-        if self.connection.dialect.name != "sqlite":
-            return None
-        raw: Any = self.connection.connection.dbapi_connection
-        try:
-            return int(raw.execute("PRAGMA data_version").fetchone()[0])
-        except sqlite3.Error:
-            return None
+        return None if self._cache is None else self._cache.commits()
 
     def topic_version(self, topic_id: int) -> tuple[int | None, int | None]:
         """A version that changes with everything that a page of this topic's posts shows.
@@ -175,7 +159,7 @@ class Reader:
     # ---------------------------------------------------------------- boards and topics
     def all_boards(self) -> tuple[Board, ...]:
         """All boards, regardless of the viewer."""
-        return self.kept("boards", lambda: tuple(map(board_from, self.rows(_BOARDS))))
+        return self.kept("boards", lambda: tuple(map(board_from, self.rows(_BOARDS))), access=True)
 
     def boards(self) -> tuple[Board, ...]:
         boards, seen = self.all_boards(), self.seen()
@@ -310,14 +294,14 @@ class Reader:
         return tuple(Version(r.version, r.raw, from_us(r.until_us)) for r in sorted(rows, key=lambda r: r.version))
 
     def _posts(self, rows: Sequence[Row[Any]]) -> tuple[StoredPost, ...]:
-        images = self._images([r.id for r in rows if not r.removed])
+        images = self._images([r.id for r in rows if r.has_images and not r.removed])
         authors = {r.a_id: r for r in rows}  # few people write many posts
         accounts = {a_id: account_from(r) for a_id, r in authors.items()}
         return tuple(post_from(r, accounts[r.a_id], images.get(r.id, ())) for r in rows)
 
     def _images(self, post_ids: Sequence[int]) -> dict[int, tuple[Image, ...]]:
         found: dict[int, tuple[Image, ...]] = {}
-        for r in self.rows(_IMAGES_OF_POSTS, ids=post_ids):
+        for r in self.rows(_IMAGES_OF_POSTS, ids=post_ids) if post_ids else ():
             found[r.post_id] = (*found.get(r.post_id, ()), Image(str(r.id), r.width, r.height, r.media_type))
         return found
 
@@ -357,7 +341,7 @@ class Reader:
 
     def robots(self) -> tuple[Account, ...]:
         """All accounts of robot agents."""
-        return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))))
+        return self.kept("robots", lambda: tuple(map(account_from, self.rows(_ROBOTS))), access=True)
 
     def newest_post_id(self) -> int:
         return int(self.rows(_NEWEST_POST)[0][0] or 0)

@@ -351,3 +351,13 @@ stage_viewers = Table(
     Column("until_us", BigInteger, nullable=False),
     info=FLEETING,
 )
+
+#: On PostgreSQL, a mark that triggers change with every change of accounts, sessions, tokens, boards and robots' rights
+#: (`read_cache`).
+access_version = Table(
+    "access_version",
+    metadata,
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("mark", String(36), nullable=False),
+    info=FLEETING,
+)

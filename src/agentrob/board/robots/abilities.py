@@ -7,9 +7,10 @@ from dataclasses import fields
 from itertools import islice
 from typing import Any
 
-from agentrob.language.messages.help import examples, eye_examples, play_examples
+from agentrob.language.messages.help import commands, examples, eye_examples, play_examples
 from agentrob.language.messages.plan_text import operation_name, sentence
-from agentrob.model import Capabilities, Direction, Limits, Op, Primitive
+from agentrob.model import BUILT_IN, Capabilities, Direction, Limits, Operation
+from agentrob.model.operations.data import operation_of
 
 #: What models are, in words for people who have never seen one.
 ABOUT = {
@@ -20,10 +21,10 @@ ABOUT = {
 }
 #: A limit beyond this is taken as unknown.
 MOST_LIMIT = 1e6
+#: How many operations of a robot's own a card may declare.
+MOST_DECLARED = 20
 #: How many examples a page shows.
 EXAMPLES = 3
-_GESTURES = (Op.HEART, Op.CLAP, Op.STRETCH, Op.SHAKE, Op.HELLO, Op.SIT)
-_CHAIN = (Op.MOVE, Op.TURN, Op.HELLO)
 
 
 def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
@@ -31,10 +32,13 @@ def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
 
     Agents before 0.2 do not name the directions; then all are assumed.
     """
-    ops = frozenset(_members(Op, card.get("ops")))
+    declared = _declared(card.get("operations"))
+    own = {operation.name for operation in declared}
+    ops = frozenset(op for op in _words(card.get("ops")) if op in BUILT_IN or op in own)
     if not ops:
         return None
-    directions = frozenset(_members(Direction, card.get("directions"))) or frozenset(Direction)
+    told = frozenset(Direction(word) for word in _words(card.get("directions")) if word in frozenset(Direction))
+    directions = told or frozenset(Direction)
     model = card.get("model")
     return Capabilities(
         model=model if isinstance(model, str) else "",
@@ -42,18 +46,32 @@ def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
         limits=_limits(card.get("limits")),
         move_directions=directions,
         simulated=card.get("simulated") is True,
+        declared=tuple(operation for operation in declared if operation.name in ops),
     )
 
 
-def op_in_words(op: str) -> str:
+def op_in_words(op: str, can: Capabilities | None = None) -> str:
     """An operation of a card; one that is unknown here by its own name."""
-    return operation_name(Op(op), "en") if op in frozenset(Op) else op.replace("_", " ")[:40]
+    operation = (can and can.operation(op)) or BUILT_IN.get(op)
+    return operation_name(operation, "en") if operation else op.replace("_", " ")[:40]
 
 
-def _members(kind: type[Op] | type[Direction], told: object) -> Iterator[Any]:
+def _declared(told: object) -> tuple[Operation, ...]:
+    """The operations that the robot declares, without those that are malformed or do not fit."""
+    found: dict[str, Operation] = {}
+    for one in told[:MOST_DECLARED] if isinstance(told, (list, tuple)) else ():
+        try:
+            (operation,) = Capabilities("", frozenset(), declared=(operation_of(one),)).declared
+        except ValueError:
+            continue
+        found[operation.name] = operation
+    return tuple(found.values())
+
+
+def _words(told: object) -> Iterator[str]:
     for word in told[:40] if isinstance(told, (list, tuple)) else ():
-        if isinstance(word, str) and word in frozenset(kind):
-            yield kind(word)
+        if isinstance(word, str):
+            yield word
 
 
 def _limits(told: object) -> Limits:
@@ -65,33 +83,21 @@ def _limits(told: object) -> Limits:
     return Limits(**numbers)
 
 
-def commands_of(can: Capabilities) -> list[str]:
-    """Sentences that a robot with these abilities understands: several steps at once, a gesture, a photo, one step of
-    each kind."""
-    singles = {step.op: step for step in reversed(examples(can))}
-    chain = [singles[op] for op in _CHAIN if op in singles] or [singles[op] for op in _GESTURES if op in singles][:2]
-    plans: list[Sequence[Primitive]] = [chain] if len(chain) > 1 else []
-    plans += [[singles[op]] for op in _GESTURES if op in singles][:1]
-    plans += [[singles[Op.GET_FRONT_IMAGE]]] if Op.GET_FRONT_IMAGE in singles else []
-    plans += [[step] for step in examples(can)]
-    return list(dict.fromkeys(sentence(plan, "en") for plan in plans))
-
-
 def abilities_of(name: str, can: Capabilities | None, *, sees: bool = False) -> tuple[tuple[str, str], ...]:
     """Each operation of the robot of this name in words, with a post that asks for it; then its routines, the way home,
     and what it can be asked about its camera's picture (`sees`)."""
     if can is None:
         return ()
     singles = {step.op: step for step in reversed(examples(can))}
-    known = [op for op in Op if op in singles]
-    steps = tuple((op_in_words(op), f"@{name} {sentence([singles[op]], 'en')}") for op in known)
+    known = [operation.name for operation in can.operations if operation.name in singles]
+    steps = tuple((op_in_words(op, can), f"@{name} {sentence([singles[op]], 'en')}") for op in known)
     more = [*play_examples(can, "en"), *(eye_examples(can, "en") if sees else ())]
     return steps + tuple((words.rstrip("?"), f"@{name} {words}") for words in more)
 
 
 def example_commands(robots: Sequence[tuple[str, Capabilities | None]]) -> tuple[str, ...]:
     """A few posts that these robots (name, abilities) carry out, from each of them in turn."""
-    known = [(name, commands_of(can)) for name, can in robots if can]
+    known = [(name, commands(can, "en")) for name, can in robots if can]
 
     def posts() -> Iterator[str]:
         for n in range(EXAMPLES * max(1, len(known))):

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Image, StoredPost, from_text
 from agentrob.board.robots.abilities import op_in_words
 from agentrob.board.robots.commands import CommandRecord, told_pictures
 from agentrob.language.messages.plan_text import step_label
-from agentrob.model import AccountKind, CommandState, Op, Primitive
+from agentrob.model import BUILT_IN, AccountKind, Capabilities, CommandState, Primitive
+from agentrob.model.plans import step_of
 
 _UNITS = {
     "distance_m": "{:z.2f} m",
@@ -30,11 +29,15 @@ _UNITS = {
 #: Hidden if they round to zero.
 _ASIDE = frozenset({"sideways_m", "heading_deg", "drift_m"})
 _MOMENTS = {"seen": "seen by the robot's agent", "first_motion": "first motion", "done": "at rest, all steps done"}
-_PICTURES = {"step": "Photo of step", "path": "Path that was measured", "recording": "Recording"}
+_PICTURES = {
+    "step": "Photo of step",
+    "path": "Path that was measured",
+    "preview": "Paths of the preview",
+    "recording": "Recording",
+}
 MOST = 60
 #: A larger amount is shown as it is.
 MOST_AMOUNT = 1e4
-_STEP = TypeAdapter(Primitive)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +99,9 @@ class CommandView:
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
-def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
-    """The view of one record; fields of the wrong type are left out."""
+def command_view(post: StoredPost, told: CommandRecord, can: Capabilities | None = None) -> CommandView:
+    """The view of one record; fields of the wrong type are left out. `can`: what the robot can do today, for the words
+    of the operations that it declares."""
     record = told.record
     verdict = _map(record.get("verdict"))
     looked, run = _map(record.get("looked")), _map(record.get("run"))
@@ -117,7 +121,7 @@ def command_view(post: StoredPost, told: CommandRecord) -> CommandView:
             _map(record.get("timings_ms")),
             _map(record.get("approval")),
         ),
-        steps=tuple(_step(_map(step)) for step in done) or tuple(_asked(_map(step)) for step in planned),
+        steps=tuple(_step(_map(step), can) for step in done) or tuple(_asked(_map(step), can) for step in planned),
         planned=not done,
         facts=tuple(_facts(record, looked, summary)),
         models=tuple(_model(_map(model)) for model in usage),
@@ -159,11 +163,11 @@ def _timeline(
     return ((*first, ""), *told)
 
 
-def _step(step: Mapping[str, Any]) -> StepView:
+def _step(step: Mapping[str, Any], can: Capabilities | None) -> StepView:
     seconds = _number(step.get("duration_s"))
     why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
     return StepView(
-        asked=_deed(step, _map(step.get("asked"))),
+        asked=_deed(step, _map(step.get("asked")), can),
         measured=_amounts(_map(step.get("measured"))) or _unmeasured(_text(step.get("unmeasured"), 40)),
         outcome=_text(step.get("outcome"), 24),
         why=why,
@@ -176,27 +180,29 @@ def _unmeasured(why: str) -> str:
     return f"unknown: {why.replace('_', ' ')}" if why else "–"
 
 
-def _asked(step: Mapping[str, Any]) -> StepView:
+def _asked(step: Mapping[str, Any], can: Capabilities | None) -> StepView:
     """A step of a plan that was not carried out."""
-    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}), "–", "not started", "", "")
+    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}, can), "–", "not started", "", "")
 
 
-def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any]) -> str:
+def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any], can: Capabilities | None) -> str:
     """A step as reports and replays show it; one that is no step of this version by its operation and amounts."""
     try:
-        read = _STEP.validate_python({"op": step.get("op"), **amounts})
-    except (ValidationError, TypeError):
+        read = step_of({"op": step.get("op"), **amounts})
+    except (ValueError, TypeError):
         read = None
+    read = can.bound(read) if read is not None and can is not None else read
     if read is None or not _plain(read):
-        return f"{op_in_words(_text(step.get('op'), 40))} {_amounts(amounts)}".strip()
+        return f"{op_in_words(_text(step.get('op'), 40), can)} {_amounts(amounts)}".strip()
     return step_label(read, "en")
 
 
 def _plain(step: Primitive) -> bool:
     """Whether a step has a direction where it needs one, and amounts of a usual size."""
     amounts = [a for a in (step.distance_m, step.degrees, step.speed_mps) if a is not None]
-    directed = step.direction is not None or step.op not in (Op.MOVE, Op.TURN)
-    return directed and all(0 < amount < MOST_AMOUNT for amount in amounts)
+    known = step.op in BUILT_IN or step.declared is not None
+    directed = step.direction is not None or not step.walks
+    return known and directed and all(0 < amount < MOST_AMOUNT for amount in amounts)
 
 
 def _amounts(amounts: Mapping[str, Any]) -> str:
@@ -293,9 +299,14 @@ def _pictures(reply: StoredPost | None, kinds: Sequence[Any]) -> tuple[tuple[str
 
 
 def captions(reader: Reader, posts: Iterable[StoredPost]) -> dict[str, tuple[tuple[str, str], ...]]:
-    """(words, kind) of each picture of robots' replies, by post, as far as records name all of them."""
+    """(words, kind) of each picture of robots' replies, by post, as far as records name all of them.
+
+    A command that waits for an approval has no record yet; its pictures are those of its preview.
+    """
     shown = {p.id: p for p in posts if p.images and p.author.kind is AccountKind.ROBOT_AGENT}
-    found = {}
+    preview = (_PICTURES["preview"], "preview")
+    waiting = {key: post for key, post in shown.items() if _map(post.card).get("state") == CommandState.WAITING}
+    found = {key: (preview,) * len(post.images) for key, post in waiting.items()}
     for post_id, told in told_pictures(reader, [int(post_id) for post_id in shown]).items():
         kinds = [_map(kind) for kind in _list(told)]
         if len(kinds) == len(shown[post_id].images):

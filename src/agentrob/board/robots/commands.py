@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
 from sqlalchemy import and_, func, insert, select, update
 
 from agentrob.board.db import schema as db
@@ -16,11 +15,11 @@ from agentrob.board.db.reader import Reader, not_found, row_id
 from agentrob.board.db.records import StoredPost, from_us, now_us
 from agentrob.board.db.writer import Transaction
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind, CommandState, Plan, Primitive
+from agentrob.model import Account, AccountKind, CommandState, Plan
+from agentrob.model.plans import step_of
 
 #: Bytes of JSON and levels of nesting that a record may have.
 RECORD_BYTES, RECORD_DEPTH = 64 * 1024, 20
-_STEPS = TypeAdapter(list[Primitive])
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,10 +110,10 @@ def done_plans(reader: Reader, topic_id: str, robot: Account, most: int = 5) -> 
 
 def _plan(told: object) -> Plan | None:
     try:
-        steps = _STEPS.validate_python(told)
-    except ValidationError:
+        steps = tuple(step_of(step) for step in told) if isinstance(told, list) else ()
+    except (ValueError, AttributeError):
         return None
-    return Plan(tuple(steps)) if steps else None
+    return Plan(steps) if steps else None
 
 
 def answered(reader: Reader, post_id: str) -> str | None:

@@ -39,7 +39,8 @@ class ThingView:
 
 @dataclass(frozen=True, slots=True)
 class MapView:
-    """One robot's map. `pose` is where it last was, `fence` and `measured` are points of an SVG polyline."""
+    """One robot's map. `pose` is where it last was, `fence` and `measured` are points of an SVG polyline. `simulated`:
+    the path is that of a preview."""
 
     room: str
     size: tuple[float, float] | None = None
@@ -50,6 +51,8 @@ class MapView:
     plan: str = ""
     measured: str = ""
     geometry: str = ""
+    shapeless: bool = False
+    simulated: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,17 @@ class RoomView:
     size: tuple[float, float] | None
     things: tuple[ThingView, ...]
     robots: tuple[tuple[str, MapView], ...]
+
+    @property
+    def label(self) -> str:
+        """The robots in the room, in a few words."""
+        names = [name for name, _ in self.robots]
+        return ", ".join(names[:2]) + (f" and {len(names) - 2} more" if len(names) > 2 else "")
+
+    @property
+    def solid(self) -> bool:
+        """Whether there may be a 3D view: some robot's agent does not say that it has no shape."""
+        return not all(view.shapeless for _, view in self.robots)
 
 
 def map_view(told: object) -> MapView | None:
@@ -82,6 +96,7 @@ def map_view(told: object) -> MapView | None:
         things=tuple(thing for thing in found if thing is not None),
         pose=drawn_pose(pose) if pose else None,
         geometry=name if isinstance(name, str) and re.fullmatch(r"[0-9a-f]{32}", name) else "",
+        shapeless=bool(told.get("no_geometry")),
     )
 
 

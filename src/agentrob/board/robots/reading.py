@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 from agentrob.board.auth import rights
@@ -98,9 +98,13 @@ def _readable(services: Services, robot: RobotView, board_id: str, topic_id: str
         closed_s=(closed - now).total_seconds() if closed else None,
     )
     account = reader.account(robot.name)
-    history = commands.done_plans(reader, topic_id, account) if topic_id and account else ()
-    flips = robot.flips is not False
-    return ReadableRobot(robot.name, robot.can, allowed, history, robot.sees, flips, robot.scene)
+    plans = commands.done_plans(reader, topic_id, account) if topic_id and account else ()
+    known = [plan for plan in plans if all(step.op in robot.can.ops for step in plan.steps)]
+    history = tuple(replace(plan, steps=tuple(map(robot.can.bound, plan.steps))) for plan in known)
+    consents = robot.consents
+    if consents is None:
+        consents = frozenset(operation.needed_consent for operation in robot.can.operations)
+    return ReadableRobot(robot.name, robot.can, allowed, history, robot.sees, consents, robot.scene)
 
 
 def _nobody(services: Services, board_id: str) -> str:

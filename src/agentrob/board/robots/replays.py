@@ -6,6 +6,7 @@ import base64
 import json
 import zlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import accumulate
 from typing import Any
 
@@ -73,7 +74,9 @@ def final_map(replay: bytes) -> MapView | None:
         one = live.map_view(data.get("map"))
         channels = [list(accumulate(channel)) for channel in data["pose"]]
         poses = [(x / 1000, y / 1000, yaw / 1000) for x, y, yaw in zip(*channels, strict=True)]
-        return None if one is None or not poses else live.with_paths(one, _planned(data), poses)
+        if one is None or not poses:
+            return None
+        return replace(live.with_paths(one, _planned(data), poses), simulated=data.get("simulated") is True)
     except (BoardError, KeyError, TypeError, ValueError, OverflowError):
         return None
 

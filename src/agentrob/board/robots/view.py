@@ -16,11 +16,12 @@ from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
-from agentrob.model import Account, AccountKind, ActionClass, Capabilities
+from agentrob.model import Account, AccountKind, ActionClass, Capabilities, Op
 
 _KNOWN = {
     "model",
     "ops",
+    "operations",
     "limits",
     "directions",
     "state",
@@ -65,6 +66,14 @@ _LIMITS = {
     "command_s": ("One command", "s"),
     "command_steps": ("One command", "steps"),
 }
+#: The limits that only concern one operation.
+_LIMITED_OPS = {
+    "speed_mps": Op.MOVE,
+    "step_m": Op.MOVE,
+    "command_m": Op.MOVE,
+    "turn_dps": Op.TURN,
+    "step_deg": Op.TURN,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +105,9 @@ class RobotView:
     """`state` is a word such as idle; `battery` whole percent, None when unknown. `live`: its agent is here now.
     `camera`: there may be live pictures, unless its card says that there are none.
 
-    `flips` is whether its owner consents to flips, None while that is not known; `approval` are the classes of action
-    that need an approval by its owner's configuration; `scene` describes its surroundings, where its owner shows them.
+    `consents` are the risky operations that its owner consents to, None while that is not known; `approval` are the
+    classes of action that need an approval by its owner's configuration; `scene` describes its surroundings, where its
+    owner shows them.
 
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
     words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
@@ -126,7 +136,7 @@ class RobotView:
     can: Capabilities | None = None
     sees: tuple[str, ...] = ()
     map: MapView | None = None
-    flips: bool | None = None
+    consents: frozenset[str] | None = None
     approval: tuple[str, ...] = ()
     scene: str = ""
 
@@ -140,6 +150,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
     """The view of one robot; fields of the wrong type are left out."""
     limits = card.get("limits")
     ops = card.get("ops")
+    can = capabilities_of(card)
     facts = [("Model", _words(card.get("model"))), ("Simulated", "yes" if card.get("simulated") is True else "")]
     facts += [(str(k)[:40].replace("_", " ").capitalize(), _words(v)) for k, v in card.items() if k not in _KNOWN]
     return RobotView(
@@ -155,19 +166,28 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         can_reset=card.get("can_reset") is True,
         camera=card.get("camera") is not False,
         line=tuple(p for p in line[:20] if _is_id(p)) if isinstance(line := card.get("line"), (list, tuple)) else (),
-        ops=tuple(op_in_words(op) for op in ops[:40] if isinstance(op, str)) if isinstance(ops, (list, tuple)) else (),
-        limits=_limits(limits) if isinstance(limits, Mapping) else (),
+        ops=tuple(op_in_words(op, can) for op in _strings(ops)[:40]),
+        limits=_limits(_applying(limits, card.get("ops"))) if isinstance(limits, Mapping) else (),
         facts=tuple((name, value) for name, value in facts[:20] if value),
         lock=_lock(card.get("lock")),
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
         told=_told(card.get("told")),
-        can=capabilities_of(card),
+        can=can,
         sees=_sees(card.get("sees")),
         map=live.map_view(card.get("map")),
-        flips="flip" in consents if isinstance(consents := card.get("consents"), (list, tuple)) else None,
+        consents=_consents(card.get("consents")),
         approval=_classes(card.get("approval")),
         scene=_scene(card.get("map")),
     )
+
+
+def _consents(told: object) -> frozenset[str] | None:
+    """The consents in a list of a card."""
+    return frozenset(_strings(told)[:20]) if isinstance(told, (list, tuple)) else None
+
+
+def _strings(told: object) -> list[str]:
+    return [one for one in told if isinstance(one, str)] if isinstance(told, (list, tuple)) else []
 
 
 def _classes(classes: object) -> tuple[str, ...]:
@@ -241,6 +261,13 @@ def _sees(told: object) -> tuple[str, ...]:
 
 def _is_id(value: object) -> bool:
     return isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 19
+
+
+def _applying(limits: Mapping[str, object], ops: object) -> Mapping[str, object]:
+    """The limits without those of walks and turns that the robot cannot do."""
+    if not isinstance(ops, (list, tuple)):
+        return limits
+    return {name: value for name, value in limits.items() if name not in _LIMITED_OPS or _LIMITED_OPS[name] in ops}
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:

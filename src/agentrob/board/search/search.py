@@ -16,6 +16,7 @@ from sqlalchemy import Connection, and_, select, text
 from agentrob.board.db import schema as db
 from agentrob.board.db.cursors import from_cursor, to_cursor
 from agentrob.board.db.fulltext import INDEXED, Where, index_query
+from agentrob.board.db.read_cache import ReadCache
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import StoredPost
 from agentrob.errors import BoardError
@@ -38,7 +39,7 @@ def finder(connection: Connection, sees: Callable[[], frozenset[str]] | None = N
         # A generic plan would scan all posts for a rare word, or sort half of them for a common one.
         for setting in (f"statement_timeout = {MOST_S * 1000:.0f}", "plan_cache_mode = force_custom_plan", "jit = off"):
             connection.execute(text(f"SET {setting}"))
-    return Reader(connection, sees, keeps=True)
+    return Reader(connection, sees, ReadCache(connection))
 
 
 def bounded(reader: Reader, read: Callable[..., T], *asked: Any) -> T:

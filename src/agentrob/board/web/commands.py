@@ -30,13 +30,16 @@ async def command(
     if (asked := commands.answered(services.store.reader, post_id)) is not None:
         return redirect(f"/c/{asked}")
     post, told = commands.records_of(services.store.reader, post_id)
-    views = [command_view(post, one) for one in told]
+    can = {robot.name: robot.can for robot in robot_view.robots(services)}
+    views = [command_view(post, one, can.get(one.robot)) for one in told]
     hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
     data = {"post": post, "views": views, "topic": services.store.reader.topic(post.topic_id), "hidden": hidden}
-    data["replays"] = _replays(services, post_id, [view.robot for view in views])
     data["schedule"] = commands.schedule_of(services.store.reader, post)
     data["board"] = services.store.reader.board(post.board_id)
-    data |= {"waiting": approvals.of_post(services, post, viewer.account), "key": forms.nonce()}
+    waiting = approvals.of_post(services, post, viewer.account)
+    data |= {"waiting": waiting, "key": forms.nonce()}
+    robots = {*(view.robot for view in views), *(one.robot for one in waiting)}
+    data["replays"] = _replays(services, post_id, sorted(robots))
     ended = {view.robot for view in views}
     data["awaited"] = [
         r.name for r in services.store.reader.robots() if r.name in post.mentions and r.name not in ended

@@ -8,7 +8,7 @@ import hmac
 import math
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from functools import cache
@@ -27,6 +27,7 @@ from agentrob.board.content import notifications
 from agentrob.board.content.excerpts import excerpt, report_parts
 from agentrob.board.db.records import from_text
 from agentrob.board.robots import approvals, live
+from agentrob.board.robots.abilities import example_commands
 from agentrob.board.robots.front import best_picture
 from agentrob.board.robots.live import RoomView
 from agentrob.board.robots.view import RobotView
@@ -102,7 +103,7 @@ def inline_code(text: str) -> Markup:
 def status_card(card: Mapping[str, Any]) -> StatusCard:
     """A card from a robot's agent, with every field converted to the type that pages expect."""
     values = {f.name: card.get(f.name) for f in fields(StatusCard)}
-    robot = str(values["robot"] or "")
+    robot, left_to = str(values["robot"] or ""), str(values["left_to"] or "")
     return StatusCard(
         robot=robot if NAME.match(robot) else "",
         state=word(values["state"]),
@@ -112,14 +113,28 @@ def status_card(card: Mapping[str, Any]) -> StatusCard:
         place=_count(values["place"]) or None,
         trace_id=str(values["trace_id"] or "")[:64],
         until=str(values["until"] or "")[:40],
+        part=_count(values["part"]),
+        bid_s=_count(values["bid_s"]),
+        near_cm=_count(values["near_cm"]),
+        takes=_count(values["takes"]),
+        left_to=left_to if NAME.match(left_to) else "",
     )
 
 
-def _rooms(robots: Sequence[RobotView], board: str = "", robot: str = "") -> Sequence[RoomView]:
-    """The rooms of the robots that act on a board, or the room of one robot; by default all."""
+def _rooms(
+    robots: Sequence[RobotView], board: str = "", robot: str = "", first: Collection[str] = ()
+) -> Sequence[RoomView]:
+    """The rooms of the robots that act on a board, or the room of one robot; by default all. Those with most of the
+    robots `first` come first."""
     chosen = [one for one in robots if not board or board in one.boards]
     found = live.rooms((one.name, one.map) for one in chosen)
-    return [room for room in found if not robot or robot in (name for name, _ in room.robots)]
+    shown = [room for room in found if not robot or robot in (name for name, _ in room.robots)]
+    return sorted(shown, key=lambda room: -sum(name in first for name, _ in room.robots))
+
+
+def _example_of(robots: Sequence[RobotView]) -> str:
+    """A post that the first of these robots whose abilities are known carries out; empty without one."""
+    return next(iter(example_commands([(robot.name, robot.can) for robot in robots if robot.can][:1])), "")
 
 
 def _count(value: object) -> int:
@@ -141,6 +156,7 @@ def _environment() -> Environment:
     made.globals |= {"static": static_url, "states": STATES, "badges": BADGES, "kinds": KINDS, "roles": ROLES}
     made.globals |= {"active_states": ACTIVE_STATES, "progress_bar": PROGRESS_BAR}
     made.globals["rooms"] = _rooms
+    made.globals["example_of"] = _example_of
     made.globals["maps"] = made.get_template("live_view.html").module
     made.globals["parts"] = made.get_template("parts.html").module
     return made

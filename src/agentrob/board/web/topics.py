@@ -28,6 +28,7 @@ from agentrob.board.web.forms import Composed, PageForm, Text
 from agentrob.board.web.posts import POSTS, SentPost, is_locked_out, named, path_of, previewed
 from agentrob.board.web.templating import error_page, error_text, redirect, render_fragment, render_page
 from agentrob.errors import BoardError
+from agentrob.language.previews.reading import asking_for_preview
 from agentrob.model import Page, Role
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -46,21 +47,28 @@ class TagsForm(PageForm):
 
 @dataclass(frozen=True, slots=True)
 class ShownPosts:
-    """The posts of a page as safe HTML, the cursor of the next page, and the ids of the first and last post."""
+    """The posts of a page as safe HTML, the cursor of the next page, the ids of the first and last post, and the
+    accounts that wrote on it or are mentioned."""
 
     html: str
     next: str | None
     first: str = ""
     last: str = ""
+    concerned: frozenset[str] = frozenset()
 
 
 # ------------------------------------------------------------------ boards and topics
 @router.get("/")
 async def home(
-    request: Request, services: AppServices, viewer: ReadingViewer, after: str | None = None, say: str = ""
+    request: Request,
+    services: AppServices,
+    viewer: ReadingViewer,
+    after: str | None = None,
+    say: str = "",
+    room: str = "",
 ) -> Response:
-    """`say` is a command for the box, as in the links of the examples."""
-    return _home(request, viewer, Composed(draft=say[:READ_CHARS]), after)
+    """`say` is a command for the box, as in the links of the examples; `room` is the name of the room to show."""
+    return _home(request, viewer, Composed(draft=say[:READ_CHARS]), after, room=room)
 
 
 @router.post("/command")
@@ -74,7 +82,7 @@ async def command(request: Request, services: AppServices, viewer: AnyViewer, fo
         board_id = reading.board_of(services, form.body)
         if form.do == "preview":
             return _home(request, viewer, await previewed(services, typed, author, board_id))
-        text = forms.body(form.body)
+        text = forms.body(asking_for_preview(form.body) if form.do == "rehearse" else form.body)
         title = forms.title(form.title.strip() or forms.title_of(text) or "A command")
         key, pictures = form.idempotency_key(title, text), [image.id for image in typed.pictures]
         written = await services.store.create_topic(author, board_id, title, text, key=key, images=pictures)
@@ -86,7 +94,12 @@ async def command(request: Request, services: AppServices, viewer: AnyViewer, fo
 
 
 def _home(
-    request: Request, viewer: Viewer, typed: Composed, after: str | None = None, error: BoardError | None = None
+    request: Request,
+    viewer: Viewer,
+    typed: Composed,
+    after: str | None = None,
+    error: BoardError | None = None,
+    room: str = "",
 ) -> Response:
     services = get_services(request)
     boards = services.store.reader.boards()
@@ -96,6 +109,8 @@ def _home(
     data |= {"topics": topics, "news": _news(services, viewer, topics.items), "feed": "/feed.atom"}
     data["answers"] = answers = front.outcomes(services, topics.items)
     data["hidden"] = robot_view.hidden_cameras(services, viewer.account, answers.values())
+    data["room_name"] = room
+    data["in_room"] = {card.robot.name for card in cards if card.robot.map is not None and card.robot.map.room == room}
     data["examples"] = example_commands([(robot.name, robot.can) for robot in live])
     data |= {"typed": replace(typed, problem=error_text(error)), "key": forms.nonce(), "box_path": "/"}
     data["invites"] = viewer.account is not None and viewer.account.role is Role.ADMIN
@@ -327,8 +342,9 @@ def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str |
         data |= {"asking": approvals.in_thread(services, page.items, viewer.account), "key": forms.nonce()}
         data["captions"] = captions(services.store.reader, page.items)
         html = render_fragment("topic_posts.html", data)
-        ids = [post.id for post in page.items]
-        return ShownPosts(html, page.next, *(ids[:1] + ids[-1:])), len(html)
+        first, last = (page.items[0].id, page.items[-1].id) if page.items else ("", "")
+        concerned = frozenset(name for post in page.items for name in (post.author.name, *post.mentions))
+        return ShownPosts(html, page.next, first, last, concerned), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the buttons
     recorded = commands.newest_record_us(services.store.reader, topic_id)  # a record is no event of its topic

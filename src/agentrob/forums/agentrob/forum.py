@@ -1,4 +1,4 @@
-"""The adapter for AgentRob's own board, over its HTTP API and event stream (`docs/seams.md`)."""
+"""The adapter for AgentRob's own board, over its HTTP API and event stream (`docs/reference/interfaces.md`)."""
 
 from __future__ import annotations
 
@@ -114,8 +114,18 @@ class BoardForum:
     async def edit(
         self, post_id: str, body: str, *, images: Sequence[bytes] = (), card: StatusCard | None = None
     ) -> Post:
+        return await self._edit(post_id, body, images, card)
+
+    async def edit_once(
+        self, post_id: str, body: str, *, key: str, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        return await self._edit(post_id, body, images, card, key)
+
+    async def _edit(
+        self, post_id: str, body: str, images: Sequence[bytes], card: StatusCard | None, key: str | None = None
+    ) -> Post:
         content = {"body": body, **await self._upload(images), **_card(card)}
-        return await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", _post, content)
+        return await self._call("PATCH", f"/posts/{quote(post_id, safe='')}", _post, content, key=key)
 
     async def find(self, key: str) -> Post | None:
         found = (await self._call("GET", "/posts", partial(_page, _post), params={"key": key})).items

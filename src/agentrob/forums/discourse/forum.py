@@ -1,7 +1,7 @@
 """The adapter for Discourse: its JSON API by key or session, and its message bus for events.
 
 The adapter adds what Discourse lacks: one post per key (`markers`), a list of changes (`events`), and kinds and roles
-of accounts (groups, `settings`). `docs/discourse.md` explains the setup for admins.
+of accounts (groups, `settings`). `docs/forum/discourse.md` explains the setup for admins.
 """
 
 from __future__ import annotations

@@ -150,6 +150,16 @@ class MemoryForum:
         world.emit(EventKind.POST_EDITED, post=edited)
         return edited
 
+    async def edit_once(
+        self, post_id: str, body: str, *, key: str, images: Sequence[bytes] = (), card: StatusCard | None = None
+    ) -> Post:
+        used = self._name, post_id, key
+        if used in self._writing().edits:
+            return await self.post(post_id)
+        edited = await self.edit(post_id, body, images=images, card=card)
+        self._world.edits.add(used)
+        return edited
+
     async def find(self, key: str) -> Post | None:
         return self._up().written_under(self._name, key)
 

@@ -35,6 +35,7 @@ class MemoryRecords:
     robots: dict[str, dict[str, Any]] = field(default_factory=dict)
     frames: dict[str, bytes] = field(default_factory=dict)
     viewers: dict[str, int] = field(default_factory=dict)
+    edits: set[tuple[str, str, str]] = field(default_factory=set)
     _keys: dict[tuple[str, str], str] = field(default_factory=dict)
     _waiting: set[asyncio.Event] = field(default_factory=set)
     _reachable: bool = True

@@ -1,4 +1,4 @@
-"""The adapter for NodeBB: its write API and JSON pages, with keys, cards and push (`docs/nodebb.md`)."""
+"""The adapter for NodeBB: its write API and JSON pages, with keys, cards and push (`docs/forum/nodebb.md`)."""
 
 from __future__ import annotations
 

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 
 from text_to_num import text2num
 
+from agentrob.language.joint.english import WORDS as JOINT
 from agentrob.language.locale import Locale
 from agentrob.language.locales.en_idioms import IDIOMS
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.messages.play_en import PHRASES as PLAY
+from agentrob.language.operations.sentences_en import PHRASES as OPERATIONS
 from agentrob.language.parser.lexicon import Piece, digits, lexicon
 from agentrob.language.parser.order import OrderWords
+from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
@@ -437,8 +440,8 @@ TABLE = {
     "request=stated": """i'm hoping you can|i was hoping you would|i was wondering if you can|i wonder if you could
         |i wonder if you can|i would be happy if you could|i would love it if you could
         |i would appreciate it if you could|i'd love to have you|i'd love to see you|i'd like to see you
-        |i want to see you|i would like to see you|we want to see you|i wanna see you|i'd be grateful if you could
-        |i would be grateful if you could|it would be great if you could|it'd be great if you could
+        |i want to see you|i would like to see you|we want to see you|i wanna see you
+        |it would be great if you could|it'd be great if you could
         |it would be nice if you could|it'd be nice if you could|i was hoping you could|i was wondering if you could
         |i'd love it if you could|i'd appreciate if you could|i'd be happy if you could|any chance you could
         |is there any chance you could|do you think you could|maybe you could|perhaps you could|maybe you can
@@ -712,6 +715,21 @@ _DONE = ("when you're done", "when you are done", "once you're done", "once you 
 TABLE["talk=tell"] += "".join(f"|{tell} {done}" for tell in ("let me know", "tell me", "let us know") for done in _DONE)
 TABLE["condition"] += "".join(f"|once done {doing}" for doing in _DOING if doing.endswith("ing"))
 TABLE["and"] += "|" + "|".join(f"{done} {doing}" for done in _DONE for doing in _DOING)
+#: Long politeness is a request like any other: "we should be most obliged if you would".
+TABLE["request=stated"] += "".join(
+    f"|{who} be {degree}{feeling} if you {would}"
+    for who in ("i'd", "i would", "i should", "we'd", "we would", "we should")
+    for degree in ("", "most ", "very ", "so ", "much ", "ever so ")
+    for feeling in ("grateful", "obliged", "thankful", "delighted", "happy", "glad", "pleased")
+    for would in ("could", "would", "can", "might")
+)
+#: Counts that multiply an amount or a speed instead of the deed.
+TABLE["condition"] += "".join(
+    f"|{times} as {much}"
+    for times in ("twice", "three times", "four times", "half", "two times")
+    for much in ("fast", "slow", "slowly", "quick", "quickly", "far", "much", "long", "high")
+)
+TABLE["condition"] += "|only if you can|only if you|only when you|only if"
 #: For what somebody is thanked is done: nothing is asked.
 TABLE["talk"] += "".join(
     f"|{thanks} for {what}"
@@ -723,7 +741,7 @@ TABLE["talk"] += "".join(
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,
-    PHRASES | PLAY,
+    PHRASES | PLAY | OPERATIONS,
     together="both of you|all of you|you both|you two|both robots",
     order="""then|after that|after this|afterwards|afterward|next|finally|lastly|followed by|once done|when done
         |after which|later|subsequently|thereafter|at the end|in the end""",
@@ -737,19 +755,18 @@ LOCALE = Locale(
     aside=REMARKS.aside,
     purpose=REMARKS.purpose,
     weighty=REMARKS.weighty,
-    private=REMARKS.private,
     grave=REMARKS.grave,
-    own=REMARKS.own,
+    crucial=REMARKS.crucial,
     quotes=REMARKS.quotes,
     after_subject=REMARKS.after_subject,
-    heavy=REMARKS.heavy,
     unsettling=REMARKS.unsettling,
     noun_after=REMARKS.noun_after,
     run_on=REMARKS.run_on,
     begins=REMARKS.begins,
     open_end=REMARKS.open_end,
     never_where=REMARKS.never_where,
-    prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from)\b(?! been\b)",
+    prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from)\b(?! been\b)"
+    r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
     reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
         |judge|laugh|hurry|rush|stress|cry|get\ (?:mad|me\ wrong|hurt|scared|lost|excited)|hate|blame|thank|tell
         |hurt|bump|crash|collide|trip|fall|slip|stumble|knock|(?:walk|run|drive|bang|smash)\ (?:in)?to
@@ -764,4 +781,20 @@ LOCALE = Locale(
     claims=r"^(?:i'm|i am|we're|we are) (?:the|an?|your)(?: new)? (?:admin\w*|owners?|operators?|boss|manager)\b",
     talk=FORMS,
     schedule=SCHEDULE,
+    previews=PreviewWords(
+        leads=r"(?:(?:please|ok|okay|hi|hey|hello|can you|could you|would you|first|just|only)\b[\s,]*)*"
+        r"(?:(?:preview|rehearse|simulate|dry[- ]?run)\b(?!s)"
+        r"(?:\s+(?:how you|what happens if you|this|that|it|of|first))?"
+        r"|(?:do|run|make|give me|show me|start|try)\s+(?:a|the)\s+(?:preview|rehearsal|simulation|dry[- ]?run)"
+        r"(?:\s+(?:of|for|where you|how you))?"
+        r"|(?:a\s+)?(?:preview|rehearsal|simulation|dry[- ]?run)\s+(?:of|for)"
+        r"|show (?:me|us) first(?:\s+(?:how you|what happens (?:if|when) you))?)(?![\w-])[\s:,.-]*",
+        ends=r"(?:^|[\s,.;:!]+)(?:(?:and|but|then|please|only|just|first|with|as|in)\b[\s,]*)*"
+        r"(?:(?:preview|rehearse|simulate|dry[- ]?run)(?:\s+(?:it|that|this))?(?:\s+(?:first|only|please))*"
+        r"|(?:a|the)\s+(?:preview|rehearsal|simulation|simulator|dry[- ]?run)(?:\s+(?:first|only|please))*"
+        r"|show (?:it to )?(?:me|us)(?:\s+(?:it|that|how))? first(?:\s+please)?)",
+        hints=r"\b(?:previews?|previewed|previewing|rehears\w*|dry[- ]?run\w*|simulat(?:e|es|ion|ions|or|ing)"
+        r"|show (?:it to )?(?:me|us)(?: \w+)? first|first show (?:it to )?(?:me|us))\b",
+    ),
+    joint=JOINT,
 )

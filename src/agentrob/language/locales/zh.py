@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from agentrob.language.joint.chinese import WORDS as JOINT
 from agentrob.language.locale import Locale
 from agentrob.language.locales import en
 from agentrob.language.locales.zh_characters import TWINS
@@ -12,7 +13,9 @@ from agentrob.language.locales.zh_idioms import IDIOMS
 from agentrob.language.locales.zh_phrases import with_phrases
 from agentrob.language.messages.play_zh import PHRASES as PLAY
 from agentrob.language.messages.zh import PHRASES
+from agentrob.language.operations.sentences_zh import PHRASES as OPERATIONS
 from agentrob.language.parser.lexicon import Piece, lexicon
+from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks import chinese as remarks
 from agentrob.language.remarks.classifier import StatementClassifier
 from agentrob.language.schedule.chinese import WORDS as SCHEDULE
@@ -619,7 +622,7 @@ _MISREAD = {
 LEXICON = lexicon("zh", TABLE, number, numerals=_NUMERALS, twins=TWINS, misread=_MISREAD, extends=en.LEXICON)
 LOCALE = Locale(
     LEXICON,
-    PHRASES | PLAY,
+    PHRASES | PLAY | OPERATIONS,
     script="han",
     together="你们|你们俩|你们两|你们两个|两位|二位|你俩|你们两位|各位",
     stated=remarks.STATED,
@@ -633,21 +636,28 @@ LOCALE = Locale(
     aside=remarks.ASIDE,
     purpose=remarks.PURPOSE,
     weighty=remarks.WEIGHTY,
-    private=remarks.PRIVATE,
     grave=remarks.GRAVE,
-    own=remarks.OWN,
+    crucial=remarks.CRUCIAL,
     quotes=remarks.QUOTES,
     after_subject=remarks.AFTER_SUBJECT,
-    heavy=remarks.GRAVE,
     unsettling=remarks.UNSETTLING,
     noun_after=remarks.NOUN_AFTER,
     put_first="(?:[，。,；;！!]|但|不过)\\s*(?:但是?|不过|可是?)?(?:你|要|请|得){0,2}(?:先|首先)(?!生)[^，。,；;]*",
     claims=remarks.CLAIMS,
     introduction=remarks.INTRODUCTION,
-    prohibits="(?:但|可|就|也|请|千万|切)*(?:别(?![人字处样墅致])|不要(?![钱紧])|不许|不准|不得|不能|不可以|勿|莫|甭|休)",
+    prohibits="(?:但|可|就|也|请|千万|切)*(?:别(?![人字处样墅致])|不要(?![钱紧])|不许|不准|不得|不能|不可以|勿|莫|甭|休)|没.{0,8}[就则]",
     reassures="介意|见怪|客气|担心|紧张|害?怕|害羞|着急|急|慌|笑|吵|生气|嫌|怪|谢|磕|碰|撞|摔|绊|跌|刮|蹭|太[远快猛多久]|多[走转迈挪]|弄坏|伤",
     never_where="|".join(f"{to}{side}" for to in "往向朝冲" for side in ("前", "后", "左", "右", "前面", "后面")),
     talk=FORMS,
     schedule=SCHEDULE,
+    previews=PreviewWords(
+        leads=r"(?:(?:请|麻烦|你好|你|帮我|能不能|可以)[\s,，、]*)*(?:先|只|仅)?(?:给我)?"
+        r"(?:(?:预演|模拟|彩排|排练|演练|预览|试演)|(?<=先)演示|(?<=先给我)演示|(?<=先)给我看看?)(?:一下|一遍|一次)?[\s,，、:：]*",
+        ends=r"[\s,，、。；;]*(?:(?:请|但|但是|不过|然后|再|你|麻烦|要)[\s,，、]*)*"
+        r"(?:(?:先|只|仅|只是)?(?:给我)?(?:预演|模拟|彩排|排练|演练|预览|试演)|(?:先|只是)(?:给我)?演示|先给我看看?)"
+        r"(?:一下|一遍|一次|看看|给我看看?|吧){0,2}",
+        hints=r"预演|模拟|彩排|排练|演练|预览|试演|先.{0,4}演示|先给我看",
+    ),
+    joint=JOINT,
     idioms=IDIOMS,
 )

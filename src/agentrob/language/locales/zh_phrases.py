@@ -11,9 +11,10 @@ from collections.abc import Sequence
 
 from agentrob.language.locales.zh_characters import TWINS
 from agentrob.language.locales.zh_doubts import pictures_told, rests_after, shared_later
+from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.language.remarks.chinese import TRIAL
-from agentrob.model import Direction, Op
+from agentrob.model import PHOTO, Direction
 
 _PERSON = (
     "(?:大家|大伙儿?|他们?|她们?|我们?|咱们?|你们|各位|诸位|老人家?|老爷爷|老奶奶|[爷奶爸妈哥姐弟妹叔姨舅婶]{1,2}|姥姥|姥爷|外婆"
@@ -33,7 +34,6 @@ _LONGEST_NOUN = 20
 _SOFT_PERSON = re.compile(
     "大家|大伙|同学|朋友|先生|各位|你们?|您|每个人|师傅|老[弟兄哥]|哥们儿?|小可爱|小家伙|家人们|老铁们|同志"
 )
-_GESTURES = (Op.HELLO, Op.HEART, Op.CLAP, Op.SHAKE)
 _ROBOT = re.compile(
     "机器人|机器狗|小机器人|底盘|小车|车子|机器小车|小狗|狗狗|大家|朋友|先生|同学|伙计|你们|你们俩"
     "|车子|同志|师傅|老[弟兄哥]|哥们儿?|小可爱|小家伙|小东西|狗[哥弟]|狗崽子?|老?伙计|小伙计|小?铁狗|大狗|机器大狗|家人们|老铁们"
@@ -286,9 +286,9 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
         following, before = _next(tokens, at), found[-1] if found else None
         ends = following is None or following.kind in _BREAKS
         if token.kind is TokenKind.SHOW and words == "拍" and ends:
-            found.append(token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value))
+            found.append(token._replace(kind=TokenKind.OP, value=PHOTO.value))
         elif token.kind is TokenKind.TURN and words == "看" and before is not None and before.kind is TokenKind.REQUEST:
-            wanted = following is not None and following.kind is TokenKind.OP and following.value != Op.GET_FRONT_IMAGE
+            wanted = following is not None and following.kind is TokenKind.OP and following.value != PHOTO
             found += [] if wanted else [token]
         elif words in ("做", "来", "连做") and before is not None and before.kind is TokenKind.COMMA:
             after = [t.kind for t in tokens[at + 1 : at + 3] if t.kind is not TokenKind.SOFT]
@@ -308,9 +308,9 @@ def _looked(tokens: list[Token], said: str) -> list[Token]:
     found: list[Token] = []
     for at, token in enumerate(tokens):
         pair = [t for t in tokens[at + 1 : at + 4] if t.kind is not TokenKind.SOFT]
-        photo = token.value == Op.GET_FRONT_IMAGE
+        photo = token.value == PHOTO
         looks = photo and [t.value for t in pair[:1]] == ["look"]
-        if looks and [t.value for t in pair[1:2]] == [Op.GET_FRONT_IMAGE]:
+        if looks and [t.value for t in pair[1:2]] == [PHOTO]:
             continue
         if token.value == "look" and found[-1:] != [tokens[at - 1]] and tokens[at - 1].kind is TokenKind.OP:
             continue
@@ -335,14 +335,14 @@ def _tries(tokens: Sequence[Token], at: int) -> bool:
     before, following = _before(tokens, at), _next(tokens, at + 1)
     deed = before is not None and (before.kind in _VERBS or before.kind in _AMOUNTS)
     begun = next((i for i in range(at - 1, -1, -1) if tokens[i].kind in _BREAKS), -1)
-    photo = any(token.value == Op.GET_FRONT_IMAGE for token in tokens[begun + 1 : at])
+    photo = any(token.value == PHOTO for token in tokens[begun + 1 : at])
     return deed and not photo and (following is None or following.kind in _BREAKS)
 
 
 def _wishes(tokens: Sequence[Token], at: int, said: str) -> bool:
     """Return whether 想看看 begins what a photo is for that is asked for later."""
     wish = _text(tokens[at], said).lstrip("我")[:1] in ("想", "要")
-    return wish and any(t.value == Op.GET_FRONT_IMAGE for t in tokens[at + 1 :])
+    return wish and any(t.value == PHOTO for t in tokens[at + 1 :])
 
 
 def _insists(tokens: Sequence[Token], at: int, said: str) -> bool:
@@ -389,7 +389,7 @@ def _end_of_recipient(tokens: Sequence[Token], at: int, begun: int, said: str) -
     shown = (
         end < len(tokens) and tokens[end].kind in (TokenKind.MOVE, TokenKind.TURN) and said[tokens[at].start] in "给为"
     )
-    if op not in _GESTURES and not (op == Op.GET_FRONT_IMAGE and said[tokens[at].start] in "给为替帮") and not shown:
+    if op not in FOR_SOMEBODY and not (op == PHOTO and said[tokens[at].start] in "给为替帮") and not shown:
         return 0
     noun = said[begun : tokens[end].start].strip()
     named = any(t.kind is not TokenKind.SOFT or _SOFT_PERSON.fullmatch(_text(t, said)) for t in between)
@@ -411,7 +411,7 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
     at = 0
     while at < len(tokens):
         token = tokens[at]
-        takes = token.kind is TokenKind.SHOW or token.value == Op.GET_FRONT_IMAGE
+        takes = token.kind is TokenKind.SHOW or token.value == PHOTO
         if not takes and token.value != Soft.OBJECT:
             found.append(token)
             at += 1
@@ -424,10 +424,10 @@ def _of_subjects(tokens: list[Token], said: str) -> list[Token]:
         between = tokens[at + 1 : end]
         ahead = not any(t.kind is TokenKind.DIR and t.value in _SIDES for t in between)
         if takes and ahead and goal.kind is TokenKind.PICTURE and between and _text(between[-1], said) == "的":
-            found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, token.start, goal.end))
+            found.append(Token(TokenKind.OP, PHOTO.value, token.start, goal.end))
             found += [] if count is None else [count._replace(kind=TokenKind.TIMES)]
             at = end + 1
-        elif token.value == Soft.OBJECT and ahead and goal.value == Op.GET_FRONT_IMAGE and between:
+        elif token.value == Soft.OBJECT and ahead and goal.value == PHOTO and between:
             found.append(goal._replace(start=token.start))
             at = end + 1
             if at < len(tokens) and tokens[at].kind is TokenKind.OF and tokens[at].value is None:

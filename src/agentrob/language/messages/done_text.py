@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from agentrob.language.messages.catalog import can_say, say
-from agentrob.language.messages.plan_text import step_label
+from agentrob.language.messages.plan_text import done_sentence, measured_text, step_label
 from agentrob.model import ActionResult, Direction, Language, Op
 
 #: Less than this is not mentioned: the figure would be 0.
@@ -39,8 +39,10 @@ def _deed(result: ActionResult, language: Language) -> str:
         key, least, amount, shown = "did.turn", _LEAST_DEG, measured.get("degrees"), "{:.0f}"
     elif not result.ok:
         return ""
+    elif can_say(f"did.{step.op}"):
+        return say(f"did.{step.op}", language)
     else:
-        return say(f"did.{step.op}", language) if can_say(f"did.{step.op}") else step_label(step, language)
+        return _declared(result, language)
     direction = step.direction or (Direction.FORWARD if step.op is Op.MOVE else Direction.LEFT)
     named = say(f"direction.{direction}", language)
     if amount is None:
@@ -50,3 +52,14 @@ def _deed(result: ActionResult, language: Language) -> str:
     if step.op is Op.TURN:
         return say(key, language, direction=named, degrees=shown.format(amount))
     return say(f"{key}.{direction}", language, metres=shown.format(amount))
+
+
+def _declared(result: ActionResult, language: Language) -> str:
+    """Return an operation that the robot declares, with what was measured of it: "blew bubbles (3.0 s)"."""
+    operation = result.primitive.operation
+    done = done_sentence(result.primitive, language) or step_label(result.primitive, language)
+    found = [(result.measured[q.name], q.unit) for q in operation.measured if q.name in result.measured]
+    if not found:
+        return done
+    amounts = say("list.joint", language).join(measured_text(value, unit) for value, unit in found)
+    return say("did.declared", language, deed=done, amounts=amounts)

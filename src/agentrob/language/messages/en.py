@@ -1,6 +1,9 @@
 """Every sentence that robots say in English. Keys are `section.name`; `zh` has the same keys and placeholders."""
 
-from agentrob.language.messages.schedule_en import SCHEDULE
+from agentrob.language.joint.sentences_en import JOINT
+from agentrob.language.messages.reasons import ENGLISH as REASONS
+from agentrob.language.messages.schedules import ENGLISH as SCHEDULES
+from agentrob.language.previews.sentences import ENGLISH as PREVIEWS
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
@@ -248,6 +251,17 @@ PHRASES = {
     "agent.queued.behind": "Queued, place {place}, behind the command of {who}; my turn comes in about {wait}.",
     "agent.queued.behind.unknown": "Queued, place {place}, behind the command of {who}.",
     "agent.held": "Queued: the same account may command me again in {seconds:.0f} s, and then I go on by myself.",
+    "agent.room": "Waits for the room: {who_does}.",
+    "agent.room.card": "waits for the room:",
+    "agent.room.move": "{who} walks",
+    "agent.room.turn": "{who} turns",
+    "agent.room.wait": "{who} moves first",
+    "agent.room.other": "{who} moves",
+    "agent.room.silent": (
+        "Its driver has been silent for {silent}. The room is free again when it says that the robot is at rest, or "
+        "when the owner has seen that and says so: `agentrob room` with `--release {robot}`."
+    ),
+    "agent.room.silent.unknown": "an unknown time",
     "agent.running": "Step {step} of {steps}: {doing} …",
     "agent.waits": "**Waits for approval.**",
     "agent.waits.plan": "I understood: {understood}.",
@@ -372,36 +386,6 @@ PHRASES = {
     "agent.unknown.odometry_lost": "unknown: odometry was lost",
     "agent.unknown.odometry_jump": "unknown: odometry jumped",
     # -------------------------------- why a step ended
-    "agent.reason.obstacle": "Something was in the way.",
-    "agent.reason.obstacle.near": "Something is {distance} m away ({side}); this step needs {needed} m there.",
-    "agent.reason.fence": "It would have left the allowed area.",
-    "agent.reason.deadline": "It took too long.",
-    "agent.reason.stale_state": "The robot's state was too old to trust.",
-    "agent.reason.lease_lapsed": "The driver did not hear from me in time.",
-    "agent.reason.fenced": "Another worker has taken over this robot.",
-    "agent.reason.stop": "A stop came.",
-    "agent.reason.halt": "An emergency stop came; only the owner can release it.",
-    "agent.reason.halted": "I am halted; only my owner can release that.",
-    "agent.reason.stalled": "I got commands but did not move.",
-    "agent.reason.unsupported": "This robot cannot do that.",
-    "agent.reason.busy": "Somebody else is using the robot.",
-    "agent.reason.not_homed": "My home is not set, so I cannot tell where I may go.",
-    "agent.reason.odometry_jump": "My odometry jumped; I must be homed again.",
-    "agent.reason.ranges_unknown": "I cannot tell what is around me.",
-    "agent.reason.fallen": "I have fallen, and stay down until I am asked to stand up.",
-    "agent.reason.low_battery": "My battery is too low for any motion; charge me.",
-    "agent.reason.posture": "I cannot do that from the posture I am in; somebody must make me stand first.",
-    "agent.reason.bad_image": "My picture shows nothing.",
-    "agent.reason.no_answer": "The robot did not answer.",
-    "agent.reason.robot_error": "The robot answered with an error.",
-    "agent.reason.timeout": "It took too long.",
-    "agent.reason.consent": "That needs my owner's consent.",
-    "agent.reason.mandate": "It would exceed what was allowed for this command.",
-    "agent.reason.stop_channel": "The forum was silent, so nobody could have stopped me.",
-    "agent.reason.shutdown": "My agent was ended.",
-    "agent.reason.internal": "My agent had an internal error and ended the step.",
-    "agent.reason.unreachable": "The driver stopped answering.",
-    "agent.reason.other": "Reason: `{reason}`.",
     # -------------------------------- what to do about it
     "agent.todo.obstacle": "Clear the way, or ask for a shorter distance or another direction.",
     "agent.todo.fence": "Ask for a shorter distance, or for another direction.",
@@ -595,5 +579,8 @@ PHRASES = {
         "My owner requires a model to review every command before I move, and none answers now. I did not move. "
         "Please post it again later."
     ),
-    **SCHEDULE,
+    **REASONS,
+    **SCHEDULES,
+    **PREVIEWS,
+    **JOINT,
 }

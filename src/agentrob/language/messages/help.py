@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.language.messages.catalog import say
-from agentrob.language.messages.plan_text import sentence
+from agentrob.language.messages.plan_text import example_of, sentence
 from agentrob.language.routines import Routine, steps_of, usual_size_m
-from agentrob.model import Capabilities, Direction, Language, Op, Primitive
+from agentrob.model import BUILT_IN, ActionClass, Capabilities, Direction, Language, Op, Primitive
 
 #: The routines that help names.
 ROUTINES = (Routine.DANCE, Routine.SQUARE, Routine.CIRCLE, Routine.PATROL)
@@ -25,7 +26,7 @@ def help_text(capabilities: Capabilities, name: str, language: Language, *, sees
         *(_example(name, [step], language) for step in examples(capabilities)),
         "",
     ]
-    if len(chain := _chain(capabilities)) > 1:
+    if len(chain := firsts(capabilities)) > 1:
         lines += [say("help.chain", language), "", _example(name, chain, language), ""]
     for key, sentences in (
         ("help.play", play_examples(capabilities, language)),
@@ -64,8 +65,34 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
         Primitive(Op.TURN, Direction.LEFT, degrees=min(90.0, limits.step_deg)),
         Primitive(Op.TURN, Direction.RIGHT, degrees=min(45.0, limits.step_deg)),
     ]
-    steps += [Primitive(op) for op in Op if op not in (Op.MOVE, Op.TURN)]
-    return [step for step in steps if step.op in capabilities.ops]
+    steps = [step for step in steps if step.op in capabilities.ops]
+    return steps + [example_of(one) for one in capabilities.operations if not Primitive(one.name).walks]
+
+
+def firsts(capabilities: Capabilities) -> list[Primitive]:
+    """Return a walk, a turn, a gesture and a picture, as far as the robot can do them."""
+    found: dict[str, Primitive] = {}
+    for step in examples(capabilities):
+        kind = step.op if step.walks else step.operation.action_class
+        if kind is not ActionClass.RISKY and (step.walks or kind is not ActionClass.MOVE):
+            found.setdefault(str(kind), step)
+    order = (Op.MOVE, Op.TURN, ActionClass.GESTURE, ActionClass.PHOTO)
+    return [found[str(kind)] for kind in order if str(kind) in found]
+
+
+def commands(capabilities: Capabilities, language: Language) -> list[str]:
+    """Return sentences that this robot understands: several steps at once, what only it can do or else a gesture, a
+    photo, one step of each kind."""
+    steps = examples(capabilities)
+    gestures = [step for step in steps if step.operation.action_class is ActionClass.GESTURE]
+    chain = [step for step in firsts(capabilities) if step.moves]
+    chain = chain if any(step.walks for step in chain) else gestures[:2]
+    own = [step for step in steps if step.op not in BUILT_IN]
+    plans: list[Sequence[Primitive]] = [chain] if len(chain) > 1 else []
+    plans += [[step] for step in (own or [step for step in gestures if step not in chain] or gestures)[:1]]
+    plans += [[step] for step in steps if step.operation.picture][:1]
+    plans += [[step] for step in steps]
+    return list(dict.fromkeys(sentence(plan, language) for plan in plans))
 
 
 def thread_examples(language: Language) -> list[str]:
@@ -82,7 +109,7 @@ def play_examples(capabilities: Capabilities, language: Language) -> list[str]:
 
 def eye_examples(capabilities: Capabilities, language: Language) -> list[str]:
     """Return what can be asked of a robot with a detector."""
-    if Op.GET_FRONT_IMAGE not in capabilities.ops:
+    if not any(operation.picture for operation in capabilities.operations):
         return []
     turns = [say("help.face", language)] if Op.TURN in capabilities.ops else []
     return [*turns, say("help.colours", language)]
@@ -94,12 +121,6 @@ def within(step: Primitive, capabilities: Capabilities) -> Primitive:
     if step.distance_m is not None:
         return replace(step, distance_m=min(step.distance_m, limits.step_m))
     return replace(step, degrees=min(step.degrees, limits.step_deg)) if step.degrees is not None else step
-
-
-def _chain(capabilities: Capabilities) -> list[Primitive]:
-    """Return a walk, a turn and a picture, as far as the robot can do them."""
-    firsts = {step.op: step for step in reversed(examples(capabilities))}
-    return [firsts[op] for op in (Op.MOVE, Op.TURN, Op.HELLO, Op.GET_FRONT_IMAGE) if op in firsts]
 
 
 def _example(name: str, steps: list[Primitive], language: Language) -> str:

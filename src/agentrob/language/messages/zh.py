@@ -1,6 +1,9 @@
 """Every sentence that robots say in Chinese, with the same keys and placeholders as `en`."""
 
-from agentrob.language.messages.schedule_zh import SCHEDULE
+from agentrob.language.joint.sentences_zh import JOINT
+from agentrob.language.messages.reasons import CHINESE as REASONS
+from agentrob.language.messages.schedules import CHINESE as SCHEDULES
+from agentrob.language.previews.sentences import CHINESE as PREVIEWS
 
 PHRASES = {
     # ---------------------------------------------------------------- one step, as a command
@@ -211,6 +214,17 @@ PHRASES = {
     "agent.queued.behind": "排队中，第 {place} 位，前面是 {who} 的命令；大约 {wait}后轮到。",
     "agent.queued.behind.unknown": "排队中，第 {place} 位，前面是 {who} 的命令。",
     "agent.held": "排队中：同一账号 {seconds:.0f} 秒后才能再次指挥我，届时自动继续。",
+    "agent.room": "等待房间：{who_does}。",
+    "agent.room.card": "等待房间：",
+    "agent.room.move": "{who} 正在行走",
+    "agent.room.turn": "{who} 正在转身",
+    "agent.room.wait": "{who} 排在我前面",
+    "agent.room.other": "{who} 正在动作",
+    "agent.room.silent": (
+        "它的驱动程序已有 {silent}没有消息。等它报告机器人已静止，或主人确认静止后运行 `agentrob room` "
+        "（`--release {robot}`），房间才会空出来。"
+    ),
+    "agent.room.silent.unknown": "不知多久",
     "agent.running": "第 {step} 步，共 {steps} 步：{doing}……",
     "agent.waits": "**等待批准。**",
     "agent.waits.plan": "我的理解：{understood}。",
@@ -309,36 +323,6 @@ PHRASES = {
     "agent.unknown.odometry_lost": "未知：里程计丢失",
     "agent.unknown.odometry_jump": "未知：里程计跳变",
     # -------------------------------- why a step ended
-    "agent.reason.obstacle": "有障碍物离得太近。",
-    "agent.reason.obstacle.near": "{side}方 {distance} 米处有障碍物，这一步在那里需要 {needed} 米。",
-    "agent.reason.fence": "会走出允许的区域。",
-    "agent.reason.deadline": "超时。",
-    "agent.reason.stale_state": "机器人状态太旧，不可信。",
-    "agent.reason.lease_lapsed": "驱动没有及时收到我的信号。",
-    "agent.reason.fenced": "另一个工作进程已接管这台机器人。",
-    "agent.reason.stop": "收到了停止命令。",
-    "agent.reason.halt": "收到了急停，只有主人能解除。",
-    "agent.reason.halted": "我处于急停状态，只有主人能解除。",
-    "agent.reason.stalled": "收到了指令，但没有移动。",
-    "agent.reason.unsupported": "这台机器人做不到。",
-    "agent.reason.busy": "机器人正被别人使用。",
-    "agent.reason.not_homed": "还没有设置原点，无法判断可以去哪里。",
-    "agent.reason.odometry_jump": "里程计跳变，需要重新设置原点。",
-    "agent.reason.ranges_unknown": "无法判断周围有什么。",
-    "agent.reason.fallen": "我摔倒了，有人叫我站起来之前不会动。",
-    "agent.reason.low_battery": "电量过低，不能动作，请给我充电。",
-    "agent.reason.posture": "我现在的姿势做不了，需要先有人让我站好。",
-    "agent.reason.bad_image": "我拍的照片上什么也看不到。",
-    "agent.reason.no_answer": "机器人没有应答。",
-    "agent.reason.robot_error": "机器人报告出错。",
-    "agent.reason.timeout": "超时。",
-    "agent.reason.consent": "这需要主人同意。",
-    "agent.reason.mandate": "超出了这个命令允许的范围。",
-    "agent.reason.stop_channel": "论坛没有响应，没有人能叫停我。",
-    "agent.reason.shutdown": "我的代理程序被关闭。",
-    "agent.reason.internal": "代理程序内部出错，已结束这一步。",
-    "agent.reason.unreachable": "驱动没有响应。",
-    "agent.reason.other": "原因：`{reason}`。",
     # -------------------------------- what to do about it
     "agent.todo.obstacle": "请清出道路，或要求更短的距离、别的方向。",
     "agent.todo.fence": "请要求更短的距离，或别的方向。",
@@ -514,5 +498,8 @@ PHRASES = {
     "minds.screen.abilities": "超出了机器人的能力。",
     "minds.screen.other": "它没有说明是哪一种危害。",
     "minds.screen.required": "主人要求每个命令在动作之前由模型检查，而现在没有模型回答。我没有动。请稍后重新发帖。",
-    **SCHEDULE,
+    **REASONS,
+    **SCHEDULES,
+    **PREVIEWS,
+    **JOINT,
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
-from agentrob.model import Op
+from agentrob.model import PHOTO
 
 _AMOUNT_OF = {
     TokenKind.LENGTH_UNIT: TokenKind.LENGTH,
@@ -70,7 +70,7 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
             end += 1
         if tokens[at].kind is TokenKind.SHOW and end < len(tokens) and tokens[end].kind is TokenKind.PICTURE:
             start, stop = tokens[at].start, tokens[end].end
-            found.append(Token(TokenKind.OP, Op.GET_FRONT_IMAGE.value, start, stop))
+            found.append(Token(TokenKind.OP, PHOTO.value, start, stop))
             if count is not None:
                 found.append(Token(TokenKind.TIMES, count.value, start, stop))
             at = end + 1
@@ -111,7 +111,7 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     if token.kind is TokenKind.AFTER:
         return _after(tokens, at)
     if token.kind is TokenKind.SHOW and token.value == "picture":
-        return token._replace(kind=TokenKind.OP, value=Op.GET_FRONT_IMAGE.value)
+        return token._replace(kind=TokenKind.OP, value=PHOTO.value)
     if token.kind is TokenKind.SHOW and token.value == "talk":  # "I want to see", and no picture
         return token._replace(kind=TokenKind.TALK)
     following = tokens[_skip_soft(tokens, at + 1) :][:1]

@@ -9,7 +9,7 @@ from enum import Enum, auto
 
 from agentrob.language.parser.drafts import Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind, Value
-from agentrob.model import Op
+from agentrob.model import PHOTO
 
 AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
 _VERBS = ([TokenKind.MOVE], [TokenKind.TURN])
@@ -180,7 +180,7 @@ class SentenceState:
         after = TokenKind(str(token.value)) if token.value else TokenKind.END
         if self.mode is Mode.DENIED:
             self.denial_used = True
-        elif last is not None and last.op is Op.GET_FRONT_IMAGE and last is self.cur:
+        elif last is not None and last.op is PHOTO and last is self.cur:
             last.each, last.closed, self.mode = after, True, Mode.WANTED
         elif self.mode is not Mode.TALK:
             self.mode, self.pending.each, self.each = Mode.WANTED, after, token

@@ -6,28 +6,41 @@ only collects what was said; `steps` decides whether that is enough to move.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
+from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
 from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence, deeds_of
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
-from agentrob.model import Direction, Op
+from agentrob.model import PHOTO, Choice, Direction, Number, Op, Operation, Unit
+from agentrob.model.operations.declaration import Argument, Value
+
+#: What an argument in each unit is said with.
+_SAID_IN = {
+    Unit.METRES: TokenKind.LENGTH, Unit.DEGREES: TokenKind.ANGLE, Unit.SECONDS: TokenKind.DURATION,
+    Unit.METRES_PER_SECOND: TokenKind.SPEED, Unit.PERCENT: TokenKind.NUMBER, Unit.COUNT: TokenKind.NUMBER,
+}  # fmt: skip
+_NONE_DECLARED: Mapping[str, Operation] = {}
 
 
-def sentences_of(tokens: Sequence[Token]) -> list[Sentence]:
-    """Split tokens into sentences and read each."""
+def sentences_of(tokens: Sequence[Token], declared: Mapping[str, Operation] = _NONE_DECLARED) -> list[Sentence]:
+    """Split tokens into sentences and read each; `declared` are the operations that the robot declares, by name."""
     found: list[Sentence] = []
     start = 0
     for at, token in enumerate([*tokens, Token(TokenKind.END)]):
         if token.kind is TokenKind.END:
             if at > start:
-                found.append(_Reader().read(tokens[start:at]))
+                found.append(_Reader(declared).read(tokens[start:at]))
             start = at + 1
     return found
 
 
 class _Reader(SentenceState):
     """Reads one sentence, token by token."""
+
+    def __init__(self, declared: Mapping[str, Operation]) -> None:
+        super().__init__()
+        self.declared = declared
 
     def read(self, tokens: Sequence[Token]) -> Sentence:
         self._set_aside(tokens)
@@ -85,7 +98,7 @@ class _Reader(SentenceState):
             elsewhere = kind is TokenKind.OF and token.value == "from"  # "a photo of the cup from above"
             if told or elsewhere or (self.cur and self.cur.scene and kind in AMOUNTS):  # "what you see forward 3 feet"
                 self._unknown(token)
-        elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in _FOR_SOMEBODY or self.cur.watched):
+        elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
         else:
             self.mode = Mode.WANTED
@@ -107,7 +120,7 @@ class _Reader(SentenceState):
     def _deny(self, token: Token) -> None:
         """Drop what is denied; an "and" within a denial makes its extent unclear."""
         self._goes_on(token)
-        if self.remark and token.kind is TokenKind.WORD:
+        if self.remark and token.kind in (TokenKind.WORD, TokenKind.ARGUMENT):
             self.remark.unknown = True
         if token.kind is TokenKind.OP:
             self.sentence.denied_ops.add(deeds_of(token.value)[0])
@@ -159,21 +172,8 @@ class _Reader(SentenceState):
     # ------------------------------------------------------------ what is wanted
     def _wanted(self, token: Token) -> None:
         kind = token.kind
-        if kind in (TokenKind.MOVE, TokenKind.TURN):
-            self._verb(token)
-        elif kind is TokenKind.DIR:
-            self._direction(token)
-        elif kind in AMOUNTS:
-            self._amount(token)
-        elif kind is TokenKind.OP:
-            self._another()
-            draft = self._new(token, TokenKind.OP)
-            draft.op, *others = deeds_of(token.value)
-            draft.or_else = tuple(others)
-        elif kind is TokenKind.BEYOND:
-            self._beyond(token)
-        elif kind is TokenKind.AGAIN:
-            self._again(token)
+        if (read := _WANTED.get(kind)) is not None:
+            read(self, token)
         elif kind is TokenKind.BACK:
             self.way_back = True
         elif kind is TokenKind.TALK or (kind is TokenKind.TALK_START and (self.boundary or self.cur is None)):
@@ -185,6 +185,51 @@ class _Reader(SentenceState):
             self._status(token)
         else:
             self._qualify(token)
+
+    def _operation(self, token: Token) -> None:
+        self._another()
+        before = self._open()
+        draft = self._new(token, TokenKind.OP)
+        draft.op, *others = deeds_of(token.value)
+        draft.or_else = tuple(others)
+        self._take_amount_before(draft, before)
+
+    # ------------------------------------------------------------ arguments of operations that the robot declares
+    def _option(self, token: Token) -> None:
+        name, _, option = str(token.value).partition("=")
+        if not self._is_argument(token, lambda one: isinstance(one, Choice) and one.name == name, option):
+            self._unknown(token)
+
+    def _is_argument(self, token: Token, fits: Callable[[Argument], bool], value: Value) -> bool:
+        """Set an argument of the operation that was said last, if it has one that `fits` and is not set.
+
+        It may stand after a comma: 发红光，百分之三十.
+        """
+        behind_comma = self.at > 0 and self.tokens[self.at - 1].kind is TokenKind.COMMA and self.fixing is None
+        cur = self.cur if behind_comma else self._open()
+        operation = self.declared.get(str(cur.op)) if cur is not None and cur.verb is TokenKind.OP else None
+        if cur is None or operation is None or cur.unknown:
+            return False
+        found = next((one for one in operation.arguments if one.name not in cur.arguments and fits(one)), None)
+        if found is None:
+            return False
+        cur.arguments[found.name] = value
+        cur.end = token.end
+        return True
+
+    def _is_amount_of_operation(self, token: Token) -> bool:
+        return self._is_argument(
+            token, lambda one: isinstance(one, Number) and _SAID_IN[one.unit] is token.kind, _value(token)
+        )
+
+    def _take_amount_before(self, draft: Draft, before: Draft | None) -> None:
+        """Handle "for 3 seconds blow bubbles": an amount alone that stands before its operation."""
+        alone = before is not None and before.verb is None and not (before.direction or before.unknown or before.more)
+        if before is None or not alone or before.amount is None or not self._is_amount_of_operation(before.amount):
+            return
+        draft.start, draft.end, draft.joined = before.start, max(draft.end, self.tokens[self.at].end), before.joined
+        draft.after_and, draft.fixes = before.after_and, before.fixes
+        self.sentence.drafts.remove(before)
 
     def _status(self, token: Token) -> None:
         if token.value == "asked":
@@ -247,6 +292,8 @@ class _Reader(SentenceState):
         if token is self.agreed:
             return
         direction = Direction(str(token.value))
+        if self._is_argument(token, lambda one: isinstance(one, Choice) and one.allows(str(direction)), str(direction)):
+            return
         cur = self._open()
         if cur is not None and cur.beyond:  # "raise your left hand"
             cur.end = token.end
@@ -263,6 +310,8 @@ class _Reader(SentenceState):
         cur.back, self.way_back = self.way_back, False
 
     def _amount(self, token: Token) -> None:
+        if self._is_amount_of_operation(token):
+            return
         cur = self._open()
         if cur is not None and cur.beyond and token.kind is not TokenKind.NUMBER:  # "sleep five seconds"
             cur.end = token.end
@@ -336,7 +385,7 @@ class _Reader(SentenceState):
             self._unknown(token)
             self.mode = Mode.SUBJECT
             return
-        pictured = cur.bare_picture or cur.op is Op.GET_FRONT_IMAGE
+        pictured = cur.bare_picture or cur.op is PHOTO
         if token.value == "from" and pictured and not cur.closed:  # "a photo from above"
             self._unknown(token)
             self.mode = Mode.SUBJECT
@@ -346,7 +395,7 @@ class _Reader(SentenceState):
             if token.value in ("watch", "others") and cur.joined:
                 self._watch(cur, self.sentence.drafts[-2], token)
                 cur = self.cur or cur
-        if not cur.closed and (cur.bare_picture or cur.op in (Op.GET_FRONT_IMAGE, *_FOR_SOMEBODY)):
+        if not cur.closed and (cur.bare_picture or cur.op in (PHOTO, *FOR_SOMEBODY)):
             self.mode = Mode.SUBJECT
 
     def _is_said_of_picture(self) -> bool:
@@ -374,7 +423,7 @@ class _Reader(SentenceState):
             cur.bare_picture = True
         elif cur is None or cur.bare_picture:
             (cur or self._new(token, None)).bare_picture = True
-        elif cur.op is not Op.GET_FRONT_IMAGE:  # "send a pic picture" is one
+        elif cur.op is not PHOTO:  # "send a pic picture" is one
             self._unknown(token)
 
     def _count(self, last: Draft, token: Token) -> None:
@@ -387,7 +436,7 @@ class _Reader(SentenceState):
 
     def _is_pair(self, last: Draft) -> bool:
         """Return whether two gestures are joined by "and": "sit and stand twice" may mean both."""
-        gestures = all(d.op not in (None, Op.GET_FRONT_IMAGE) and not d.counted for d in self.sentence.drafts[-2:])
+        gestures = all(d.op not in (None, PHOTO) and not d.counted for d in self.sentence.drafts[-2:])
         return gestures and last.paired
 
     def _counts(self, last: Draft) -> bool:
@@ -396,6 +445,8 @@ class _Reader(SentenceState):
         return not last.unknown and (self._open() is last or afterwards)
 
     def _manner(self, token: Token) -> None:
+        if token.kind is TokenKind.SPEED and self._is_amount_of_operation(token):
+            return
         cur = self._open()
         draft = cur if cur is not None and cur.takes_manner else self.pending
         draft.slow |= token.kind is TokenKind.SLOW
@@ -431,12 +482,19 @@ class _Reader(SentenceState):
         draft.paired = joined_by_and and self.at > 1 and self.tokens[self.at - 2].kind is TokenKind.OP
         draft.hesitant = not joined_by_and and any(s.value == Soft.UH for s in soft)
         _hand_over(self.pending, draft)
-        if verb is TokenKind.OP and token.value == Op.GET_FRONT_IMAGE:
+        if verb is TokenKind.OP and token.value == PHOTO:
             draft.each, self.pending.each = self.pending.each, None
         self.fixing = None
         self.sentence.drafts.append(draft)
         self.cur = draft
         return draft
+
+
+_WANTED: Mapping[TokenKind, Callable[[_Reader, Token], None]] = {
+    TokenKind.MOVE: _Reader._verb, TokenKind.TURN: _Reader._verb, TokenKind.DIR: _Reader._direction,
+    TokenKind.OP: _Reader._operation, TokenKind.ARGUMENT: _Reader._option, TokenKind.BEYOND: _Reader._beyond,
+    TokenKind.AGAIN: _Reader._again, **dict.fromkeys(AMOUNTS, _Reader._amount),
+}  # fmt: skip
 
 
 def _hand_over(pending: Draft, draft: Draft) -> None:
@@ -453,7 +511,6 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 _UNITS = (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT, TokenKind.STEP_UNIT)
 _GOING = (TokenKind.MOVE, TokenKind.TURN)
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
-_FOR_SOMEBODY = (Op.HELLO, Op.SHAKE, Op.CLAP, Op.HEART)
 _TIMES = (TokenKind.TIMES, TokenKind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)
 

@@ -7,15 +7,18 @@ from enum import StrEnum
 
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.routines import Routine
-from agentrob.model import Direction, Op
+from agentrob.model import Direction
+from agentrob.model.operations.built_in import named
+from agentrob.model.operations.declaration import Value
 
-Deed = Op | Routine
+#: The name of an operation, or a routine.
+Deed = str | Routine
 
 
 def deeds_of(value: object) -> tuple[Deed, ...]:
     """Return what a token of the kind OP names, the best first."""
     routines = frozenset(Routine)
-    return tuple(Routine(word) if word in routines else Op(word) for word in str(value).split("/"))
+    return tuple(Routine(word) if word in routines else named(word) for word in str(value).split("/"))
 
 
 @dataclass
@@ -32,6 +35,7 @@ class Draft:
     or_else: tuple[Deed, ...] = ()  # alternatives for a robot that lacks this gesture
     direction: Direction | None = None
     amount: Token | None = None
+    arguments: dict[str, Value] = field(default_factory=dict)  # of an operation that the robot declares
     speed_mps: float | None = None
     sideways: bool = False  # "strafe": left or right must be said
     gait: bool = False  # "run": says how to walk
@@ -42,7 +46,7 @@ class Draft:
     times: int = 1
     counted: bool = False
     more: bool = False  # this many times in addition to the first
-    only: Op | None = None  # 再转一次: repeats a plan of only this operation
+    only: Deed | None = None  # 再转一次: repeats a plan of only this operation
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False

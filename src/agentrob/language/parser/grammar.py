@@ -4,7 +4,7 @@
          ── clauses ──► one draft per step ── steps ──► steps, or a question
 
 To add a word, add it to the table of its language (`locales/en.py`, `locales/zh.py`). To add a language, add a file
-beside them: see `docs/languages.md`.
+beside them: see `docs/inside/languages.md`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from dataclasses import replace
 from itertools import pairwise
 
 from agentrob.language.addressing import part_for
+from agentrob.language.locale import Locale
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.help import examples as help_examples
 from agentrob.language.messages.help import within
 from agentrob.language.messages.plan_text import outline, sentence
-from agentrob.language.parser.amounts import with_amounts, with_pictures
+from agentrob.language.operations.spoken import POSTURES
+from agentrob.language.operations.words import locale_of, own_words
 from agentrob.language.parser.clauses import sentences_of
 from agentrob.language.parser.drafts import RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Lexicon, Soft, TokenKind, tokens_of, without_statements
@@ -33,7 +35,7 @@ from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.talk.forms import Judges, is_spoken_of, is_talk, order_beside, topic_of
 from agentrob.language.visible_text import without_mentions
-from agentrob.model import Capabilities, Intent, Language, Op, Plan, Primitive, Understanding
+from agentrob.model import PHOTO, Capabilities, Intent, Language, Op, Operation, Plan, Primitive, Understanding
 
 #: Longer texts are not parsed as commands (stops still are), so that parsing stays fast.
 MAX_CHARS = 2_000
@@ -45,6 +47,7 @@ _EMOTICON = re.compile(r"(?:(?<=\s)|^)(?:[:;=]['’]?-?[)(DPp3*]|<3+|\^_?\^|[xX]
 _RANKED = re.compile(r"\b(?:first|last|lastly|before|after|afterwards|finally)\b|先|最后|之前|之后", re.IGNORECASE)
 _CLAUSE_END = re.compile(r"(?<!\d)[,.;!](?!\d)|[，。；！\n]")
 _FIRST_JOINT = re.compile(r"[,.;!，。；！]|\b(?:and|but|just)\b", re.IGNORECASE)
+#: Operations that change nothing when they are done again at once.
 _NOTHING_KNOWN = ParseContext()
 
 
@@ -52,7 +55,7 @@ def parse(
     visible: str,
     names: Sequence[str],
     others: Sequence[str],
-    ops: frozenset[Op],
+    ops: frozenset[str],
     background: ParseContext = _NOTHING_KNOWN,
     *,
     remarks: bool = True,
@@ -95,14 +98,15 @@ class _Reader:
         self,
         names: Sequence[str],
         language: Language,
-        ops: frozenset[Op],
+        ops: frozenset[str],
         background: ParseContext = _NOTHING_KNOWN,
     ) -> None:
         self.names = names
         self.language = language
         self.ops = ops
         self.background = background
-        self.known = locale(language)
+        self.declared = background.can.declared if background.can else ()
+        self.known = locale_of(language, self.declared)
         self._clauses = Clauses(self.known)
         self._read: dict[str, tuple[Understanding, ParsedSteps]] = {}
 
@@ -112,7 +116,7 @@ class _Reader:
 
     def _reading(self, text: str) -> tuple[Understanding, ParsedSteps]:
         if text not in self._read:
-            sentences, mistyped = _sentences(text, self.names, self.language)
+            sentences, mistyped = _sentences(text, self.names, self.known, self.declared)
             steps = read_steps(sentences, text, self.language, self.ops, self.background)
             self._read[text] = self._judged(sentences, mistyped, steps), steps
         return self._read[text]
@@ -124,7 +128,8 @@ class _Reader:
             spelt = [
                 say("note.spelling", self.language, wrong=quote(wrong), right=quote(right)) for wrong, right in mistyped
             ]
-            return Understanding(Intent.COMMAND, self.language, Plan(tuple(read.steps), (*spelt, *read.notes)))
+            steps = map(self.background.can.bound, read.steps) if self.background.can else read.steps
+            return Understanding(Intent.COMMAND, self.language, Plan(tuple(steps), (*spelt, *read.notes)))
         otherwise = Intent.ASK_BACK if read.problem else Intent.NOTHING
         return _without_command(sentences, self.language) or Understanding(otherwise, self.language)
 
@@ -150,7 +155,7 @@ class _Reader:
         return self._question(say(key, self.language, **values), offers)
 
     def _question(self, problem: str, offers: Sequence[Sequence[Primitive]], understood: str = "") -> Understanding:
-        known = self.background.can or Capabilities("", self.ops)
+        known = self.background.abilities(self.ops)
         offered = _offered(known, offers) or [_general_example(known)]
         examples = " · ".join(f"`{sentence(steps, self.language)}`" for steps in offered)
         question = say("ask.frame", self.language, problem=problem, understood=understood, examples=examples)
@@ -196,8 +201,7 @@ class _Reader:
 
     def _repeats(self, text: str) -> bool:
         """Return whether a text repeats what was said ("do all of that twice"): where its parts stand then matters."""
-        read = with_pictures(with_amounts(tokens_of(text, self.known.words)[0], text))
-        tokens = [token for token in read if token.kind is not TokenKind.SOFT]
+        tokens = [token for token in self.known.tokens(text) if token.kind is not TokenKind.SOFT]
         following = [token.kind for token in tokens[1:]] + [TokenKind.END]
         acts = (TokenKind.OP, TokenKind.MOVE, TokenKind.TURN)  # "again take a photo"
         return any(t.kind is TokenKind.AGAIN and after not in acts for t, after in zip(tokens, following, strict=True))
@@ -208,8 +212,10 @@ class _Reader:
         if not remarks or _WORDLESS.fullmatch(rest):
             return None
         understood = self._command(rest)
-        if understood is None or any(a == b and a.direction for a, b in pairwise(understood.plan.steps)):
-            return None  # a motion that is said again after a remark may be the same one
+        if understood is None or any(
+            a == b and (a.direction or a.op in POSTURES) for a, b in pairwise(understood.plan.steps)
+        ):
+            return None  # a motion or a posture that is said again after a remark may be the same one
         return self._with_left_out(understood, remarks)
 
     def _in_plain_words(self, part: str) -> Understanding | None:
@@ -240,11 +246,11 @@ class _Reader:
         if not (joint := _FIRST_JOINT.search(part)) or len(part) > _LONGEST_RESTATED:
             return None
         denial, rest = part[: joint.start()], part[joint.end() :]
-        denials, _ = _sentences(denial, self.names, self.language)
+        denials, _ = _sentences(denial, self.names, self.known, self.declared)
         if not all(s.denied and not s.drafts for s in denials) or stop_intent(rest):
             return None
         understood = self._command(rest)
-        if understood is None or any(step.op is not Op.GET_FRONT_IMAGE for step in understood.plan.steps):
+        if understood is None or any(step.op is not PHOTO for step in understood.plan.steps):
             return None
         note = say("note.not_done", self.language, words=quote(denial.strip()))
         return replace(understood, plan=replace(understood.plan, notes=(note, *understood.plan.notes)))
@@ -255,7 +261,7 @@ class _Reader:
         do."""
         if len(plan.steps) < 2 or not any(self.known.putting_first.finditer(part.lower())):
             return ""
-        anywhere = _Reader(self.names, self.language, frozenset())
+        anywhere = _Reader(self.names, self.language, frozenset(), ParseContext(can=self.background.can))
         rest, _ = without_remarks(part, self._clauses)
         for found in self.known.putting_first.finditer(rest.lower()):
             before = rest[: found.start()]
@@ -301,7 +307,7 @@ def commands_nothing(words: str, language: Language) -> bool:
     """
     if not words.strip():
         return True
-    sentences, _ = _sentences(words, (), language)
+    sentences, _ = _sentences(words, (), locale(language))
     marked = (s.wants_status or s.help or s.cancelled or s.condition or s.denied or s.fix_unclear for s in sentences)
     remarks = [r for s in sentences for r in s.remarks]
     plain = all(r.kind is RemarkKind.REMARK and not (r.actions or r.beyond) for r in remarks)
@@ -340,7 +346,7 @@ def small_talk_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
         return None
     if _WORDLESS.fullmatch(part):  # "@robot" alone; beside words for others it is only mentioned
         return SmallTalk.GREETING if _WORDLESS.fullmatch(without_mentions(visible)) else None
-    return small_talk_in(_sentences(part, names, language_of(part))[0])
+    return small_talk_in(_sentences(part, names, locale(language_of(part)))[0])
 
 
 def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
@@ -349,15 +355,16 @@ def talk_topic_of(visible: str, names: Sequence[str], others: Sequence[str]) -> 
     return topic_of(part, locale(language_of(part)).talk) if len(part) <= MAX_CHARS else ""
 
 
-def _sentences(part: str, names: Sequence[str], language: Language) -> tuple[list[Sentence], list[tuple[str, str]]]:
-    words = locale(language).words
-    called = _without_names(without_statements(part, locale(language).stated, words.twins), names, words)
-    if locale(language).called:
-        called = locale(language).calls.sub(_without_name, called)
-    tokens, mistyped = tokens_of(called, words)
-    tokens = with_pictures(with_amounts(tokens, called))
-    phrases = locale(language).phrases
-    return sentences_of(phrases(tokens, called) if phrases else tokens), mistyped
+def _sentences(
+    part: str, names: Sequence[str], known: Locale, declared: Sequence[Operation] = ()
+) -> tuple[list[Sentence], Sequence[tuple[str, str]]]:
+    words = known.words
+    names = [name for name in names if name.lower() not in own_words(tuple(declared))] if declared else names
+    called = _without_names(without_statements(part, known.stated, words.twins), names, words)
+    if known.called:
+        called = known.calls.sub(_without_name, called)
+    _, mistyped = tokens_of(called, words)
+    return sentences_of(known.tokens(called), {operation.name: operation for operation in declared}), mistyped
 
 
 def _without_name(call: re.Match[str]) -> str:

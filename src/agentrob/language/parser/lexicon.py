@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 from agentrob.model import Language
@@ -24,6 +25,7 @@ class TokenKind(StrEnum):
     ALONG = "along"  # down, up: ahead, where a walk has no other direction
     #: A gesture, picture or routine: "wave"; value "shake/hello": the second if the robot lacks the first.
     OP = "op"
+    ARGUMENT = "argument"  # of an operation that a robot declares; value: "name=option"
     BEYOND = "beyond"  # beyond the robots' abilities: eyes ("find"), hands ("pick up"), path ("in a circle"), wait
     AGAIN = "again"  # repeat what was done before; values: "back", the way back; "more"; "move", "turn": one
     BACK = "back"  # stands before a walk backward that, without a distance, is the way back
@@ -130,7 +132,7 @@ Meaning = tuple[tuple[TokenKind, Value], ...]
 _SIDE_WORDS = {TokenKind.DIR, TokenKind.AGREE, TokenKind.BACK}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Lexicon:
     """The vocabulary of one language.
 
@@ -298,7 +300,8 @@ def _same_length_lower(text: str) -> str:
     return lowered if len(lowered) == len(text) else "".join(c.lower() if len(c.lower()) == 1 else c for c in text)
 
 
-def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, str]]]:
+@lru_cache(maxsize=128)
+def tokens_of(text: str, words: Lexicon) -> tuple[tuple[Token, ...], tuple[tuple[str, str], ...]]:
     """Split a text into tokens, the longest known phrase first; line ends separate like commas.
 
     Also return the words that were taken for typing mistakes, each as (written, meant).
@@ -329,7 +332,7 @@ def tokens_of(text: str, words: Lexicon) -> tuple[list[Token], list[tuple[str, s
             mistyped += [(wrong, right) for wrong, right in misread if wrong in plain[start:end]]
         found += [Token(kind, value, start, end) for kind, value in meaning]
         at += length
-    return found, mistyped
+    return tuple(found), tuple(mistyped)
 
 
 def _line_ends(pieces: Sequence[Piece], text: str) -> list[int]:

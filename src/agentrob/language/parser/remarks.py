@@ -15,9 +15,8 @@ from functools import cache, cached_property
 from itertools import pairwise
 
 from agentrob.language.locale import Locale
-from agentrob.language.parser.amounts import with_amounts, with_pictures
-from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
-from agentrob.language.remarks.classifier import joins_order
+from agentrob.language.parser.lexicon import Token, TokenKind
+from agentrob.language.remarks.classifier import Confidence, begins_as_order, joins_order
 
 _CLAUSE = re.compile(r"(?:[^,.!?;:…—，。！？；：、()（）\n]|(?<=\d)[.,:](?=\d)|(?<=\w)\.(?=\w))+")
 _SENTENCE_END = re.compile(r"[.!?;。！？；\n]")
@@ -46,35 +45,29 @@ _BEFORE_BEGINNING = (
     TokenKind.OP,
 )
 _SIDES = (TokenKind.DIR, TokenKind.BACK, TokenKind.AGREE)
+_MEASURES = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.NUMBER)
-#: Tokens that ask for nothing within a clause that is surely a statement: the grammar knows words, not what they mean.
-_TOLD = (
-    TokenKind.BEYOND,
-    TokenKind.CONDITION,
-    TokenKind.REQUEST,
-    TokenKind.WISH,
-    TokenKind.SLOW,
-    TokenKind.FASTER,
-)
 #: Tokens that ask for nothing.
 _PLAIN = (TokenKind.WORD, TokenKind.SOFT, TokenKind.TALK, TokenKind.TALK_START)
-#: Tokens of what somebody else does: "I drive a bus".
-_OWN_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.AGAIN, TokenKind.HELP)
 #: Longer clauses are not split, so that parsing stays fast.
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
 _MOST_BEGINNINGS = 4
-#: Tokens that ask for something, or change what is asked.
-_MEANT = (
+_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
+#: Tokens that ask for something or take it back; a clause that holds one is left out only if it certainly is harmless.
+_ASKED_FOR = (
     TokenKind.REQUEST,
-    TokenKind.WISH,
-    TokenKind.CONDITION,
     TokenKind.FIX,
     TokenKind.CANCEL,
-    TokenKind.HELP,
-    TokenKind.EACH,
     TokenKind.MORE_STOP,
     TokenKind.GO_AHEAD,
+    TokenKind.HELP,
+    TokenKind.AGAIN,
+    TokenKind.WISH,
+)
+#: Other tokens that may ask for something, or change what is asked.
+_MEANT = (
+    TokenKind.EACH,
     TokenKind.TIMES,
     TokenKind.MORE_TIMES,
     TokenKind.SPEED,
@@ -103,9 +96,8 @@ class Clause:
         self.known = known
 
     @cached_property
-    def tokens(self) -> list[Token]:
-        tokens = with_pictures(with_amounts(tokens_of(self.words, self.known.words)[0], self.words))
-        return self.known.phrases(tokens, self.words) if self.known.phrases else tokens
+    def tokens(self) -> Sequence[Token]:
+        return self.known.tokens(self.words)
 
     @cached_property
     def plain(self) -> str:
@@ -118,9 +110,42 @@ class Clause:
     @cached_property
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
-        if not self.introduces and not known.has_form_of_remark(said):
-            return self.may_be_statement and known.reads_as_statement(said) and not joins_order(said)
-        return self._asks_nothing and not (_found(known.fragment, said) and self.without_asides.has_side)
+        formed = self.introduces or known.has_form_of_remark(said)
+        if formed and _found(known.fragment, said) and self.without_asides.has_side:
+            return False
+        if self.introduces:
+            return self._asks_nothing
+        if not formed and (self.has_amount or self.has_side or joins_order(said)):
+            return False
+        needed = max(self._needed_beside_words, Confidence.NONE if formed else self._needed_without_form)
+        return self.harmless >= max(needed, Confidence.POSSIBLE)
+
+    @cached_property
+    def harmless(self) -> Confidence:
+        """How surely it may be left out beside a command, by its words."""
+        return self.known.harmless(self.plain)
+
+    @property
+    def _needed_without_form(self) -> Confidence:
+        if begins_as_order(self.plain):
+            return Confidence.NEVER
+        return Confidence.LIKELY if self.known.reads_as_statement(self.plain) else Confidence.CERTAIN
+
+    @property
+    def _needed_beside_words(self) -> Confidence:
+        """How sure one must be although it holds words that may ask for something or change what is asked."""
+        if joins_order(self.plain):
+            return Confidence.NEVER
+        said = self.without_asides
+        weighs = _found(self.known.weighty, said.plain)
+        if said.needed_to_leave_out is Confidence.NONE and not weighs:
+            return Confidence.NONE
+        measured = any(token.kind in _MEASURES for token in self.tokens)
+        if weighs and (measured or _found(self.known.crucial, said.plain)):
+            return Confidence.NEVER
+        grave = weighs and _found(self.known.grave, said.plain)
+        needed = Confidence.CERTAIN if grave else Confidence.STRONG if weighs else Confidence.NONE
+        return max(said.needed_to_leave_out, needed)
 
     @property
     def may_be_statement(self) -> bool:
@@ -146,9 +171,9 @@ class Clause:
 
     @property
     def may_lead_on(self) -> bool:
-        """Whether it may stand before a colon and a command: it introduces it, or is about its speaker's life."""
+        """Whether it may stand before a colon and a command: it introduces it, or is surely harmless."""
         quotes = not self.known.quotes or _found(self.known.quotes, self.plain)
-        return self.introduces or (not quotes and self._is_own and self.is_remark)
+        return self.introduces or (not quotes and self.harmless >= Confidence.STRONG and self.is_remark)
 
     @property
     def weighs(self) -> bool:
@@ -158,17 +183,16 @@ class Clause:
     @property
     def unsettles(self) -> bool:
         """Whether it may change what a command means, if the grammar knows its words."""
-        return self._weighs(self.known.unsettling, self.plain)
+        if not _found(self.known.unsettling, self.plain):
+            return False
+        return self.commands or self.harmless < Confidence.CERTAIN or _found(self.known.crucial, self.plain)
 
     def _weighs(self, words: str, said: str) -> bool:
-        """Return whether any of these words weighs; in a private statement only the grave ones do."""
+        """Return whether any of these words weighs."""
         if not _found(words, said):
             return False
-        if self.introduces:
-            return True
-        if _found(self.known.private, said) and not _found(self.known.grave, said):
-            return False
-        return not self._is_own or _found(self.known.heavy, said)
+        needed = Confidence.CERTAIN if _found(self.known.grave, said) else Confidence.STRONG
+        return self.introduces or self.harmless < needed or _found(self.known.crucial, said)
 
     @property
     def has_side(self) -> bool:
@@ -184,41 +208,36 @@ class Clause:
     @property
     def commands(self) -> bool:
         """Whether it holds words that may command something."""
-        for at, token in enumerate(self.tokens):
-            if token.kind in _MEANT and token.value != "after" and not self._is_told(at):  # "after the night": a time
-                return True
-        return self.directs or any(
-            token.kind in _ACTIONS and not self.is_noun(token) and not self._is_told(at)
-            for at, token in enumerate(self.tokens)
-        )
+        return self.needed_to_leave_out > Confidence.NONE
 
-    def _is_told(self, at: int) -> bool:
-        """Return whether a word that may ask for something is part of what is surely told: "never seen one before"."""
-        token = self.tokens[at]
-        if token.kind is TokenKind.CONDITION and not at:
-            return False
-        if (token.kind in _TOLD or (token.kind is TokenKind.TURN and self._looks(token))) and self._surely_told:
-            return True
-        if token.kind is TokenKind.TIMES and self._is_own:  # "my cat sat on the keyboard twice"
-            return True
-        return token.kind in _OWN_DEEDS and at > 0 and self._is_own and self._follows_subject(token)
+    @cached_property
+    def needed_to_leave_out(self) -> Confidence:
+        """How sure one must be that it is harmless, to leave it out although its words may ask for something."""
+        kinds = {token.kind for token in self.tokens}
+        if self.directs or (TokenKind.PICTURE in kinds and kinds & {TokenKind.WISH, TokenKind.REQUEST}):
+            return Confidence.NEVER
+        return max((self._needed_for(at, token) for at, token in enumerate(self.tokens)), default=Confidence.NONE)
+
+    def _needed_for(self, at: int, token: Token) -> Confidence:
+        if token.value == "after" or (token.kind in _ACTIONS and self.is_noun(token)):  # "after the night": a time
+            return Confidence.NONE
+        if token.kind in _DEEDS:
+            told = (at > 0 and self._follows_subject(token)) or self._looks(token)
+            return Confidence.STRONG if told and not _found(self.known.weighty, self.plain) else Confidence.NEVER
+        if token.kind is TokenKind.CONDITION:
+            return Confidence.CERTAIN if at else Confidence.NEVER
+        if token.kind in _ASKED_FOR:
+            return Confidence.CERTAIN
+        if token.kind in _MEANT:
+            return Confidence.STRONG
+        return Confidence.LIKELY if token.kind in (TokenKind.BEYOND, TokenKind.PICTURE) else Confidence.NONE
 
     def _follows_subject(self, token: Token) -> bool:
         """Return whether the word before a verb is its subject or governs it: "I drive", "we used to dance"."""
         return _found(self.known.after_subject, self._straight[: token.start])
 
-    @cached_property
-    def _is_own(self) -> bool:
-        """Whether it states something about its speaker or others, and names neither the robot nor an order."""
-        own = _found(self.known.own, self.plain) and self.known.states(self.plain)
-        return own and not joins_order(self.plain)
-
     def _looks(self, token: Token) -> bool:
         return self.words[token.start : token.end].lower() in self.known.looks.split("|")
-
-    @cached_property
-    def _surely_told(self) -> bool:
-        return self.known.surely_states(self.plain)
 
     @property
     def names_deed(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.routines import Routine
-from agentrob.model import Direction, Op
+from agentrob.model import PHOTO, Direction
 
 _ACTING = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _AHEAD = (Direction.FORWARD, Direction.BACKWARD)
@@ -126,7 +126,7 @@ def _is_false_start(start: Draft, again: Draft) -> bool:
 def _begins_anew(start: Draft, picture: Draft, again: Draft) -> bool:
     """ "Turn left and take a picture turn left sixty degrees …", without a pause: the same, now with its angle."""
     same = start.verb is TokenKind.TURN is again.verb and start.direction is again.direction is not None
-    ours = picture.op is Op.GET_FRONT_IMAGE and start.amount is None and again.amount is not None
+    ours = picture.op is PHOTO and start.amount is None and again.amount is not None
     return same and ours and again.joined and not start.unknown and not again.fixes
 
 

@@ -12,7 +12,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import outline
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import TokenKind
-from agentrob.model import Capabilities, Direction, Language, Op, Plan, Primitive
+from agentrob.model import BUILT_IN, Capabilities, Direction, Language, Op, Plan, Primitive
 
 #: The most steps of one post.
 MAX_STEPS = 100
@@ -41,6 +41,10 @@ class ParseContext:
     pace_mps: float = 0.3
     step_m: float | None = None
     can: Capabilities | None = None
+
+    def abilities(self, ops: frozenset[str]) -> Capabilities:
+        """Return what the robot can do; without `can` the built-in ones of `ops`, since nobody declares the others."""
+        return self.can or Capabilities("", frozenset(op for op in ops if op in BUILT_IN))
 
 
 class AmbiguousRepetition(Exception):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from agentrob.language.messages.catalog import quote, say
-from agentrob.language.messages.plan_text import operation_names, outline, step_sentence
+from agentrob.language.messages.plan_text import example_of, operation_names, outline, range_of, step_sentence
 from agentrob.language.messages.routine_text import routine_note, unfit
 from agentrob.language.parser.drafts import Deed, Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
@@ -20,8 +20,9 @@ from agentrob.language.parser.remarks import Clause
 from agentrob.language.parser.repairs import corrected, settled
 from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRepetition, ParseContext, repeated_steps
 from agentrob.language.registry import locale
+from agentrob.language.remarks.classifier import joins_order
 from agentrob.language.routines import Routine, steps_of, usual_size_m
-from agentrob.model import Capabilities, Direction, Language, Op, Primitive
+from agentrob.model import PHOTO, Direction, Language, Op, Primitive
 
 #: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
 MAX_DISTANCE_M = 100.0
@@ -60,7 +61,7 @@ class ParsedSteps:
 
 
 def read_steps(
-    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[Op], background: ParseContext
+    sentences: Sequence[Sentence], text: str, language: Language, ops: frozenset[str], background: ParseContext
 ) -> ParsedSteps:
     """Turn the drafts of a whole post into steps; `ops` are the robot's operations."""
     return _StepBuilder(text, language, ops, background).build(sentences)
@@ -114,17 +115,18 @@ _USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
 #: Numbers that are degrees when nothing else is said with them.
 _WHOLE_TURNS = (180.0, 360.0)
 _PAUSE = re.compile(r"[,.;:!?\n，。；：！？]")
-_PICTURE = Primitive(Op.GET_FRONT_IMAGE)
+_PICTURE = Primitive(PHOTO)
 
 
 class _StepBuilder:
     """Build steps from drafts, one after the other."""
 
-    def __init__(self, text: str, language: Language, ops: frozenset[Op], background: ParseContext) -> None:
+    def __init__(self, text: str, language: Language, ops: frozenset[str], background: ParseContext) -> None:
         self.text = text
         self.language = language
         self.ops = ops
         self.background = background
+        self.can = background.abilities(ops)
         self.reading = ParsedSteps([], [])
         self.waits = False
         self.besides = ""
@@ -220,7 +222,7 @@ class _StepBuilder:
         """Object to what is also denied, and to a gesture named after "again": "backflip. again! backflip!"."""
         denied: set[Deed | None] = {op for sentence in sentences for op in sentence.denied_ops}
         for draft in drafts:
-            if draft.op in denied or (draft.bare_picture and Op.GET_FRONT_IMAGE in denied):
+            if draft.op in denied or (draft.bare_picture and PHOTO in denied):
                 self.reading.object_to(self._say("ask.denial", self.text[draft.start : draft.end]))
         for motion in (motion for sentence in sentences for motion in sentence.denied_motions):
             if any(_is_denied(draft, motion) for draft in drafts):
@@ -281,6 +283,8 @@ class _StepBuilder:
         if not sentence.report and not sentence.asked:
             if Clause(remark, known).holds_action(asked=question):
                 return True
+            if beside.kind is RemarkKind.REMARK and joins_order(remark):
+                return True
             if beside.kind is RemarkKind.REMARK and Clause(self._to_pause(beside, sentence), known).unsettles:
                 return True
         return re.search(known.claims, remark.lower()) is not None
@@ -315,7 +319,7 @@ class _StepBuilder:
             return  # "walk 2 m and stop": it stops by itself
         if draft.beyond:
             self.waits |= draft.beyond == "wait"
-            can = operation_names(self.ops, self.language)
+            can = operation_names(self.can.operations, self.language)
             reading.object_to(say(f"ask.{draft.beyond}", self.language, words=quote(said), can=can))
         elif draft.unknown or draft.stop_word:
             reading.object_to(self._not_understood(draft, said))
@@ -370,7 +374,7 @@ class _StepBuilder:
             self._routine(draft.op, draft, said)
             return
         step: Primitive | None
-        step, problem = (self._gesture(draft.op, draft, said), "") if draft.op else self._motion(draft, said)
+        step, problem = self._deed(draft.op, draft, said) if draft.op else self._motion(draft, said)
         if draft.bare_picture:
             step, problem = _PICTURE, ""
         if step is None:
@@ -387,7 +391,7 @@ class _StepBuilder:
 
     def _routine(self, routine: Routine, draft: Draft, said: str) -> None:
         """Add the steps of a dance, a figure or a patrol, or say which sizes and counts fit this robot's limits."""
-        reading, can = self.reading, self.background.can or Capabilities("", self.ops)
+        reading, can = self.reading, self.can
         kind = draft.amount.kind if draft.amount else None
         size_m = draft.amount.value if draft.amount and isinstance(draft.amount.value, float) else None
         if kind is TokenKind.ANGLE and size_m and not size_m % 360 and not draft.counted:  # 巡逻两圈
@@ -411,9 +415,20 @@ class _StepBuilder:
         reading.note(routine_note(routine, steps, draft.times, self.language, quote(said)))
         reading.steps += [replace(s, speed_mps=speed_mps) if s.op is Op.MOVE else s for s in steps]
 
-    def _gesture(self, op: Op, draft: Draft, said: str) -> Primitive:
-        """Return the gesture that was requested, or what this robot does instead ("shake hands")."""
-        known = [other for other in draft.or_else if isinstance(other, Op)]
+    def _deed(self, op: str, draft: Draft, said: str) -> tuple[Primitive | None, str]:
+        """Return the operation that was requested, or what this robot does instead ("shake hands")."""
+        operation = self.can.operation(op)
+        if operation is not None and operation.arguments:
+            missing = next((a for a in operation.arguments if a.needed and a.name not in draft.arguments), None)
+            if missing is not None:
+                self.reading.hint([[example_of(operation, draft.arguments)]])
+                can_be = range_of(missing, self.language)
+                return None, say("ask.argument", self.language, words=quote(said), range=can_be)
+            return Primitive(op, arguments=operation.complete(draft.arguments), declared=operation), ""
+        return self._gesture(op, draft, said), ""
+
+    def _gesture(self, op: str, draft: Draft, said: str) -> Primitive:
+        known = [other for other in draft.or_else if not isinstance(other, Routine)]
         if op in self.ops or not (others := [other for other in known if other in self.ops]):
             return Primitive(op)
         step = Primitive(others[0])

@@ -198,6 +198,8 @@ _CONDITIONS = """(?<![你我他她它们家说讲的])的话(?!题|痨|语|费|�
 |遇到|碰到|看到|听到|然后|接着|随后|而后|接下来|最后|并且|并(?!排|不|非)|以及|同时|再(?!说|也|见)|完(?!了|全|美
         |工|饭|课|班|会|觉|药|妆|操|作业)
 |(?<![前背身往向朝最今以然])后(?!排|空翻|[面方边天台院门来排座续悔果代])"""
+#: What puts a deed before or after what is told: 大家都在看前先右转.
+_ORDERED = "前先|前(?=[右左往向拍挥坐站伸发])|[看着]完(?!了|全|美|成|蛋|工)|而不是"
 _CORRECTIONS = f"""^(?:都|均|全|各|每[次个回])(?:都)?(?:是|为|转|走|按)?[\\d一二两三四五六七八九十半百]
         |没准备好|还没好$|不行$|^恐怕(?!.{{0,3}}[错迟掉断卡看赶来加刷])|不对|错了|[说讲写打发记想][反错]
         |(?<!时区)(?<!日期)(?<!时间)[弄搞]错|口误|笔误|手误|算了
@@ -216,7 +218,8 @@ _QUESTIONS = (
     "吗|么$|什么|谁|哪|怎|为何|为啥|多少|几(?=个?[啊呀呢吗]?$|米|度|点|次|步|圈|下|遍|厘|公)|是否|能不能|会不会|有没有"
 )
 #: Places by the robot: who or what is there matters.
-_NEAR = """你的?(?:正|前|后|左|右|背|身|头|脚|腿|旁|跟|下|上|面|手|爪|肚|尾|脖)|在你|[离跟对着]你
+_NEAR = """头顶|头上|天花板|吊灯|上方
+|你的?(?:正|前|后|左|右|背|身|头|脚|腿|旁|跟|下|上|面|手|爪|肚|尾|脖)|在你|[离跟对着]你
 |[前后左右身脚面路][面方边头侧下上后前](?:就|都|也|还|全|正)?(?:站|坐|躺|蹲|趴|睡|跑|走着|玩|堆|就是|有(?!护栏|空
         |我同事)|是(?:楼|台|坑|水|人行|悬|路口|马路|池|游|下坡|断|湖|河|海|沟|井|电|油|火|刀|窗|阳台|陡|崖))"""
 _AHEAD = (
@@ -224,7 +227,7 @@ _AHEAD = (
     "(?:米|步|公分|厘米|尺)"
 )
 #: What lies about and may harm the robot or others; plain denials and places far off are harmless.
-_DANGERS = """头顶|头上|天花板|吊灯|上方|天台|楼顶|屋顶|房顶|露台|栏杆|台边|边上
+_DANGERS = """天台|楼顶|屋顶|房顶|露台|栏杆|台边|边上
 |小心|当心|注意|危险|(?<!不)(?<!不会)滑(?!稽|板|梯)|湿|油(?!画|漆|菜)|有水|水(?!果|平|杯|壶|印|电|泥|族)
 |火(?!锅|车|龙果|腿|爆|热|星|影)|烫|电线|漏|碎|玻璃|坏|坑|洞|悬|崖|深渊|楼梯(?!在另|在那头|离|很远|口装)|台阶|边缘|边沿
 |护栏(?:坏|没|断)|血|刀|枪|婴儿|宝宝|睡(?!好|够|醒|过|不着|懒觉|衣|了?一觉)|躺|爬|摔|撞(?!不|上不)|压(?!岁|力|轴|缩|抑|根)(?<!解压)|踩|夹|绊
@@ -239,29 +242,24 @@ _AVOIDED = (
     "(?:免得|省得|以免)(?:有人|谁)?(?:摔|撞|踩|绊|碰|滑|挡)(?:到|倒|着|上|了|伤)?"
     rf"(?:了|谁|东西|自己|{_any(_PEOPLE)}|人)?"
 )
-_WORDS = _any(_NEAR, _AHEAD, _DANGERS, _HALTS, _CONDITIONS, _CORRECTIONS, _RIGHTS, _ORDERS, _QUESTIONS)
+_WORDS = _any(_ORDERED, _NEAR, _AHEAD, _DANGERS, _HALTS, _CONDITIONS, _CORRECTIONS, _RIGHTS, _ORDERS, _QUESTIONS)
 WEIGHTY = rf"^(?!{_AVOIDED}$).*?{_WORDS}"
-#: The same, without what is said to be at a distance: the screen compares that with the way.
-#: A statement about its speaker or others that names neither the robot nor the command; of it only `GRAVE` words weigh.
-_TELLERS = f"""我们?|我家|咱们?|他们?|她们?|大家|今[天晚早]|昨[天晚]|前天|最近|这几天|上周|周末|早上|中午|晚上
-        |下午|外面|天气|食堂|公司
-        |学校|宿舍|邻居|隔壁|老婆|老公|孩子|{_KIN}|刚刚?(?!才)"""
-_CONCERNED = """你|您|它|机器|命令|指令|这|那|想|要|希望|准备|别|停|等|行|对|错|算|先|再|只|必|允|许|让|叫|请
-        |帮|前[面方头]|往|向|朝
-        |后[面方]|左|右|米|步|度|厘|公分|应该|需|得|如果|除非|直到|否则|就|不[知确肯同能可会信]|怎|什|谁|哪|吗|么|明天|回头|一会|稍|还没
-        |没有?[准开说叫让]|当心|小心|慢|快|拍|照|并|且|然后|接着|随后|最后|以及|同时|完|之后|以后|数|量|测|查|看|搬|拿|开|关"""
-PRIVATE = rf"^(?!.*{_any(_CONCERNED)}){_any(_TELLERS)}"
-#: The same with fewer words, where the classifier is sure that it is a statement.
-_ORDERED = """你|您|它|机器|命令|指令|想[要让看]|希望|准备|别(?!人)|停|等(?!级)|[不才就]行|错|算了|先(?!生)|再(?!说
-        |见|也)|只[能准许要]|必|允许|让|叫你|请|帮我
-        |前面|往|向|朝|后[面方退]|左|右|前进|[\\d一二两三半]米|步|度(?!假|过)|厘|公分|应该|得先|如果|要是|除非|直到|否则|就行|吗|么$|哪
-        |小心|当心|拍|照(?!顾)|还是|或|多远|多少|半路|位置|看着|时候|之后|以后|之前|完(?!蛋|了)|一.{0,3}就"""
-OWN = rf"^(?!.*{_any(_ORDERED)}){_any(_TELLERS)}"
 #: Before a colon: may introduce the words of others.
 QUOTES = "(?:[说讲写问道喊叫读是的着]|命令|计划|规则|要求|意思|这样|这么|如下|一样|例如|比如)了?$"
 #: A verb after these says what they do; a direction or an amount ends that.
 AFTER_SUBJECT = rf"^(?:我们?|我家|咱们?|他们?|她们?|大家|邻居|隔壁|老婆|老公|孩子|{_any(_KIN)})[^了啦，]{{0,9}}$"
-GRAVE = _any(_NEAR, _AHEAD, _DANGERS, _CORRECTIONS, _RIGHTS, _ORDERS)
+#: Of those, what is left out only where the classifier is certain.
+GRAVE = _any(_DANGERS, _HALTS)
+#: What is never left out.
+CRUCIAL = _any(
+    _NEAR,
+    _AHEAD,
+    _CORRECTIONS,
+    _RIGHTS,
+    _ORDERED,
+    "(?:之前|之后|以后|时候|的话|为止)$|^(?:除非|如果|要是|假如|只要|直到|一旦|万一)",
+)
+#: What weighs, without what is said to be at a distance: the screen compares that with the way.
 UNSETTLING = rf"^(?!{_AVOIDED}$)(?!.*{_AHEAD}).*?{_WORDS}"
 #: Talk of the grammar that is always asked about: claims of rights, reported speech.
 #: Before a colon: what introduces the command itself.

@@ -1,9 +1,9 @@
-"""Estimate from its words whether a clause is a statement or an order, where no list of words knows it.
+"""Estimate from its words whether a clause is a statement, and whether it has nothing to do with a command beside it.
 
-A linear classifier on hashed features: words, runs of words and letters, their places at the beginning and the end, and
-whether a verb stands where that of an order does; a Han character counts as a word. It only finds candidates for
-remarks and talk: what else `parser.remarks` asks of a remark (no action, no condition, nothing that may change the
-meaning or the danger) holds for them too.
+Two linear classifiers on the same hashed features: words, runs of words and letters, their places at the beginning and
+the end, and whether a verb stands where that of an order does; a Han character counts as a word. They are opinions:
+`parser.remarks` combines them with the form of a clause and with lists of words that may change what a command means
+or how dangerous it is. The more of those a clause holds, the surer the second classifier must be.
 `scripts/train_statement_classifier.py` trains it on sentences that were written for this project; a file of weights
 that was changed is not loaded.
 """
@@ -16,7 +16,8 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from enum import IntEnum
+from functools import cache, lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -27,7 +28,7 @@ from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "69c9a37d3936422a1c85f0adaa3ebb86a54ab630846e1bebf446e07635cc498b"
+SHA256 = "a05cf1e7c71b6a89316b7690c6b495cded5c2ef53a9f3113001cec239ff8fe44"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
@@ -36,7 +37,8 @@ _WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
 #: A Chinese verb at the beginning is that of an order, unless it is told as done.
 _HAN_ORDER = re.compile(rf"(?:{HAN_VERBS})(?![^，。]{{0,9}}[了过](?!来|去))(?!.{{1,12}}的$)(?![着得到完])")
 _HAN_JOINT = re.compile(
-    "后(?![天悔面边台院排座代辈])|其次|完了|和(?=[把坐站转走拍挥比往向前后左右退数])|再(?!说|见)|还要|然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接"
+    "后(?![天悔面边台院排座代辈])|其次|完(?![成全毕美整善工蛋]|$)|再(?!说|见)|还要|然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接"
+    rf"|和(?=[把坐站转走拍挥握鼓伸跳找拿数打告比往向前后左右退数]|{HAN_VERBS})"
 )
 _FIRST = 3
 #: A clause of talk beside a statement may score this much less than a statement.
@@ -45,46 +47,77 @@ _DOUBT = 80
 _LEAST, _LEAST_HAN = 2, 3
 
 
+class Confidence(IntEnum):
+    """How surely a clause has nothing to do with the command beside it."""
+
+    NONE = 0
+    POSSIBLE = 1
+    LIKELY = 2
+    STRONG = 3
+    CERTAIN = 4
+    #: No clause is: what needs it is never left out.
+    NEVER = 5
+
+
 @dataclass(frozen=True)
 class StatementClassifier:
-    """The classifier of one language, by its ISO 639-1 code; its weights are read at the first question."""
+    """The classifier of one language, by its ISO 639-1 code; its weights are read at the first question.
+
+    Its methods raise `ConfigError` if the weights are missing or changed.
+    """
 
     language: str
 
     def is_statement(self, clause: str, *, sure: bool = False) -> bool:
-        """Return whether a clause reads as a statement; `sure` asks for a higher score.
-
-        Raises `ConfigError` if the weights are missing or changed.
-        """
+        """Return whether a clause reads as a statement; `sure` asks for a higher score."""
         words = _words(clause)
         if len(words) < (_LEAST_HAN if words and not words[0].isascii() else _LEAST) or begins_as_order(clause):
             return False
-        known = _weights()[self.language]
-        return score(clause, known.weights) > (known.sure if sure else known.statement)
+        head = _weights()[self.language].statement
+        return _scores(self.language, clause)[0] > head.thresholds["sure" if sure else "statement"]
 
     def may_be_talk(self, clause: str) -> bool:
-        """Return whether a clause may be talk beside a statement, as far as its words tell; it may have only one word.
-
-        Raises `ConfigError` if the weights are missing or changed.
-        """
+        """Return whether a clause may be talk beside a statement, as far as its words tell; it may have only one
+        word."""
         if begins_as_order(clause):
             return False
-        known = _weights()[self.language]
-        return score(clause, known.weights) > known.statement - _DOUBT
+        threshold = _weights()[self.language].statement.thresholds["statement"]
+        return _scores(self.language, clause)[0] > threshold - _DOUBT
+
+    def harmless(self, clause: str) -> Confidence:
+        """Return how surely a clause says nothing that changes what the command beside it means or endangers."""
+        points, thresholds = _scores(self.language, clause)[1], _weights()[self.language].harmless.thresholds
+        return Confidence(sum(points > threshold for threshold in thresholds.values()))
+
+
+class Head(NamedTuple):
+    """One question: `SIZE` signed bytes, and the scores that an answer needs, by its name."""
+
+    weights: bytes
+    thresholds: dict[str, int]
 
 
 class Weights(NamedTuple):
-    """`SIZE` signed bytes, and the scores above which a clause reads as a statement, and surely does."""
+    """The questions about a clause of one language: is it a statement, and has it nothing to do with a command?"""
 
-    weights: bytes
-    statement: int
-    sure: int
+    statement: Head
+    harmless: Head
+
+
+@lru_cache(maxsize=256)
+def _scores(language: str, clause: str) -> tuple[int, int]:
+    known, found = _weights()[language], buckets(clause)
+    return _sum(found, known.statement.weights), _sum(found, known.harmless.weights)
 
 
 def score(clause: str, weights: bytes) -> int:
     """Return the sum of the weights of a clause's features; `weights` are `SIZE` signed bytes, and 0 for empty text."""
+    return _sum(buckets(clause), weights)
+
+
+def _sum(found: set[int], weights: bytes) -> int:
     signed = memoryview(weights).cast("b")
-    return sum(signed[at] for at in buckets(clause))
+    return sum(signed[at] for at in found)
 
 
 def buckets(clause: str) -> set[int]:
@@ -105,6 +138,7 @@ def joins_order(clause: str) -> bool:
     return any(after) or _HAN_JOINT.search("".join(words)) is not None
 
 
+@lru_cache(maxsize=256)
 def _words(clause: str) -> list[str]:
     words = ["0" if word.isdigit() else word for word in _WORD.findall(clause.lower().replace("’", "'"))]
     return words if len(words) <= _MOST_WORDS else words[: _MOST_WORDS // 2] + words[-_MOST_WORDS // 2 :]
@@ -167,6 +201,8 @@ def load_weights(path: Path = WEIGHTS, sha256: str = SHA256) -> dict[str, Weight
         raise ConfigError(f"{path} does not have the expected checksum: install agentrob again")
     found = json.loads(content)["languages"]
     return {
-        language: Weights(base64.b64decode(one["weights"]), one["statement"], one["sure"])
-        for language, one in found.items()
+        language: Weights(
+            *(Head(base64.b64decode(heads[name]["weights"]), heads[name]["thresholds"]) for name in Weights._fields)
+        )
+        for language, heads in found.items()
     }

@@ -255,6 +255,7 @@ WORDS = RemarkWords(
            |(?:likes?|loves?) (?:\w+ ){0,2}?(?:to|(?:you|it|the robot|him)(?!$))
            |(?:wants?|needs?|wish*|expects?|asks?|prefers?|requires?|lets?|makes?) (?:\w+ ){0,2}?(?:you|to|it
         |the robot|him)""",
+        "demand": r"(?:(?:^|to |and |please |also )(?:tell|let me|let us|show me|send|report))",
         "causative": "(?<!would )(?<!'d )(?<!'ve )have (?:you|it|the robot|him)(?! (?:in|at|on|for|here)\\b)",
         # Within a statement these ask for nothing: "that's where the plant was".
         "question": r"""(?<!\w )(?:what (?!a\b|an\b)|which|who|whom|where|how(?! (?:cool|cute|nice|lovely|great)\b)
@@ -300,30 +301,8 @@ WORDS = RemarkWords(
     },
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
-    light=("condition", "denial", "time", "order", "question"),
-    mild=("quotation",),
-    tellers=r"""gran|nan|nana|mum|mom|dad|grandma|grandpa|granny|grandad|auntie|(?:the )?(?:twins|kids|children
-        |lads|neighbours|neighbors
-       |girls|boys)|i|i'm|i've|i'd|i'll|we|we're|we've|he|she|they|my|our|his|her|their|today|yesterday
-        |last (?:night|week
-       |month|year|time)|everyone|everybody|nobody|people|a friend|friends|kids|one of (?:us|my|our)
-       |(?:the )?(?:weather|sun|traffic|bus|train|office|school|class|game|match|party|weekend|semester|holidays?|coffee
-       |tea|dinner|lunch|english|[a-z]+days)""",
-    concerned=r"""you|u|ur|your|yours|yourself|you're|you've|you'll|robot|robots|bot|dog|machine|it|its|it's|that|that's|this
-       |these|those|there|there's|here|thing|things|commands?|orders?|post|posts|only|except|unless|until|till|if|whether
-       |instead|rather|ready|wait|waits|waiting|waited|want|wants|wanted|need|needs|needed|mean|means|meant|sure|certain
-       |agree|agrees|decide|decided|prefer|prefers|would|should|must|shall|could|may|please|start|begin|again|enough|less
-       |room|space|way|left|right|forward|forwards|back|backward|backwards|ahead|steps?|moves?|moved|moving|turns?|turned
-       |turning|walks?|walked|walking|stops?|stopped|stand|sit|photos?|pictures?|first|then|before|after|once|when|while|how
-       |why|think|thought|believe|know|allow|allowed|feet|metres?|meters?|degrees?|mind|don't|do not|does not|doesn't
-       |yet|later|careful|slow|slowly|stuck|not (?:to|the|a|any|in|at|on)|unsure|what|which|who|where""",
-    ordered=r"""you|u|ur|your|yours|yourself|you're|you've|you'd|you'll|ya|robots?|bot|machine|it|it's|its|one|ones|commands?
-       |orders?|ready|wait|waits|waiting|want|wants|wanted|prefers?|rather|instead|would|should|must|shall|may|please
-       |begin|enough|left|right|forwards?|backwards?|ahead|steps?|mov(?:e|es|ed|ing)|turn(?:s|ed|ing)?|stop(?:s|ped)?
-       |stand|sit|photos?|pictures?|cameras?|sure|unsure|certain|agrees?|decide[sd]?|mean(?:s|t)?|until|till|unless
-       |except|if|whether|which|who|where|allow(?:s|ed)?|feet|metres?|meters?|degrees?|don't|do not|doesn't|does not
-       |didn't|careful(?:ly)?|slow(?:ly|er)?|faster|not|no|never mind|other|another|goes|going|far|further|more|less
-       |closer|away|first(?= thing|$)|then|before(?!$)|after|once|when|while|as soon|or|maybe|perhaps""",
+    light=("condition", "denial", "order", "question", "request", "quotation", "speech", "another", "rule"),
+    decisive=("correction", "authority", "causative", "demand", "tampering", "time"),
     doers="""i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to
         |have to|had to""",
     often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",

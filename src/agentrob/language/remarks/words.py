@@ -69,11 +69,8 @@ class RemarkWords:
     often: str  # … also with one of these between: "always"
     not_introducing: str  # a statement that ends in one of these before a colon introduces words of others
     robot: str  # words for the robot after them
-    light: Sequence[str]  # reasons in `meaning` that do not weigh in a statement about its speaker or others
-    mild: Sequence[str]  # further reasons that do not weigh in it where the classifier is sure
-    tellers: str  # subjects of such a statement: "I", "my cousin"
-    concerned: str  # words with which it may be about the robot or the command after all: "you", "want", "ready"
-    ordered: str  # the same, fewer: with these it may be so even where the classifier is sure
+    light: Sequence[str]  # reasons in `meaning` that do not weigh where the classifier is quite sure
+    decisive: Sequence[str]  # reasons in `meaning` that always weigh
     unfinished: str  # a statement cannot end in these: a verb after them belongs to it
     joins_verb: str  # … within the three words before it: "what happens when dogs walk"
     governs_verb: str  # with one of these in a statement a verb after it belongs to it: "I saw the dog walk"
@@ -141,19 +138,9 @@ class RemarkWords:
 
     @cached_property
     def grave(self) -> str:
-        """Match what weighs even in a private statement."""
+        """Match what weighs unless the classifier is certain."""
         heavy = (words for reason, words in self.meaning.items() if reason not in self.light)
         return rf"{self.dangerous}|\b{one_of(*heavy)}\b"
-
-    @cached_property
-    def private(self) -> str:
-        """Match a statement about its speaker or others that names neither the robot nor the command."""
-        return rf"{self._lead}(?!(?:.*\b)?{one_of(self.concerned)}\b){one_of(self.tellers)}(?:\b|')"
-
-    @cached_property
-    def own(self) -> str:
-        """Match what is about its speaker or others, if the classifier is sure that it is a statement."""
-        return rf"{self._lead}(?!(?:.*\b)?{one_of(self.ordered)}\b){one_of(self.tellers)}(?:\b|')"
 
     @cached_property
     def after_subject(self) -> str:
@@ -166,10 +153,9 @@ class RemarkWords:
         return rf"\b{one_of(self.not_introducing)}$"
 
     @cached_property
-    def heavy(self) -> str:
-        """Match what weighs even in such a statement."""
-        heavy = (words for reason, words in self.meaning.items() if reason not in (*self.light, *self.mild))
-        return rf"{self.dangerous}|\b{one_of(*heavy)}\b"
+    def crucial(self) -> str:
+        """Match what is never left out: corrections, claims of rights, tampering, and what is by the robot."""
+        return rf"{self._by_robot}|\b{one_of(*(self.meaning[reason] for reason in self.decisive))}\b"
 
     @cached_property
     def unsettling(self) -> str:
@@ -178,8 +164,11 @@ class RemarkWords:
 
     @cached_property
     def dangerous(self) -> str:
-        near = rf"{one_of(self.near_robot)} {one_of(self.robot)}"
-        return rf"\b(?:{one_of(*self.danger.values())}|{near})\b"
+        return rf"\b{one_of(*self.danger.values())}\b|{self._by_robot}"
+
+    @cached_property
+    def _by_robot(self) -> str:
+        return rf"\b{one_of(self.near_robot)} {one_of(self.robot)}\b"
 
     @cached_property
     def run_on(self) -> str:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from agentrob.errors import ForumUnoffered
+from agentrob.forums.cards import NUMBERS as CARD_NUMBERS
+from agentrob.forums.cards import TEXTS as CARD_TEXTS
 from agentrob.forums.cards import card_of
 from agentrob.forums.protocol import Event, Notifications, Permissions, Registrar, Searcher, SemanticSearcher
 from agentrob.mcp import results as r
@@ -201,8 +203,8 @@ async def edit_post(call: CallContext, args: a.EditPost) -> r.WrittenPost:
 
 def _card(given: dict[str, Any]) -> StatusCard:
     """A status card; `ToolError` for unknown fields or wrong types."""
-    words: dict[str, type] = dict.fromkeys(("robot", "state", "doing", "trace_id", "until"), str)
-    words |= dict.fromkeys(("step", "steps", "place"), int)
+    words: dict[str, type] = dict.fromkeys(("robot", "state", *sorted(CARD_TEXTS)), str)
+    words |= dict.fromkeys(sorted(CARD_NUMBERS), int)
     wrong = [k for k, v in given.items() if k not in words or not (isinstance(v, words[k]) and not isinstance(v, bool))]
     made = card_of(given)
     if wrong or made is None:

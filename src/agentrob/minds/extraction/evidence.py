@@ -41,7 +41,7 @@ class Evidence:
     end: int
     value: float = 0.0
     direction: Direction | None = None
-    op: Op | None = None
+    op: str | None = None
 
 
 V = TypeVar("V")

@@ -16,10 +16,11 @@ from typing import Literal, TypeVar
 
 from agentrob.language.parser.grammar import asks_for_more, commands_nothing, reorders
 from agentrob.language.registry import language_of
+from agentrob.minds.extraction.declared import declared_step, with_declared
 from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.schema import ExtractedStep
 from agentrob.minds.extraction.units import MPS, degrees, metres, same
-from agentrob.model import Direction, Op, Plan, Primitive
+from agentrob.model import BUILT_IN, PHOTO, Capabilities, Direction, Op, Plan, Primitive
 
 T = TypeVar("T")
 Lack = Literal["words", "action", "direction", "amount", "speed", "count", "denial", "condition", "left_out", "bounds"]
@@ -72,7 +73,7 @@ class _Clause:
         return [m for m in self.mentions if m.kind is kind]
 
     @property
-    def ops(self) -> set[Op]:
+    def ops(self) -> set[str]:
         return {m.op for m in self.mentions if m.op is not None}
 
     @property
@@ -84,9 +85,14 @@ class _Clause:
         return bool(self.of(EvidenceKind.AGAIN) or self.of(EvidenceKind.BACK))
 
 
-def ground(steps: Sequence[ExtractedStep], text: str, history: Sequence[Plan] = ()) -> Grounded | Ungrounded:
-    """Check what a model extracted from `text` against the text itself and the earlier plans, newest last."""
-    return _Check(text, history[-1].steps if history else ()).run(steps)
+def ground(
+    steps: Sequence[ExtractedStep], text: str, history: Sequence[Plan] = (), can: Capabilities | None = None
+) -> Grounded | Ungrounded:
+    """Check what a model extracted from `text` against the text itself and the earlier plans, newest last.
+
+    `can`: what the robot can do, for the operations that it declares.
+    """
+    return _Check(text, history[-1].steps if history else (), can).run(steps)
 
 
 def claimed(step: ExtractedStep) -> Primitive:
@@ -111,11 +117,12 @@ class _Lacking(Exception):
 class _Check:
     """One text and the steps before it."""
 
-    def __init__(self, text: str, before: Sequence[Primitive]) -> None:
+    def __init__(self, text: str, before: Sequence[Primitive], can: Capabilities | None) -> None:
         self._text = text
+        self._can = can
         self._language = language_of(text)
         self._before = before
-        self._mentions = evidence_in(text)
+        self._mentions = with_declared(evidence_in(text), text, can)
         self._clauses = _clauses_of(text, self._mentions)
         self._assumed_turn = False
         self._repeated: dict[int, list[Primitive]] = {}  # by the place of the clause that refers to what was before
@@ -191,6 +198,11 @@ class _Check:
 
     # ------------------------------------------------------------ what a step is
     def _primitive(self, step: ExtractedStep, clause: _Clause, places: Sequence[_Clause]) -> Primitive:
+        if step.action not in BUILT_IN:
+            own = declared_step(step.action, self._text[clause.start : clause.end], self._can)
+            if own is None:
+                raise _Lacking("left_out" if clause.of(EvidenceKind.NUMBER) else "action")
+            return own
         if step.action not in _MOTIONS:
             if clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE):  # "wave 2 m"
                 raise _Lacking("left_out")
@@ -424,7 +436,7 @@ def _full(clause: _Clause, verb: Evidence) -> bool:
     if not any(m.kind is EvidenceKind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
     if verb.op in clause.ops:  # "snap three pictures" is one action, 挥手后挥手两次 two
-        twice = verb.op not in (*_MOTIONS, Op.GET_FRONT_IMAGE) and clause.directions
+        twice = verb.op not in (*_MOTIONS, PHOTO) and clause.directions
         return bool(twice or clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE))
     return bool(
         clause.ops - set(_MOTIONS)

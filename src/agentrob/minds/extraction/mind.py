@@ -20,6 +20,7 @@ from agentrob.language.messages.plan_text import sentence
 from agentrob.language.parser.grammar import MAX_CHARS
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.visible_text import OMITTED
+from agentrob.minds.extraction.declared import wants_of
 from agentrob.minds.extraction.grounding import Grounded, Ungrounded, claimed, ground
 from agentrob.minds.extraction.schema import Wants
 from agentrob.minds.extraction.units import same
@@ -76,13 +77,13 @@ class ModelMind:
             async with asyncio.timeout(self.limit_s):
                 system_prompt, begins = prompts(addressee.capabilities, "read", self.model.shares_prompt)
                 message = begins + user_message(part, history)
-                answer = await self.model.answer(system_prompt, message, Wants, spent=spent)
+                answer = await self.model.answer(system_prompt, message, wants_of(addressee.capabilities), spent=spent)
         except ModelError as e:
             return Reading(by_rules, self._rules.name, e.usage, fallback=f"{e.kind}")
         except TimeoutError:
             lost = Usage(self.name, "", latency_ms=self.limit_s * 1e3, failed="timeout")
             return Reading(by_rules, self._rules.name, (lost,), fallback="timeout")
-        understood = weigh(answer.value, by_rules, part, history)
+        understood = weigh(answer.value, by_rules, part, history, addressee.capabilities)
         failed = [u.failed for u in answer.usage if u.mind == self.name and u.failed]
         return Reading(understood, answer.mind, answer.usage, fallback=failed[-1] if failed else "")
 
@@ -99,15 +100,23 @@ class ModelMind:
         await self.model.close()
 
 
-def weigh(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan] = ()) -> Understanding:
+def weigh(
+    wants: Wants,
+    by_rules: Understanding,
+    part: str,
+    history: Sequence[Plan] = (),
+    can: Capabilities | None = None,
+) -> Understanding:
     """Compare a model's reading with the post itself and with the rules. Pure.
 
     A cancellation that the rules find ("never mind, …") always holds.
     """
-    return replace(_weighed(wants, by_rules, part, history), cancels=by_rules.cancels)
+    return replace(_weighed(wants, by_rules, part, history, can), cancels=by_rules.cancels)
 
 
-def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan]) -> Understanding:
+def _weighed(
+    wants: Wants, by_rules: Understanding, part: str, history: Sequence[Plan], can: Capabilities | None
+) -> Understanding:
     language = by_rules.language
     parsed = by_rules.plan.steps if by_rules.intent is Intent.COMMAND else ()
     if wants.intent != "command" or not wants.steps:
@@ -117,7 +126,7 @@ def _weighed(wants: Wants, by_rules: Understanding, part: str, history: Sequence
         if wants.intent == "unclear" and by_rules.intent is not Intent.ASK_BACK:
             return _ask(language, say(f"minds.doubt.{wants.doubt}", language))
         return by_rules
-    found = ground(wants.steps, part, history)
+    found = ground(wants.steps, part, history, can)
     if parsed:
         return _compare(found, wants, by_rules)
     if isinstance(found, Ungrounded):
@@ -168,7 +177,8 @@ def _alike(one: Primitive, other: Primitive) -> bool:
         (one.degrees, other.degrees),
         (one.speed_mps, other.speed_mps),
     )
-    return one.op is other.op and one.direction is other.direction and all(_equal(a, b) for a, b in amounts)
+    same_deed = (one.op, one.direction, one.arguments) == (other.op, other.direction, other.arguments)
+    return same_deed and all(_equal(a, b) for a, b in amounts)
 
 
 def _equal(one: float | None, other: float | None) -> bool:

@@ -10,11 +10,12 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from agentrob.language.messages.plan_text import step_sentence
+from agentrob.language.messages.plan_text import measured_text, operation_name
 from agentrob.language.registry import language_of
 from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.units import same
@@ -22,7 +23,7 @@ from agentrob.minds.llm.chat import ChatModel
 from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.prompt import clean, prompt_file
 from agentrob.minds.usage import Usage
-from agentrob.model import ActionResult, Language, Op
+from agentrob.model import ActionResult, Language
 
 #: Seconds that a finished report waits for the text, and its longest length.
 LIMIT_S, MOST_CHARS = 8.0, 400
@@ -30,7 +31,6 @@ LIMIT_S, MOST_CHARS = 8.0, 400
 UNFOUNDED = "unfounded"
 #: Markup, links, and characters that would hide digits from the check.
 _NO_WORDS = re.compile(r"[@<>\[\]`|#*_\\~]|://|www\.")
-_MEASURED = {Op.MOVE: ("distance_m", "{:.2f} m"), Op.TURN: ("degrees", "{:.1f} degrees")}
 #: Verbs in the past tense: `evidence` knows only forms that can be commands.
 _PAST_VERBS = {
     "walked": "walk", "moved": "move", "went": "go", "stepped": "step", "advanced": "advance", "strolled": "stroll",
@@ -87,6 +87,8 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
     """Return what in a text does not follow from the results, in English; empty if all of it does. Pure."""
     if not results or not all(r.ok for r in results):
         return "not everything was done"
+    if any(r.primitive.declared is not None for r in results):
+        return "an operation whose words nobody can check"
     if not 0 < len(text) <= MOST_CHARS or _NO_WORDS.search(text):
         return "empty, too long or more than words"
     if language_of(text) != language:
@@ -110,7 +112,7 @@ def _invented(mention: Evidence, results: Sequence[ActionResult]) -> str:
         case EvidenceKind.SPEED:
             return "not measured"
         case EvidenceKind.NUMBER | EvidenceKind.TIMES:
-            counts = {1, *(sum(r.primitive.op is op for r in results) for op in Op)} - {0}
+            counts = {1, *Counter(r.primitive.op for r in results).values()}
             steps = {len(results)} if mention.kind is EvidenceKind.NUMBER else set()
             return "" if mention.value in counts | steps else "not counted"
         case EvidenceKind.ACTION:
@@ -143,14 +145,10 @@ def _message(results: Sequence[ActionResult], language: Language) -> str:
 
 def _action(result: ActionResult) -> str:
     """Return the action without its requested amount: only measurements are reported."""
-    if result.primitive.op not in _MEASURED:
-        return step_sentence(result.primitive, "en")
-    verb = "walk" if result.primitive.op is Op.MOVE else "turn"
-    return f"{verb} {result.primitive.direction}"
+    return f"{operation_name(result.primitive.operation, 'en')} {result.primitive.direction or ''}".strip()
 
 
 def _figure(result: ActionResult) -> dict[str, str]:
-    if result.primitive.op not in _MEASURED:
-        return {}
-    key, form = _MEASURED[result.primitive.op]
-    return {"measured": form.format(result.measured[key])} if key in result.measured else {}
+    quantities = [q for q in result.primitive.operation.measured if q.name in result.measured]
+    figures = [measured_text(result.measured[q.name], q.unit).replace("°", " degrees") for q in quantities]
+    return {"measured": ", ".join(figures)} if figures else {}

@@ -11,7 +11,7 @@ from functools import cache
 from importlib import resources
 
 from agentrob.language.visible_text import OMITTED
-from agentrob.model import Capabilities, Language, Op, Plan
+from agentrob.model import Capabilities, Language, Plan
 
 #: The prompt for robots without one of their own.
 _OTHER = "robot"
@@ -25,7 +25,7 @@ HISTORY_PLANS = 3
 
 def system_prompt(capabilities: Capabilities) -> str:
     """Return the extraction prompt for a kind of robot, with its actions."""
-    ops = ", ".join(op.value for op in Op if op in capabilities.ops)
+    ops = ", ".join(operation.name for operation in capabilities.operations)
     return _prompt(capabilities.model).replace("{actions}", ops)
 
 
@@ -47,7 +47,7 @@ def prompts(capabilities: Capabilities, task: str, shared: bool) -> tuple[str, s
 
 def user_message(post: str, history: Sequence[Plan], mark: Callable[[], str] = lambda: secrets.token_hex(8)) -> str:
     """Return the post as data and earlier steps as JSON. The delimiters are random and not in the post."""
-    before = [[{"action": s.op.value, **s.asked()} for s in plan.steps] for plan in history[-HISTORY_PLANS:]]
+    before = [[{"action": str(s.op), **s.asked()} for s in plan.steps] for plan in history[-HISTORY_PLANS:]]
     return f"Done before in this thread, oldest first: {json.dumps(before)}\n{post_as_data(post, mark)}"
 
 

@@ -13,6 +13,7 @@ from functools import cache
 from agentrob.language.addressing import part_for
 from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.parser.grammar import MAX_CHARS, parse
+from agentrob.language.parser.repetition import ParseContext
 from agentrob.language.parser.robot_order import ordering_words
 from agentrob.language.visible_text import OMITTED
 from agentrob.minds.llm.prompt import clean
@@ -140,7 +141,8 @@ def _tasks(clause: str, addressee: Addressee, before: Sequence[Subgoal]) -> list
     for pattern, aim in _patterns():
         if match := pattern.fullmatch(clause):
             return _task(match, aim, before)
-    others = parse(f"@{_ROBOT} {clause}", (_ROBOT,), (), addressee.capabilities.ops)
+    can = addressee.capabilities
+    others = parse(f"@{_ROBOT} {clause}", (_ROBOT,), (), can.ops, ParseContext(can=can))
     if others.intent is not Intent.COMMAND or others.plan.notes or others.cancels:
         return None
     return [Subgoal(Aim.STEP, step=step) for step in others.plan.steps]

@@ -33,7 +33,7 @@ from agentrob.minds.visual_loop.tools import (
     step_of,
     tools_of,
 )
-from agentrob.model import ActionResult, Capabilities, Mandate, Op, Outcome, Primitive, RobotState
+from agentrob.model import PHOTO, ActionResult, Capabilities, Mandate, Outcome, Primitive, RobotState
 
 #: Pictures are sent to the model at most this wide, as JPEG of this quality.
 MAX_IMAGE_PX, JPEG_QUALITY = 1024, 80
@@ -132,6 +132,7 @@ class VisualLoop:
         self._model, self._prompt, self._goal = model, prompt, goal
         self._mandate, self._executor, self._budget = mandate, executor, budget
         self._tools = tools_of(mandate, capabilities)
+        self._capabilities = capabilities
         self._spent = tuple(spent)
         self._talk: list[Message] = []
         self._end_s = 0.0
@@ -164,7 +165,7 @@ class VisualLoop:
 
     async def _begin(self) -> None:
         """Send the goal, the budget, and a first picture."""
-        first = await self._executor.act(Primitive(Op.GET_FRONT_IMAGE))
+        first = await self._executor.act(Primitive(PHOTO))
         self._moved = False
         images = await self._pictures(first)
         note = "" if images else f"\nThere is no picture: {first.problem or (first.result and first.result.message)}"
@@ -229,8 +230,8 @@ class VisualLoop:
         if call.arguments is None or problem:
             self._return(call, reply, problem or "These arguments cannot be used.")
             return False
-        step, look = step_of(call.name, call.arguments, self._mandate)
-        if step.op is Op.GET_FRONT_IMAGE and not self._moved:
+        step, look = step_of(call.name, call.arguments, self._mandate, self._capabilities)
+        if step.operation.picture and not self._moved:
             self._return(call, reply, "Nothing has moved since the last picture; it is still as it was.")
             return False
         found = await self._executor.act(step)
@@ -242,7 +243,7 @@ class VisualLoop:
         effect = _got_somewhere(found.result) or bool(images)
         self._moved = (self._moved or _got_somewhere(found.result)) and not images
         if look and effect:
-            shown = await self._executor.act(Primitive(Op.GET_FRONT_IMAGE))
+            shown = await self._executor.act(Primitive(PHOTO))
             images = await self._pictures(shown)
             self._moved = self._moved and not images
         told = result_message(found.result, await self._executor.state(), self._left())
@@ -288,7 +289,7 @@ def _got_somewhere(result: ActionResult) -> bool:
     """Return whether a step moved the robot (perhaps by an unknown amount), or was a gesture that was done."""
     if result.unmeasured:
         return True
-    if result.primitive.op in (Op.MOVE, Op.TURN):
+    if result.primitive.walks:
         moved_m, turned_deg = result.measured.get("distance_m", 0.0), result.measured.get("degrees", 0.0)
         return abs(moved_m) > STILL_M or abs(turned_deg) > STILL_DEG
     return result.primitive.moves and result.outcome is Outcome.DONE

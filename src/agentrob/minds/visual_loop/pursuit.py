@@ -9,7 +9,7 @@ from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
-from agentrob.model import Capabilities, Direction, Intent, Language, Op, Plan, Primitive, Understanding
+from agentrob.model import PHOTO, Capabilities, Direction, Intent, Language, Op, Plan, Primitive, Understanding
 
 
 class Known(Protocol):
@@ -28,7 +28,7 @@ _OF_DETECTOR = frozenset({Aim.FACE, Aim.FIND, Aim.SEE, Aim.COLOURS})
 #: Steps of the kinds that an aim needs, by which it is judged before its own are known.
 _TURN = Primitive(Op.TURN, Direction.LEFT, degrees=45.0)
 _WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5)
-_PICTURE = Primitive(Op.GET_FRONT_IMAGE)
+_PICTURE = Primitive(PHOTO)
 #: What a post may be for the rules and still be a goal for eyes.
 _MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)
 
@@ -45,7 +45,7 @@ def goal_for(text: str, addressee: Addressee, by_rules: Understanding) -> Goal |
 
 def for_model(goal: Goal, capabilities: Capabilities) -> bool:
     """Whether a model with images could pursue the goal with this robot."""
-    return goal.aims <= _OF_MODEL and Op.GET_FRONT_IMAGE in capabilities.ops
+    return goal.aims <= _OF_MODEL and PHOTO in capabilities.ops
 
 
 def without_model(goal: Goal, capabilities: Capabilities, detector: Known | None) -> bool:

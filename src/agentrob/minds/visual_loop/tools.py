@@ -9,24 +9,37 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from agentrob.language.messages.plan_text import operation_name
 from agentrob.minds.llm.chat import Tool
-from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Primitive, RobotState
+from agentrob.model import (
+    BUILT_IN,
+    ActionResult,
+    Capabilities,
+    Direction,
+    Mandate,
+    Number,
+    Op,
+    Operation,
+    Outcome,
+    Primitive,
+    RobotState,
+    Unit,
+)
+from agentrob.model.operations.built_in import undeclared
 
 #: Smallest amounts that a robot can do and measure.
 LEAST_M, LEAST_DEG, LEAST_MPS = 0.02, 1.0, 0.05
 FINISH = "finish"
 #: Lines and characters per line that a model may write; reports show the first hundred characters.
 SAID_LINES, SAID_CHARS = 4, 240
-_GESTURES = {
-    Op.HELLO: "Waves.",
-    Op.HEART: "Makes a heart.",
-    Op.CLAP: "Claps.",
-    Op.SHAKE: "Offers to shake hands.",
-    Op.BACKFLIP: "Flips backwards.",
-    Op.SIT: "Sits down.",
-    Op.STAND: "Stands up.",
-    Op.STRETCH: "Stretches.",
-}
+_FIELD = {
+    Unit.METRES: "in metres", Unit.DEGREES: "in degrees", Unit.SECONDS: "in seconds",
+    Unit.METRES_PER_SECOND: "in metres per second", Unit.PERCENT: "in percent", Unit.COUNT: "a number",
+}  # fmt: skip
+
+
+#: What is assumed of an operation that is not built in: it gives no picture.
+_SHUT = undeclared("unknown")
 
 
 class _Closed(BaseModel):
@@ -45,39 +58,56 @@ class Finish(_Closed):
     did: Annotated[str, Field(max_length=SAID_CHARS)] = ""
 
 
-def tool_name(op: Op) -> str:
-    """Return the tool name of an operation: `act_move`, …, `get_front_image`."""
-    return str(op) if op is Op.GET_FRONT_IMAGE else f"act_{op}"
+def tool_name(operation: Operation) -> str:
+    """Return the tool name of an operation: `act_move`, …; one that only senses has its own name, `get_front_image`."""
+    return f"act_{operation.name}" if operation.moves else operation.name
 
 
 def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
     """Return the tools that a mandate allows, with its bounds, and `finish`."""
     found = []
-    for op in Op:
-        if not mandate.calls.get(op) or op not in capabilities.ops:
+    for operation in capabilities.operations:
+        if not mandate.calls.get(operation.name):
             continue
-        if op is Op.MOVE:
-            found.append(_move(mandate, capabilities))
-        elif op is Op.TURN:
-            found.append(_turn(mandate, capabilities))
-        elif op is Op.GET_FRONT_IMAGE:
-            found.append(Tool(tool_name(op), "Takes a picture with the front camera and shows it to you.", Nothing))
+        if operation.name == Op.MOVE:
+            found.append(_move(operation, mandate, capabilities))
+        elif operation.name == Op.TURN:
+            found.append(_turn(operation, mandate, capabilities))
         else:
-            found.append(Tool(tool_name(op), _GESTURES.get(op, f"Does: {op}."), Nothing))
+            shown = " It is shown to you." if operation.picture else ""
+            does = f"The robot's operation “{operation_name(operation, 'en')}”.{shown}"
+            found.append(Tool(tool_name(operation), does, _arguments(operation)))
     return (*found, Tool(FINISH, "Ends the work and says what was seen and done.", Finish))
 
 
-def step_of(name: str, arguments: BaseModel, mandate: Mandate) -> tuple[Primitive, bool]:
+def step_of(name: str, arguments: BaseModel, mandate: Mandate, capabilities: Capabilities) -> tuple[Primitive, bool]:
     """Return the step of a validated call, and whether to take a picture after it."""
     said: dict[str, Any] = arguments.model_dump()
-    op = next(o for o in Op if tool_name(o) == name)
-    direction = Direction(said["direction"].value) if "direction" in said else None
-    speed = (said.get("speed_mps") or mandate.speed_mps) if op is Op.MOVE else None
-    step = Primitive(op, direction, said.get("distance_m"), said.get("degrees"), speed)
-    return step, bool(said.get("look"))
+    operation = next(one for one in capabilities.operations if tool_name(one) == name)
+    if not Primitive(operation.name).walks:
+        settled = {k: v.value if isinstance(v, Enum) else v for k, v in said.items() if v is not None}
+        return capabilities.bound(Primitive(operation.name, arguments=operation.complete(settled))), False
+    direction = Direction(said["direction"].value)
+    speed = (said.get("speed_mps") or mandate.speed_mps) if operation.name == Op.MOVE else None
+    step = Primitive(operation.name, direction, said.get("distance_m"), said.get("degrees"), speed)
+    return capabilities.bound(step), bool(said.get("look"))
 
 
-def _move(mandate: Mandate, capabilities: Capabilities) -> Tool:
+def _arguments(operation: Operation) -> type[BaseModel]:
+    """Return the arguments of an operation that the robot declares, with its bounds, as the arguments of a tool."""
+    found: dict[str, Any] = {}
+    for argument in operation.arguments:
+        default: Any = ... if argument.needed else argument.default
+        if isinstance(argument, Number):
+            bounds = Field(ge=argument.least, le=argument.most, allow_inf_nan=False, description=_FIELD[argument.unit])
+            amount: Any = Annotated[float, bounds]
+            found[argument.name] = (amount | None if argument.optional else amount, default)
+        else:
+            found[argument.name] = (_choice(argument.name, [one.name for one in argument.options]), default)
+    return create_model(operation.name, __base__=_Closed, **found) if found else Nothing
+
+
+def _move(operation: Operation, mandate: Mandate, capabilities: Capabilities) -> Tool:
     most_m = min(mandate.distance_m, capabilities.limits.step_m)
     most_mps = min(mandate.speed_mps or capabilities.limits.speed_mps, capabilities.limits.speed_mps)
     arguments = create_model(
@@ -88,10 +118,10 @@ def _move(mandate: Mandate, capabilities: Capabilities) -> Tool:
         speed_mps=(Annotated[float, Field(ge=LEAST_MPS, le=most_mps, allow_inf_nan=False)] | None, None),
         look=(bool, Field(default=False, description="take a picture afterwards")),
     )
-    return Tool(tool_name(Op.MOVE), "Walks so many metres in a straight line, without turning.", arguments)
+    return Tool(tool_name(operation), "Walks so many metres in a straight line, without turning.", arguments)
 
 
-def _turn(mandate: Mandate, capabilities: Capabilities) -> Tool:
+def _turn(operation: Operation, mandate: Mandate, capabilities: Capabilities) -> Tool:
     most_deg = min(mandate.degrees, capabilities.limits.step_deg)
     arguments = create_model(
         "Turn",
@@ -100,20 +130,20 @@ def _turn(mandate: Mandate, capabilities: Capabilities) -> Tool:
         degrees=(Annotated[float, Field(ge=LEAST_DEG, le=most_deg, allow_inf_nan=False)], ...),
         look=(bool, Field(default=False, description="take a picture afterwards")),
     )
-    return Tool(tool_name(Op.TURN), "Turns on the spot.", arguments)
+    return Tool(tool_name(operation), "Turns on the spot.", arguments)
 
 
-def _choice(name: str, directions: Sequence[Direction]) -> Any:
-    return Enum(name, [(d.name, d.value) for d in directions], type=str)
+def _choice(name: str, values: Sequence[str]) -> Any:
+    return Enum(name, [(value.upper(), str(value)) for value in values], type=str)
 
 
 # ---------------------------------------------------------------------- what the model is told
 def result_message(result: ActionResult, state: RobotState | None, left: dict[str, Any]) -> str:
     """Return a result as JSON: what was measured, why it ended, the robot's sensors, and the remaining budget."""
     facts: dict[str, Any] = {"outcome": str(result.outcome)}
-    if result.primitive.op in (Op.MOVE, Op.TURN):
+    if quantities := {quantity.name for quantity in result.primitive.operation.measured}:
         facts["asked"] = result.primitive.asked()
-        known = {k: round(v, 3) for k, v in result.measured.items() if k in ("distance_m", "degrees")}
+        known = {k: round(v, 3) for k, v in result.measured.items() if k in quantities}
         facts["measured"] = known or (f"unknown: {result.unmeasured}" if result.unmeasured else "unknown")
     if result.outcome is not Outcome.DONE:
         facts |= {"reason": result.reason, "message": result.message}
@@ -138,13 +168,10 @@ def remaining(mandate: Mandate, used: Sequence[ActionResult], calls: int, second
     """Return what is left of a mandate after these results; `calls` and `seconds` are the loop's."""
     tried = [r.primitive for r in used if r.outcome is not Outcome.SKIPPED]
     left: dict[str, Any] = {"calls": max(0, calls), "seconds": max(0, round(seconds))}
-    for op in (Op.MOVE, Op.TURN, Op.GET_FRONT_IMAGE):
-        if not mandate.calls.get(op):
-            continue
-        if op is Op.MOVE:
-            left["metres"] = max(0.0, round(mandate.distance_m - sum(s.distance_m or 0.0 for s in tried), 2))
-        elif op is Op.TURN:
-            left["degrees"] = max(0.0, round(mandate.degrees - sum(s.degrees or 0.0 for s in tried)))
-        else:
-            left["pictures"] = max(0, mandate.calls[op] - sum(s.op is op for s in tried))
+    if mandate.calls.get(Op.MOVE):
+        left["metres"] = max(0.0, round(mandate.distance_m - sum(s.travel_m for s in tried), 2))
+    if mandate.calls.get(Op.TURN):
+        left["degrees"] = max(0.0, round(mandate.degrees - sum(s.degrees or 0.0 for s in tried)))
+    if pictures := sum(count for op, count in mandate.calls.items() if BUILT_IN.get(op, _SHUT).picture):
+        left["pictures"] = max(0, pictures - sum(s.operation.picture for s in tried))
     return left

@@ -8,6 +8,7 @@ watches them on such a command. Pure.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from functools import cache
 
 from agentrob.model import Language
@@ -62,6 +63,11 @@ purple: violet | 紫
 teal: turquoise, cyan | 青
 """
 
+_NAME: dict[Language, str] = {
+    "en": r"(?:(?:the|an?)\s+)?(?:(?P<colour>{colour})\s+)?(?P<thing>{thing})",
+    "zh": r"(?:(?P<colour>{colour})色?的?)?(?P<thing>{thing})",
+}
+
 
 @cache
 def things(language: Language) -> dict[str, str]:
@@ -90,6 +96,28 @@ def chinese(word: str) -> str:
             if english == word:
                 return name + end
     return word
+
+
+@dataclass(frozen=True, slots=True)
+class NamedThing:
+    """A thing by its English word, and its colour where the name says one."""
+
+    thing: str
+    colour: str = ""
+
+    def fits(self, other: NamedThing | None) -> bool:
+        """Whether this name, which may leave out the colour, fits the other thing."""
+        return other is not None and self.thing == other.thing and self.colour in ("", other.colour)
+
+
+@cache
+def thing_named(words: str) -> NamedThing | None:
+    """Return what a name such as "the red ball" or 红色的球 means; None where the vocabulary lacks it."""
+    for language, pattern in _NAME.items():
+        name = pattern.format(colour=one_of(language, "colour"), thing=one_of(language, "thing"))
+        if found := re.fullmatch(name, words.strip().casefold()):
+            return NamedThing(things(language)[found["thing"]], colours(language).get(found["colour"] or "", ""))
+    return None
 
 
 def _names(table: str, language: Language) -> dict[str, str]:

@@ -180,7 +180,8 @@ def unmeasured(result: ActionResult, why: str, went: float | None = None) -> Act
     turn = result.primitive.op is Op.TURN
     asked = (result.primitive.degrees if turn else result.primitive.distance_m) or 0.0
     unit, digits = ("°", 1) if turn else (" m", 2)
-    message = f"Asked {asked:g}{unit}, measured unknown: {_UNMEASURED[why]}."
+    pair = f"Asked {asked:g}{unit}, measured unknown" if asked else "Measured unknown"
+    message = f"{pair}: {_UNMEASURED[why]}."
     if result.outcome is Outcome.STOPPED:
         message += f" Stopped ({result.reason.replace('_', ' ')})."
     seen = "" if went is None else f" Before that it was seen {round(went, digits) + 0.0:.{digits}f}{unit} on its way;"

@@ -91,12 +91,14 @@ def _nobody(settings: RobotConfig, heard: network.DomainContents) -> Finding:
     what = f"no {settings.model} is heard on {where}"
     if elsewhere:
         there = ", ".join(f"a {other.kind} on domain {other.domain}" for other in elsewhere)
-        return Finding("domain", Status.BAD, f"{what}, but {there}", "Set domain to that one (real robots are on 0).")
+        again = f"agentrob doctor {settings.model} --interface {settings.interface} --domain {elsewhere[0].domain}"
+        advice = "Set domain to that one (real robots are on 0)."
+        return Finding("domain", Status.BAD, f"{what}, but {there}", advice, again)
     if settings.simulated:
         start = f"agentrob sim --domain {settings.model}={settings.domain} --interface {settings.interface}"
-        return Finding("domain", Status.BAD, what, f"Start its world: {start}.")
+        return Finding("domain", Status.BAD, what, "Start its world.", start)
     zero = "" if settings.domain == 0 else " Real robots are on domain 0."
-    return Finding("domain", Status.BAD, what, NOBODY + zero)
+    return Finding("domain", Status.BAD, what, NOBODY + zero, f"ping -c 3 {network.ROBOTS_ADDRESS}")
 
 
 # ------------------------------------------------------------------ services

@@ -23,12 +23,16 @@ class Status(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """`check` is a stable word (interface, domain, …); `advice` is what to do, empty when there is nothing to do."""
+    """`check` is a stable word (interface, domain, …); `advice` is what to do, empty when there is nothing to do.
+
+    `command` mends it. Where only hands can (a cable, a battery), the doctor names the command that checks it again.
+    """
 
     check: str
     status: Status
     found: str
     advice: str = ""
+    command: str = ""
 
 
 #: What to do about the mode that a robot is in.

@@ -57,7 +57,7 @@ def interface_finding(settings: RobotConfig) -> Finding:
     name = settings.interface
     if name not in [other for _, other in socket.if_nameindex()]:
         advice = f"Name one that is there (interface = …, or --interface): {others(name)}; lo for a simulated robot."
-        return Finding("interface", Status.BAD, f"{name!r} is not on this machine", advice)
+        return Finding("interface", Status.BAD, f"{name!r} is not on this machine", advice, "ip link")
     at = address(name)
     if name == "lo":
         if settings.simulated:
@@ -66,17 +66,21 @@ def interface_finding(settings: RobotConfig) -> Finding:
         return Finding("interface", Status.WARNING, "lo reaches only what runs on this machine", advice)
     if _carrier(name) == "0":
         advice = "Plug the cable in at both ends; is the robot switched on?"
-        return Finding("interface", Status.BAD, f"{name} has no link", advice)
+        return Finding("interface", Status.BAD, f"{name} has no link", advice, f"ip link set {name} up")
     if not at:
-        advice = f"Give it one in the robot's network: ip addr add {ROBOTS_NETWORK}99/24 dev {name}"
-        return Finding("interface", Status.BAD, f"{name} has no address", advice)
+        advice = "Give it one in the robot's network."
+        return Finding("interface", Status.BAD, f"{name} has no address", advice, _give_address(name))
     if not at.startswith(ROBOTS_NETWORK) and not settings.simulated:
         advice = (
-            f"Unitree's robots are in {ROBOTS_NETWORK}0/24 by cable ({ROBOTS_ADDRESS}); for that: "
-            f"ip addr add {ROBOTS_NETWORK}99/24 dev {name}. Other interfaces here: {others(name)}."
+            f"Unitree's robots are in {ROBOTS_NETWORK}0/24 by cable ({ROBOTS_ADDRESS}). "
+            f"Other interfaces here: {others(name)}."
         )
-        return Finding("interface", Status.WARNING, f"{name} ({at})", advice)
+        return Finding("interface", Status.WARNING, f"{name} ({at})", advice, _give_address(name))
     return Finding("interface", Status.OK, f"{name} ({at})")
+
+
+def _give_address(name: str) -> str:
+    return f"ip addr add {ROBOTS_NETWORK}99/24 dev {name}"
 
 
 def _carrier(name: str) -> str:

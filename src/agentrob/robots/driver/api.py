@@ -1,4 +1,4 @@
-"""The driver's HTTP API on its Unix socket, as specified in docs/seams.md."""
+"""The driver's HTTP API on its Unix socket, as specified in docs/reference/interfaces.md."""
 
 from __future__ import annotations
 
@@ -24,12 +24,15 @@ from agentrob.process.http_server import HttpServer
 from agentrob.robots.codec import decode_primitive, display_name, encode
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.safety.crash_marker import boot_id
+from agentrob.robots.zones.http import zone_routes
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
 Answer = Callable[[Request], Awaitable[Response]]
 STORE_CHARACTERS = 200
 STOP_ID_CHARACTERS = 64
+#: The most steps of a request for a zone.
+MOST_STEPS = 100
 #: Ids of stops that are remembered, so that none is done twice.
 STOPS_REMEMBERED = 256
 
@@ -147,13 +150,16 @@ def app(driver: Driver, *, remote: bool = False) -> Starlette:
         ("/lease", "POST", handlers.take),
         ("/lease/{lease}", "PUT", handlers.renew),
         ("/lease/{lease}", "DELETE", handlers.give_back),
+        ("/room", "POST", handlers.enter_room),
         ("/step", "POST", handlers.step),
         ("/stop", "POST", handlers.stop),
         ("/halt", "POST", handlers.halt),
         ("/release", "POST", handlers.release),
         ("/home", "POST", handlers.home),
     )
-    return Starlette(routes=[Route(path, _translated(answer), methods=[method]) for path, method, answer in routes])
+    zones = [] if driver.kept is None else zone_routes(*driver.kept)
+    ours = [Route(path, _translated(answer), methods=[method]) for path, method, answer in routes]
+    return Starlette(routes=[*ours, *zones])
 
 
 class _Handlers:
@@ -206,10 +212,19 @@ class _Handlers:
         return JSONResponse({"ttl_s": self.driver.leases.ttl_s})
 
     async def give_back(self, request: Request) -> JSONResponse:
-        self.driver.leases.give_back(request.path_params["lease"])
+        self.driver.give_back(request.path_params["lease"])
         return JSONResponse({})
 
     # ------------------------------------------------------------------ motion and stop
+    async def enter_room(self, request: Request) -> JSONResponse:
+        data = await _body(request)
+        steps = data.get("steps")
+        if not isinstance(steps, list) or len(steps) > MOST_STEPS:
+            raise RobotError(f"'steps' must be a list of at most {MOST_STEPS} steps")
+        plan = [decode_primitive(step) for step in steps]
+        hindrance = await run_in_thread(lambda: self.driver.enter_room(plan))
+        return JSONResponse({"hindrance": None if hindrance is None else encode(hindrance)})
+
     async def step(self, request: Request) -> JSONResponse:
         data = await _body(request)
         lease, primitive = _text(data, "lease"), decode_primitive(data.get("primitive"))
@@ -221,7 +236,7 @@ class _Handlers:
         try:
             await asyncio.wait({stepping, disconnected}, return_when=asyncio.FIRST_COMPLETED)
             if not stepping.done():  # the client disconnected: end its step before the lease lapses
-                self.driver.leases.give_back(lease)
+                self.driver.give_back(lease)
             return JSONResponse(encode(await stepping))
         finally:
             disconnected.cancel()

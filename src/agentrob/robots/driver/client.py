@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import math
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from agentrob.model import (
     ActionResult,
     Capabilities,
     FencingToken,
+    Hindrance,
     Lock,
     Outcome,
     Plan,
@@ -154,11 +155,19 @@ class DriverClient:
         await self._call("DELETE", f"/lease/{lease}", timeout_s=1.0)  # let lapse: asking must not keep it
         return LeaseLost("this client released the lease when it requested a stop")
 
+    async def enter_room(self, steps: Sequence[Primitive]) -> Hindrance | None:
+        """Get the zone that these steps need in the shared room, if the robot shares one; they must begin within some
+        seconds. Return why not; asking again every second keeps the robot's place among those that wait."""
+        body = {"steps": [codec.encode(step) for step in steps]}
+        hindrance = (await self._call("POST", "/room", body))["hindrance"]
+        return None if hindrance is None else codec.decode_hindrance(hindrance)
+
     async def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Run a step until its end. A refusal or failure is a result. Raises `LeaseLost` without a valid lease."""
         body = {"lease": lease, "primitive": codec.encode(primitive), "deadline_s": deadline_s}
         answer = await self._call("POST", "/step", body, timeout_s=max(deadline_s, 0.0) + GRACE_S)
         result = codec.decode_result(answer)
+        result = replace(result, primitive=replace(result.primitive, declared=primitive.declared))
         return self._result_here(result) if self.address.remote else result
 
     async def stop(self, by: str, *, running_only: bool = False) -> StopResult:

@@ -39,3 +39,16 @@ def load_certificates(context: ssl.SSLContext, settings: RobotConfig) -> None:
     except (OSError, ssl.SSLError) as e:
         reason = e.strerror or str(e)
         raise ConfigError(f"cannot use driver_ca {settings.driver_ca} ({reason}); valid: PEM certificates") from None
+
+
+def client_tls(settings: RobotConfig, url: str) -> ssl.SSLContext | None:
+    """The TLS context of a client of `url`; None for plain HTTP, the end of a tunnel. Raises `ConfigError`."""
+    if url.startswith("http:"):
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    load_certificates(context, settings)
+    if not settings.driver_ca:
+        context.load_default_certs()
+    if not (settings.driver_token_env or settings.driver_cert):
+        raise ConfigError(f"{url} needs a certificate or a token for this machine")
+    return context

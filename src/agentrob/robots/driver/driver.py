@@ -6,14 +6,16 @@ import logging
 import math
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.errors import RobotBusy, RobotError
-from agentrob.model import ActionResult, FencingToken, Lock, Pose, Posture, Primitive, RobotState, StopResult
+from agentrob.model import ActionResult, FencingToken, Hindrance, Lock, Pose, Posture, Primitive, RobotState, StopResult
 from agentrob.robots.codec import display_name
 from agentrob.robots.driver.fencing import FencingNumbers
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.safety.guard import Guard
+from agentrob.robots.zones.keeper import ZoneKeeper
 
 log = logging.getLogger(__name__)
 
@@ -28,8 +30,11 @@ LOOK_S = 0.4
 class Driver:
     """The driver's operations, without sockets. All methods are thread-safe."""
 
-    def __init__(self, name: str, guard: Guard, numbers: FencingNumbers | None = None) -> None:
-        self.name, self.guard = name, guard
+    def __init__(
+        self, name: str, guard: Guard, numbers: FencingNumbers | None = None, kept: tuple[str, ZoneKeeper] | None = None
+    ) -> None:
+        """`kept` is the name of the room whose zones this driver keeps for other hosts, and its keeper."""
+        self.name, self.guard, self.kept = name, guard, kept
         self.leases = Leases(numbers=numbers)
         self._step = threading.Lock()
         self._looking, self._looked_s = threading.Lock(), -LOOK_S
@@ -73,6 +78,12 @@ class Driver:
         log.info("lease to %s", holder)
         return lease
 
+    def give_back(self, lease: str) -> None:
+        """End a lease on behalf of its holder, and its zone once the robot is at rest."""
+        self.leases.give_back(lease)
+        if self.leases.holder is None:
+            self.guard.leave_room()
+
     def step(self, lease: str, primitive: Primitive, deadline_s: float) -> ActionResult:
         """Run a step and block until it has ended. Raises `LeaseLost` and `RobotBusy`."""
         self.leases.check(lease)
@@ -84,6 +95,13 @@ class Driver:
             self._step.release()
         log.info("step %s %s: %s %s", primitive.op, primitive.asked(), result.outcome, result.message)
         return result
+
+    def enter_room(self, steps: Sequence[Primitive]) -> Hindrance | None:
+        """Get the zone that these steps need in the shared room, if there is one; they then begin within some seconds.
+
+        Return why not: asking again, at least every two seconds, keeps the robot's place among those that wait.
+        """
+        return self.guard.enter_room(steps)
 
     def look(self) -> bytes:
         """Return a picture of the robot's own camera. Raises `RobotBusy` if the last one, of any client, was less than
@@ -108,6 +126,8 @@ class Driver:
         ended_s = self.leases.end("stop", by, running_only=running_only)
         late_ms = 1000 * (time.monotonic() - asked_s)
         result = self.guard.stop()
+        if not running_only:
+            self.guard.leave_room()
         log.warning("stop by %s: %s", by, result)
         return replace(result, latency_ms=round(result.latency_ms + late_ms, 3), ended_s=ended_s)
 

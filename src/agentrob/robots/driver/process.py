@@ -1,4 +1,5 @@
-"""The process that owns a robot (law 11): it serves the guard, the leases and the stop channel (docs/seams.md).
+"""The process that owns a robot (law 11): it serves the guard, the leases and the stop channel
+(docs/reference/interfaces.md).
 
 Every program that moves the robot is a client of this process. Steps run one at a time for the holder of the lease; a
 stop needs no lease, runs on a thread of its own, and ends the step and the lease.
@@ -9,8 +10,8 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import math
 import os
-import signal
 import socket
 import sys
 import threading
@@ -20,16 +21,21 @@ from typing import Any
 
 from agentrob.config.load import default_data_dir, runtime_dir
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import RobotBusy, RobotError
+from agentrob.errors import ConfigError, RobotBusy, RobotError
+from agentrob.model import Pose
 from agentrob.plugins import find
 from agentrob.process.host_lock import HostLock, namespaced
+from agentrob.process.signals import event_at_termination
 from agentrob.robots.codec import display_name, encode
+from agentrob.robots.driver.credentials import client_tls, token_of
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.fencing import FencingNumbers
 from agentrob.robots.protocol import Robot
-from agentrob.robots.safety.crash_marker import CrashMarker
+from agentrob.robots.safety.crash_marker import CrashMarker, boot_id
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
+from agentrob.robots.zones.keeper import LocalKeeper, ZoneKeeper, room_file
+from agentrob.robots.zones.member import RoomMember
 
 log = logging.getLogger(__name__)
 
@@ -51,8 +57,20 @@ def lock_name(name: str, settings: RobotConfig) -> str:
 
 
 def make_robot(settings: RobotConfig) -> Robot:
-    """Make the robot of the model that the settings name (entry points `agentrob.robots`). Raises `ConfigError`."""
-    robot: Robot = find("robots", settings.model)(settings)
+    """Make the robot of the model that the settings name (entry points `agentrob.robots`). Raises `ConfigError`, also
+    for operations that it declares in words that mean something else."""
+    try:
+        robot: Robot = find("robots", settings.model)(settings)
+    except ValueError as e:
+        raise ConfigError(f"the robot {settings.model!r} declares what is not possible: {e}") from None
+    if robot.capabilities.declared:
+        from agentrob.language.operations.clashes import refuse_clashes  # loads the languages
+
+        try:
+            refuse_clashes(robot.capabilities)
+        except ConfigError:
+            robot.close()
+            raise
     return robot
 
 
@@ -67,9 +85,7 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
     from agentrob.robots.driver.network import NetworkListener
 
     path = socket_path or runtime_dir() / f"{name}.sock"
-    ended = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: ended.set())
+    ended = event_at_termination()
     lock = lock_name(name, settings)
     with contextlib.ExitStack() as stack:
         held = stack.enter_context(HostLock(lock, f"the robot {name!r}"))
@@ -78,11 +94,16 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
         out = stack.enter_context(_only_own_lines())
         folder = (data or default_data_dir()) / "drivers"
         halt, mark = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
-        guard = Guard(make_robot(settings), settings, halt, mark)
-        driver = Driver(name, guard, FencingNumbers(folder / f"{name}.fence"))
+        keeper = zone_keeper(settings, data or default_data_dir()) if settings.room else None
+        room = None if keeper is None else _member(name, settings, keeper)
+        guard = Guard(make_robot(settings), settings, halt, mark, room)
+        kept = (settings.room, keeper) if isinstance(keeper, LocalKeeper) else None
+        driver = Driver(name, guard, FencingNumbers(folder / f"{name}.fence"), kept)
         try:
             threading.Thread(target=serve_stops, args=(held.socket, driver), name="stop-channel", daemon=True).start()
             driver.guard.settle()
+            if room is not None:
+                room.start()
             with DriverServer(driver, listener), contextlib.ExitStack() as served:
                 ready = {"ready": "driver", "robot": name, "socket": str(path), "lock": lock, "pid": os.getpid()}
                 if network is not None:
@@ -94,6 +115,21 @@ def run_driver(name: str, settings: RobotConfig, socket_path: Path | None = None
         except BaseException:
             driver.close()
             raise
+
+
+def zone_keeper(settings: RobotConfig, data: Path) -> ZoneKeeper:
+    """Whoever keeps the zones of the robot's room: a file in the data folder, or the driver at `room_url`. Raises
+    `ConfigError` for certificates or a token that cannot be used."""
+    if not settings.room_url:
+        return LocalKeeper(room_file(data, settings.room), boot_id)
+    from agentrob.robots.zones.http import RemoteKeeper
+
+    return RemoteKeeper(settings.room, settings.room_url, client_tls(settings, settings.room_url), token_of(settings))
+
+
+def _member(name: str, settings: RobotConfig, keeper: ZoneKeeper) -> RoomMember:
+    (x_m, y_m), facing_rad = settings.map.home_at_m, math.radians(settings.map.home_facing_deg)
+    return RoomMember(name, settings.room, keeper, home=Pose(x_m, y_m, facing_rad), error_m=settings.room_error_m)
 
 
 @contextlib.contextmanager

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
-from agentrob.model import Op
+from agentrob.model.operations.declaration import check_name
 
 log = logging.getLogger(__name__)
 
@@ -29,7 +29,7 @@ _LENGTH = 400  # one line of always the same length: a single write, so no kille
 class InterruptedStep(NamedTuple):
     """The step that the previous driver died in, and the robot's last known mode."""
 
-    op: Op
+    op: str
     mode: str
 
 
@@ -45,7 +45,7 @@ class CrashMarker:
         self._file: int | None = None
         self._op, self._beat_s = "", 0.0
 
-    def begin(self, op: Op, mode: str) -> None:
+    def begin(self, op: str, mode: str) -> None:
         """Call before the first command of a step."""
         if self.path is None:
             return
@@ -87,7 +87,8 @@ class CrashMarker:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             age_s = time.monotonic() - float(record["alive_s"])
             counts = record["boot"] == boot_id() and 0 <= age_s <= COUNTS_S
-            return InterruptedStep(Op(record["op"]), str(record["mode"])) if counts else None
+            check_name(record["op"], "operation")
+            return InterruptedStep(record["op"], str(record["mode"])) if counts else None
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as e:

@@ -56,3 +56,9 @@ def ahead(pose: Pose, primitive: Primitive, distance_m: float) -> tuple[float, f
     """The odometry point that lies `distance_m` from a pose in the direction of a move."""
     dx, dy = rotate(*unit_vector(primitive), pose.yaw_rad)
     return pose.x_m + dx * distance_m, pose.y_m + dy * distance_m
+
+
+def onward(pose: Pose, velocity_mps: tuple[float, float], seconds: float) -> tuple[float, float]:
+    """The odometry point that a body reaches in so many seconds at this velocity (forward, left)."""
+    dx, dy = rotate(*velocity_mps, pose.yaw_rad)
+    return pose.x_m + dx * seconds, pose.y_m + dy * seconds

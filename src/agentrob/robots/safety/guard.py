@@ -17,7 +17,12 @@ Covered, before a step and 20 times a second while it runs:
   damped at start is not moved until somebody makes it stand;
 - a driver that was killed during a step: the next one stops the robot first, and motion that ends within 2 s
   is no halt;
-- a picture that shows nothing: it is reported as failed.
+- where the owner configured a shared room: other robots of the room. No step begins without a zone lease, and one under
+  way ends when the lease is lost or another robot stands or comes within reach ahead (`agentrob.robots.zones`);
+- a picture that shows nothing: it is reported as failed;
+- an operation that the robot declares: its arguments, the free space that it needs, its time, and that it takes the
+  body no farther from its place than it declares; a robot that lies about this is ended by its own odometry, and a
+  result that differs from what was asked, or was not measured, is not called done.
 
 Not covered:
 - people, animals, and anything below, above or between the four range beams: stairs, cables, glass, table edges;
@@ -25,6 +30,7 @@ Not covered:
 - drift of the odometry within plausible speed, and jumps of less than 25 cm: fence and measured values depend on it. If
   a robot is pushed or slips and its odometry does not register it, its position is wrong;
 - pushes: a robot pushed off its path walks back to it, towards the person who pushed it;
+- what a declared operation does besides moving the body over the floor: what its arms reach, blow, throw or heat;
 - a robot that reports wrong data, or that does not obey a stop: the stop's result then says `confirmed: false`;
 - a robot that cannot be reached: it holds the last velocity for up to a second, then its own firmware decides;
 - a fall itself: it is detected once the body is tilted by 60°, and nothing softens it. The space around a robot that is
@@ -33,7 +39,7 @@ Not covered:
 - a picture that is old, frozen, or of another place: only whether it shows something is checked;
 - the floor: slopes, wet or loose ground, anything that is not level and free;
 - the sum of several steps (a command's limits): the agent's mandate counts them;
-- other robots: each has its own guard, and detects others by its range readings only;
+- robots that do not share a configured room: each has its own guard, and detects others by its range readings only;
 - a machine that is frozen or too busy: a driver that does not run stops nothing (its lease and the robot's own hold of
   one second do), nor does it see what the robot does meanwhile;
 - other programs that command the robot over DDS directly. Nothing here replaces the robot's hardware stop.
@@ -45,7 +51,8 @@ import logging
 import math
 import threading
 import time
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotError
@@ -53,6 +60,7 @@ from agentrob.model import (
     EMERGENCY_STOP,
     ActionResult,
     Capabilities,
+    Hindrance,
     Lock,
     Op,
     Outcome,
@@ -66,13 +74,15 @@ from agentrob.robots.control.controller import known, wrap
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.control.picture_check import fail_blank_picture
 from agentrob.robots.control.step_runner import JUMPED, LOST, unmeasured
-from agentrob.robots.protocol import HasCamera, HasPosture, Robot, Watch
+from agentrob.robots.protocol import ExplainsSilence, HasCamera, HasPosture, Robot, Watch
 from agentrob.robots.safety.crash_marker import CrashMarker
-from agentrob.robots.safety.fence import Fence, ahead
+from agentrob.robots.safety.declared import as_declared, left_its_place, seconds_allowed
+from agentrob.robots.safety.fence import Fence, ahead, onward
 from agentrob.robots.safety.limits import beyond_limits
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.safety.ranges import STOPPING_S, RangeMonitor
 from agentrob.robots.safety.takeover import DAMPING, WALKS, TakeoverDetector
+from agentrob.robots.zones.member import RoomMember
 
 log = logging.getLogger(__name__)
 
@@ -80,9 +90,17 @@ STATE_AGE_S = 0.5
 #: At most this fast where ranges are unknown (law 8).
 BLIND_MPS = 0.2
 OBSERVE_HZ = 20.0
+#: A step waits so long for measured rest before its robot asks for another zone.
+REST_S = 2.0
+#: A home that is set again within this distance is in the same place.
+SAME_PLACE_M = 0.1
 #: A first step waits so long for a state that comes steadily, for range readings and for the simulated home.
 PREPARE_S = 3.0
 
+#: How much faster than its limit a walk of the robot's own may be measured.
+_FASTER_MPS = 0.1
+
+_UNSEEN = "Its range readings are unknown, so nobody knows whether the space around it was free."
 _BLIND = f"Its range readings are unknown, so it went at most {BLIND_MPS} m/s."
 _HOMES_NOT = "home_on_start homes simulated robots only."
 _YOUNGER = f"it must be younger than {STATE_AGE_S} s"
@@ -90,19 +108,43 @@ _YOUNGER = f"it must be younger than {STATE_AGE_S} s"
 Refusal = tuple[str, str]  # (stable word, sentence)
 
 
+@dataclass(frozen=True, slots=True)
+class SimulatedTime:
+    """The clock of a simulation that does not run in real time. `wait` lets it run for so many seconds."""
+
+    now_s: Callable[[], float]
+    wait: Callable[[float], object]
+
+
 class Guard:
     """See `agentrob.robots.protocol.Robot`. Starts a thread that also watches the robot between steps.
 
-    `mark` is written while a step runs. If a previous guard died during a step, call `settle` first.
+    `mark` is written while a step runs. If a previous guard died during a step, call `settle` first. `room` is the room
+    that the robot shares with others.
+
+    A rehearsal gives `simulated_time` and the `home` that the robot has; then no thread is started, and its owner calls
+    `observe` between steps.
     """
 
-    def __init__(self, robot: Robot, settings: RobotConfig, halt: Halt, mark: CrashMarker | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        settings: RobotConfig,
+        halt: Halt,
+        mark: CrashMarker | None = None,
+        room: RoomMember | None = None,
+        *,
+        simulated_time: SimulatedTime | None = None,
+        home: Pose | None = None,
+    ) -> None:
         self.capabilities: Capabilities = robot.capabilities
         self._robot, self._settings, self._halt = robot, settings, halt
         self._crash_marker = mark or CrashMarker(None)
         self._ranges, self._takeover = RangeMonitor(), TakeoverDetector()
         self._odometry = OdometryMonitor(getattr(robot, "time_scale", 1.0))
-        self._fence: Fence | None = None
+        self._room = room
+        self._first_home: Pose | None = None
+        self._fence = Fence(settings.fence, home) if home is not None else None
         self._homes_itself = settings.simulated and settings.home_on_start
         if settings.home_on_start and not settings.simulated:
             log.warning("%s The owner of this one sets its home.", _HOMES_NOT)
@@ -111,14 +153,17 @@ class Guard:
         self._running: Primitive | None = None
         self._stops = 0
         self._sentence = self._lost_home = ""
+        self._start: Pose | None = None  # where the running step began
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
         self._closed = threading.Event()
+        self._now_s = simulated_time.now_s if simulated_time else time.monotonic
+        self._wait = simulated_time.wait if simulated_time else self._closed.wait
         self._left = self._crash_marker.interrupted_step()
         if self._left is not None:
-            self._takeover.inherit(time.monotonic(), *self._left)
-        self._observer = threading.Thread(target=self._observe, name="guard-observer", daemon=True)
-        self._observer.start()
+            self._takeover.inherit(self._now_s(), *self._left)
+        if simulated_time is None:
+            threading.Thread(target=self._observe, name="guard-observer", daemon=True).start()
 
     # ------------------------------------------------------------ the robot
     def state(self) -> RobotState:
@@ -143,7 +188,7 @@ class Guard:
     def stop(self) -> StopResult:
         """Stop the robot; never waits for a lock of the guard."""
         self._stops += 1
-        self._takeover.own_motion(time.monotonic())
+        self._takeover.own_motion(self._now_s())
         return self._robot.stop()
 
     def look(self) -> bytes:
@@ -156,11 +201,15 @@ class Guard:
         """Return how the robot holds its body, with its pose in the frame of its home. Never blocks."""
         state = sanitized(self._robot.state())
         seen = self._robot.posture(joints=joints) if isinstance(self._robot, HasPosture) else Posture(state.age_s)
+        return replace(seen, pose=self._at_home(state.pose))
+
+    def _at_home(self, pose: Pose | None) -> Pose | None:
+        """A pose of the odometry in the frame of the robot's home; None without one of them."""
         fence = self._fence
-        if fence is None or state.pose is None:
-            return replace(seen, pose=None)
-        x_m, y_m = fence.at_home(state.pose.x_m, state.pose.y_m)
-        return replace(seen, pose=Pose(x_m, y_m, wrap(state.pose.yaw_rad - fence.home.yaw_rad)))
+        if fence is None or pose is None:
+            return None
+        x_m, y_m = fence.at_home(pose.x_m, pose.y_m)
+        return Pose(x_m, y_m, wrap(pose.yaw_rad - fence.home.yaw_rad))
 
     def settle(self) -> None:
         """If the previous guard died during a step, stop the robot and wait until it is at rest (at most 3 s)."""
@@ -169,7 +218,13 @@ class Guard:
             log.warning("the driver before this one died during %s; stopped the robot: %s", self._left.op, stopped)
         self._crash_marker.clear()
 
+    def observe(self) -> None:
+        """Take in the robot's state between steps: called 20 times a second where the guard has no thread."""
+        self._take_in()
+
     def close(self) -> None:
+        if self._room is not None:
+            self._room.close()
         self._closed.set()
         self._robot.close()
 
@@ -179,14 +234,47 @@ class Guard:
         state = sanitized(self._robot.state())
         if state.pose is None or not state.age_s < STATE_AGE_S:
             why = _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
-            raise RobotError(f"cannot set home: {why}")
+            raise RobotError(f"cannot set home: {self._explained(why)}")
         if not state.upright:
             raise RobotError("cannot set home: the robot is not known to stand upright")
-        if self._running is not None or not self._odometry.still(time.monotonic()):
+        if self._running is not None or not self._odometry.still(self._now_s()):
             raise RobotError("cannot set home while the robot moves; let it stand still for a moment")
         self._fence = Fence(self._settings.fence, state.pose)
+        self._homed_in_room(state.pose)
         log.info("home set by %s at x %.2f m, y %.2f m", by, state.pose.x_m, state.pose.y_m)
         return state.pose
+
+    def _homed_in_room(self, home: Pose) -> None:
+        """The settings say where the first home is in the room; whether a later one is there is not known, unless it is
+        the same place by the odometry of a simulated robot, which no restart sets to zero."""
+        if self._room is None:
+            return
+        first, self._first_home = self._first_home, self._first_home or home
+        if first is None:
+            return
+        if math.hypot(home.x_m - first.x_m, home.y_m - first.y_m) > SAME_PLACE_M:
+            self._room.lose_frame("its home was set in another place")
+        elif self._settings.simulated:
+            self._room.regain_frame()
+
+    # ------------------------------------------------------------ the room that it shares
+    def enter_room(self, steps: Sequence[Primitive]) -> Hindrance | None:
+        """Get the zone that these steps need, if the robot shares a room and does not hold it; they then begin within
+        some seconds. Return why not. Blocks for at most about `REST_S` for measured rest."""
+        if self._room is None:
+            return None
+        stops, end_s = self._stops, time.monotonic() + REST_S
+        while True:
+            self._take_in()
+            hindrance = self._room.admit(steps)
+            settles = hindrance is not None and hindrance.reason == "room_restless"
+            if not settles or self._stops != stops or time.monotonic() >= end_s or self._closed.wait(1 / OBSERVE_HZ):
+                return hindrance
+
+    def leave_room(self) -> None:
+        """No step follows: give the zone back once the robot is at rest. Never blocks."""
+        if self._room is not None:
+            self._room.leave()
 
     def halt(self, by: str, why: str = EMERGENCY_STOP, asked_s: float | None = None) -> StopResult:
         """Stop, and refuse all motion until `release`, also after a restart of the driver.
@@ -219,30 +307,59 @@ class Guard:
 
     # ------------------------------------------------------------ before a step
     def _guarded(self, primitive: Primitive, watch: Watch, deadline_s: float) -> ActionResult:
+        primitive = self.capabilities.bound(primitive)
         if refusal := self._malformed(primitive):
             return _refused(primitive, *refusal)
         if not primitive.moves:
-            return fail_blank_picture(self._robot.step(primitive, watch))
-        until_s = time.monotonic() + deadline_s
+            return self._sense(primitive, watch)
+        if primitive.declared is not None:
+            deadline_s = min(deadline_s, seconds_allowed(primitive.declared, primitive))
+        until_s = self._now_s() + deadline_s
         self._prepare(primitive)
         if refusal := self._unfit(primitive) or self._misplaced(primitive):
             return _refused(primitive, *refusal)
         careful = self._careful(primitive)
-        refusal = self._blocked(careful) or self._late(careful, deadline_s)
+        refusal = self._blocked(careful) or self._late(careful, deadline_s) or self._hindered(careful)
         if refusal:
             return _refused(primitive, *refusal)
         self._sentence, self._broken, self._blind = "", "", self._ranges.unknown(careful)
+        self._start = sanitized(self._robot.state()).pose
         self._running = primitive
         self._crash_marker.begin(primitive.op, self._robot.state().mode)
+        if self._room is not None:
+            self._room.begin()
         try:
             result = self._robot.step(careful, lambda state: watch(state) or self._look(careful, until_s))
         finally:
             self._crash_marker.end()
-        self._takeover.own_motion(time.monotonic())
-        result = self._seen_throughout(result)
-        note = _BLIND if self._blind and result.reason != "ranges_unknown" else ""
+            if self._room is not None:
+                self._room.end()
+        self._takeover.own_motion(self._now_s())
+        result = self._seen_throughout(as_declared(replace(result, primitive=primitive)))
+        note = (_BLIND if primitive.walks else _UNSEEN) if self._blind and result.reason != "ranges_unknown" else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
-        return self._after(replace(result, primitive=primitive, message=message))
+        return self._after(replace(result, message=message))
+
+    def _sense(self, primitive: Primitive, watch: Watch) -> ActionResult:
+        """Do a step that only moves a sensor: it needs no home, but the body must stay where it is."""
+        self._start, self._sentence = sanitized(self._robot.state()).pose, ""
+        result = self._robot.step(primitive, lambda state: watch(state) or self._leave(primitive, state))
+        result = as_declared(replace(result, primitive=primitive))
+        return self._stayed(fail_blank_picture(result) if primitive.operation.picture else result)
+
+    def _leave(self, primitive: Primitive, state: RobotState) -> str | None:
+        sentence = left_its_place(primitive, self._start, sanitized(state).pose)
+        self._sentence = sentence or self._sentence
+        return "travelled" if sentence else None
+
+    def _stayed(self, result: ActionResult) -> ActionResult:
+        """Law 18: an operation that left the place where it was declared to stay has failed, whatever it says."""
+        gone = left_its_place(result.primitive, self._start, sanitized(self._robot.state()).pose)
+        if gone is None or self._broken:
+            return result
+        log.warning("%s", gone)
+        message = result.message if gone in result.message else f"{result.message} {gone}".strip()
+        return replace(result, outcome=Outcome.FAILED, reason="travelled", message=message)
 
     def _seen_throughout(self, result: ActionResult) -> ActionResult:
         """Law 18: report no measured values for a step that was not observed from start to end."""
@@ -252,6 +369,7 @@ class Guard:
 
     def _after(self, result: ActionResult) -> ActionResult:
         """Add the robot's state after the step to the result: a fallen robot has not succeeded."""
+        result = self._stayed(result)
         state = sanitized(self._robot.state())
         if result.ok and state.upright is False:
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
@@ -269,10 +387,12 @@ class Guard:
         state = self._take_in()
         if (why := self._halt.why) is not None:
             return "halted", f"{why.rstrip('.')}. No motion until the owner releases it."
-        if primitive.op is Op.BACKFLIP and not (self._settings.simulated or self._settings.allow_flip):
-            return "consent", "A flip needs the owner's consent (allow_flip)."
+        needed = primitive.operation.needed_consent
+        if needed and not self._settings.simulated and needed not in self._settings.consents:
+            option = "allow_flip" if needed == "flip" else f'allow_risky = ["{needed}"]'
+            return "consent", f"{primitive.op} needs the owner's consent ({option})."
         if state.age_s >= STATE_AGE_S or state.pose is None:
-            return "stale_state", _unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}."
+            return "stale_state", self._explained(_unseen(state) or f"The robot's state is {_age(state)}; {_YOUNGER}.")
         if fallen := _fallen(state, primitive):
             return fallen
         if low := _low_battery(state, self._settings):
@@ -304,18 +424,23 @@ class Guard:
         if self._ranges.unknown(primitive) and not self._settings.allow_unknown_ranges:
             if not self._ranges.enough:
                 return "stale_state", "The robot's state comes too seldom to know what is free around it."
-            return (
-                "ranges_unknown",
+            return "ranges_unknown", self._explained(
                 "The range readings that this step needs are missing, zero or never change, so free space is unknown; "
-                f"the owner may allow up to {BLIND_MPS} m/s (allow_unknown_ranges).",
+                f"the owner may allow up to {BLIND_MPS} m/s (allow_unknown_ranges)."
             )
         sentence = self._ranges.obstacle(primitive, primitive.speed_mps or 0.0)
         return ("obstacle", sentence) if sentence else None
+
+    def _explained(self, sentence: str) -> str:
+        """The sentence, with what the robot says on why it is silent."""
+        why = self._robot.silence() if isinstance(self._robot, ExplainsSilence) else ""
+        return f"{sentence} {why}".strip()
 
     def _late(self, primitive: Primitive, deadline_s: float) -> Refusal | None:
         limits = self.capabilities.limits
         needed_s = (primitive.distance_m or 0.0) / (primitive.speed_mps or limits.speed_mps)
         needed_s += (primitive.degrees or 0.0) / limits.turn_dps
+        needed_s += primitive.operation.seconds_asked(primitive.arguments)
         if not needed_s < deadline_s:
             return (
                 "deadline",
@@ -323,14 +448,18 @@ class Guard:
             )
         return None
 
+    def _hindered(self, primitive: Primitive) -> Refusal | None:
+        hindrance = self.enter_room([primitive])
+        return (hindrance.reason, hindrance.sentence) if hindrance is not None else None
+
     def _prepare(self, primitive: Primitive) -> None:
         """Wait briefly for data that is still missing because the driver or the robot has just started."""
-        end_s = time.monotonic() + PREPARE_S
-        while time.monotonic() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
+        end_s = self._now_s() + PREPARE_S
+        while self._now_s() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
             if seen and (self._fence is not None or not self._homes_itself):
                 return
-            self._closed.wait(1 / OBSERVE_HZ)
+            self._wait(1 / OBSERVE_HZ)
 
     # ------------------------------------------------------------ during a step
     def _look(self, primitive: Primitive, until_s: float) -> str | None:
@@ -349,11 +478,25 @@ class Guard:
             return fallen
         if self._fence is None:
             return "odometry_jump", self._lost_home
-        if time.monotonic() >= until_s:
+        if self._now_s() >= until_s:
             return "deadline", "The time for this step was over."
+        return self._misled(primitive, state, state.pose, self._fence)
+
+    def _misled(self, primitive: Primitive, state: RobotState, pose: Pose, fence: Fence) -> Refusal | None:
+        """Return what is wrong with where the step leads: its own declaration, others, the fence, an obstacle."""
+        if gone := left_its_place(primitive, self._start, pose):
+            return "travelled", gone
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
-        x_m, y_m = ahead(state.pose, primitive, speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0)
-        if not (outside_m := self._fence.outside_m(x_m, y_m)) <= 0:
+        goes_its_way = primitive.travel_m > 0 and not primitive.walks
+        ahead_m = speed_mps * STOPPING_S if goes_its_way or primitive.op is Op.MOVE else 0.0
+        limit_mps = self.capabilities.limits.speed_mps
+        if goes_its_way and speed_mps > limit_mps + _FASTER_MPS:
+            return "limit_speed_mps", f"It went at {speed_mps:.2f} m/s, and {limit_mps:g} m/s are allowed."
+        if self._room is not None and (hindrance := self._room.violation(primitive, ahead_m)) is not None:
+            return hindrance.reason, hindrance.sentence
+        velocity_mps = state.velocity_mps or (0.0, 0.0)
+        rest = onward(pose, velocity_mps, STOPPING_S) if goes_its_way else ahead(pose, primitive, ahead_m)
+        if not (outside_m := fence.outside_m(*rest)) <= 0:
             return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
         if self._ranges.unknown(primitive):
             slow = (primitive.speed_mps or math.inf) <= BLIND_MPS
@@ -375,14 +518,18 @@ class Guard:
         """Process the newest state and return it. It is read under the lock: states that threads brought along could
         arrive out of order."""
         with self._looking:
-            asked_s = time.monotonic()
-            state, now_s = sanitized(self._robot.state()), time.monotonic()
+            asked_s = self._now_s()
+            state, now_s = sanitized(self._robot.state()), self._now_s()
             self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
             why = self._odometry.update(now_s, state, asked_s)
             self._broken = JUMPED if why else self._broken
             if why and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
+            if why and self._room is not None:
+                self._room.lose_frame(why)
+            if self._room is not None:
+                self._room.observe(state.pose, state.age_s, self._at_home(state.pose))
             running = self._running
             walking = running is not None and running.op in WALKS
             foreign = self._takeover.update(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agentrob.model import Capabilities, Direction, Op, Primitive
+from agentrob.model import Capabilities, Direction, Number, Op, Primitive
 
 TURNS = (Direction.LEFT, Direction.RIGHT)
 #: The smallest step that a robot can do and measure.
@@ -14,13 +14,32 @@ def beyond_limits(primitive: Primitive, capabilities: Capabilities) -> tuple[str
     limits = capabilities.limits
     if primitive.op is Op.MOVE:
         return _move(primitive, capabilities)
-    if primitive.op is Op.TURN:
-        degrees = primitive.degrees
-        if primitive.direction not in TURNS or degrees is None or not degrees >= LEAST_DEG:
-            return "invalid", f"A turn needs a direction (left or right) and at least {LEAST_DEG:g}°."
-        if not degrees <= limits.step_deg:
-            return "limit_step_deg", f"{degrees:g}° is more than the {limits.step_deg:g}° that one step may turn."
+    if primitive.op is not Op.TURN:
+        return _arguments(primitive, capabilities)
+    degrees = primitive.degrees
+    if primitive.direction not in TURNS or degrees is None or not degrees >= LEAST_DEG:
+        return "invalid", f"A turn needs a direction (left or right) and at least {LEAST_DEG:g}°."
+    if not degrees <= limits.step_deg:
+        return "limit_step_deg", f"{degrees:g}° is more than the {limits.step_deg:g}° that one step may turn."
     return None
+
+
+def _arguments(primitive: Primitive, capabilities: Capabilities) -> tuple[str, str] | None:
+    """Hold the arguments of any other operation against its declaration."""
+    operation = capabilities.operation(primitive.op)
+    if operation is None:
+        return "unsupported", f"This robot cannot {primitive.op}."
+    wrong = operation.objection(primitive.arguments)
+    if wrong is None:
+        return None
+    argument, value = wrong
+    if argument is None:
+        known = ", ".join(a.name for a in operation.arguments) or "none"
+        return "invalid", f"{operation.name} has no argument {value!r}; its arguments: {known}."
+    if value is None:
+        return "invalid", f"{operation.name} needs {argument.name}: {argument.range}."
+    word = "limit_argument" if isinstance(argument, Number) and isinstance(value, float | int) else "invalid"
+    return word, f"{argument.name} of {operation.name} is {value}; allowed: {argument.range}."
 
 
 def _move(primitive: Primitive, capabilities: Capabilities) -> tuple[str, str] | None:

@@ -100,16 +100,33 @@ def obstacle_in(sentence: str) -> tuple[Direction, str, str] | None:
 
 
 def clearances(primitive: Primitive, speed_mps: float) -> tuple[tuple[int, float], ...]:
-    """Required distance per side: for a move ahead and, less, at both flanks (a wall met at a flat angle)."""
+    """Required distance per side: for a move ahead and, less, at both flanks (a wall met at a flat angle).
+
+    An operation that the robot declares needs what it declares on each side, and if it leaves its place as much as a
+    move there, since nobody knows which way it goes.
+    """
+    if not primitive.walks:
+        free_m, leaves = primitive.operation.free_space_m, primitive.travel_m > 0
+        return tuple((s, max(free_m, needed_m(s, speed_mps) if leaves else 0.0)) for s in sides(primitive))
     if primitive.op is not Op.MOVE:
-        return tuple((side, BODY_RADIUS_M) for side in sides(primitive))
+        return tuple((side, turn_radius_m(primitive)) for side in sides(primitive))
     side = SIDES[primitive.direction or Direction.FORWARD]
     flanks = ((side + 1) % 4, (side + 3) % 4)
     return (side, needed_m(side, speed_mps)), *((flank, HULL_M[flank] + FLANK_M) for flank in flanks)
 
 
 def sides(primitive: Primitive) -> tuple[int, ...]:
-    """The sides that must be free: in the direction of a move, all around for a turn, none for a gesture."""
+    """The sides that must be free: in the direction of a move, all around for a turn and for an operation that declares
+    that it needs free space or leaves its place, none for another gesture."""
     if primitive.op is Op.MOVE:
         return (SIDES[primitive.direction or Direction.FORWARD],)
-    return (0, 1, 2, 3) if primitive.op is Op.TURN else ()
+    if primitive.op is Op.TURN:
+        return (0, 1, 2, 3) if turn_radius_m(primitive) > 0 else ()
+    around = primitive.operation.free_space_m > 0 or primitive.travel_m > 0
+    return (0, 1, 2, 3) if around else ()
+
+
+def turn_radius_m(primitive: Primitive) -> float:
+    """How far everything must be for a turn: farther than the body's corners. A robot that turns on a foot that stays
+    declares its turn with `travel_m` 0, and its own `free_space_m` then counts."""
+    return primitive.operation.free_space_m if primitive.turns_in_place else BODY_RADIUS_M

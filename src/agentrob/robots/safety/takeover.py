@@ -19,7 +19,10 @@ MOVED_MPS, MOVED_S = 0.2, 0.5
 DECAY_S = 2.0
 #: A gesture left by it may run this long; these are the modes that it shows or ends in.
 GESTURE_S = 10.0
-GESTURE_MODES = {Op.SIT: frozenset({"gesture", "sitting"}), Op.STAND: frozenset({"gesture", "locked"})}
+GESTURE_MODES: dict[str, frozenset[str]] = {
+    Op.SIT: frozenset({"gesture", "sitting"}),
+    Op.STAND: frozenset({"gesture", "locked"}),
+}
 
 
 class TakeoverDetector:
@@ -34,7 +37,7 @@ class TakeoverDetector:
         """Record that we are moving the robot now."""
         self._ours_until_s = now_s + OURS_S
 
-    def inherit(self, now_s: float, op: Op, mode: str) -> None:
+    def inherit(self, now_s: float, op: str, mode: str) -> None:
         """Continue after a driver that died during `op` with the robot in `mode`: motion that decays counts as ours.
 
         Damping, and modes that the step does not lead to, still count as a takeover.

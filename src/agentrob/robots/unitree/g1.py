@@ -73,7 +73,7 @@ START_AFTER_LOCKED_S = 10.0
 SET_VELOCITY, EXECUTE_ACTION = 7105, 7106
 RELEASE = 99
 #: Ids of the arm service; the last two hold their pose until released, so they are shown for a moment first.
-ACTIONS = {Op.HELLO: 26, Op.CLAP: 17, Op.HEART: 20, Op.SHAKE: 27}
+ACTIONS: dict[str, int] = {Op.HELLO: 26, Op.CLAP: 17, Op.HEART: 20, Op.SHAKE: 27}
 HOLDING = frozenset({Op.HEART, Op.SHAKE})
 SHOWN_S = 2.0
 OPTIONS = {"videohub"}
@@ -229,7 +229,7 @@ class G1(UnitreeRobot):
             return failed(primitive, gesture.code, f"{name} was not done", started_s)
         return ActionResult(primitive, Outcome.DONE, {}, "", f"{name}: done.", started_s, time.monotonic())
 
-    def _perform(self, op: Op) -> int:
+    def _perform(self, op: str) -> int:
         """Run the gesture, and release arms that hold their pose or were interrupted; return the code of both."""
         code = int(self._arm.ExecuteAction(ACTIONS[op]))
         if code in sdk.NO_ANSWER or not (op in HOLDING or code or self._let_go.is_set()):

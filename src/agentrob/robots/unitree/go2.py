@@ -92,7 +92,7 @@ class Go2(UnitreeRobot):
         )
         self._actions, self._moves, self._stopper, self._video = sdk.clients(*makers)
         self._flip_began_s = -math.inf
-        self._gestures: dict[Op, tuple[Callable[[], int], ...]] = {
+        self._gestures: dict[str, tuple[Callable[[], int], ...]] = {
             Op.HELLO: (self._actions.Hello,),
             Op.HEART: (self._actions.Heart,),
             Op.BACKFLIP: (self._actions.BackFlip,),

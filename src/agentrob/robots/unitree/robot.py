@@ -10,13 +10,13 @@ from typing import Any
 
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Capabilities, Op, Outcome, Pose, Posture, Primitive, RobotState, StopResult
+from agentrob.robots.control.clock import Clock, HostClock, StampClock
 from agentrob.robots.control.controller import RATE_HZ, STOPPED_WINDOW_S, RestDetector, known, wrap
 from agentrob.robots.control.gesture import Gesture
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.control.step_runner import REST_LIMIT_S
 from agentrob.robots.protocol import Watch
 from agentrob.robots.unitree import sdk
-from agentrob.robots.unitree.clock import Clock, HostClock, StampClock
 
 #: Velocities and stops are sent without waiting for an answer: they must never block on a robot that is not there.
 WRITE_TIMEOUT_S = 0.15

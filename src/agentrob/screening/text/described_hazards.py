@@ -16,7 +16,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.parser.amounts import with_amounts
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 from agentrob.language.registry import locale
-from agentrob.model import Decision, Direction, Language, Op, Plan, Verdict
+from agentrob.model import ActionClass, Decision, Direction, Language, Op, Plan, Verdict
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.patterns import Phrases
 from agentrob.screening.text.words import en as words_en
@@ -66,8 +66,7 @@ def hazard_in_path(text: str, plan: Plan, language: Language) -> Verdict | None:
 
 def first_hazard_met(text: str, plan: Plan, language: Language) -> Hazard | None:
     """Return the first described hazard that the plan leads to; `UNKNOWN` ones come last."""
-    moves = any(step.op is not Op.GET_FRONT_IMAGE for step in plan.steps)
-    hazards = sorted(hazards_in(text, language) if moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
+    hazards = sorted(hazards_in(text, language) if plan.moves else (), key=lambda hazard: hazard.rule == UNKNOWN)
     for hazard in hazards:
         rests = range(len(plan.steps) if hazard.later else 1)
         if any(_reached(hazard, Plan(plan.steps[at:])) for at in rests):
@@ -167,11 +166,15 @@ def _names_hazard(said: str) -> bool:
 
 # ---------------------------------------------------------------------- the path
 def _reached(hazard: Hazard, plan: Plan) -> bool:
+    own_m = max((step.travel_m for step in plan.steps if not step.walks), default=0.0)
+    if own_m and (hazard.distance_m is None or hazard.distance_m - REACH_M <= own_m):
+        return True  # an operation of the robot's own leaves its place, and nobody knows which way
     if hazard.direction is None:
         most_m = hazard.distance_m - REACH_M if hazard.distance_m is not None else 0.0
+        risky = any(step.operation.action_class is ActionClass.RISKY for step in plan.steps)
         if hazard.rule == "way.somebody":
             return True
-        return any(math.hypot(x, y) > most_m for x, y in _path(plan)) or any(s.op is Op.BACKFLIP for s in plan.steps)
+        return any(math.hypot(x, y) > most_m for x, y in _path(plan)) or risky
     ux, uy = hazard.direction.unit_vector
     near_m = 0.2 if hazard.distance_m is None else max(hazard.distance_m - REACH_M, 0.0)
     for x, y in _path(plan):

@@ -13,7 +13,8 @@ from functools import cache
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.registry import locale
-from agentrob.model import Decision, Language, Op, Plan, Verdict
+from agentrob.language.remarks.classifier import Confidence
+from agentrob.model import Decision, Language, Plan, Verdict
 from agentrob.screening.text.described_hazards import clauses, commanded, placed, without_safe_edges
 from agentrob.screening.text.elsewhere import masked
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
@@ -130,6 +131,7 @@ _UNRELATED = re.compile(
     r"|\b(?:my|our|the|his|her) (?:neighbou?r|roommate|brother|sister|son|daughter|kid|colleague)s?'s? (?:radio"
     r"|music|tv"
     r"|phone|computer|car|game|show)\b"
+    r"|\bkeep (?:the |your )?(?:obstacle|collision) (?:avoidance|detection) (?:on|enabled|active)$"
     r"|\braining cats\b|^(?:and |then )*(?:about face|(?:get )?(?:back )?(?:up )?on your feet)$"
     rf"|{_WHO}(?:都|也|很|真|特别|最|一直|可|还|就)*(?:喜欢|爱(?!抓|咬|扑)|想你|想念|夸|羡慕|崇拜|佩服|期待"
     rf"|好奇|高兴|开心|激动|兴奋|感谢"
@@ -172,7 +174,7 @@ _CARE = re.compile(
 
 def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None:
     """Return a question if a statement beside the command may change its meaning, or None."""
-    if all(step.op in _HARMLESS for step in plan.steps):
+    if all(step.operation.harmless for step in plan.steps):
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
         if commanded(clause.said) or _DEED.search(clause.said) or _CARE.search(clause.said):
@@ -182,21 +184,12 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
         said = myself.sub(" ", said)
         if not any(topic.search(said) for topic in topics) or placed(clause.said):
             continue
-        if len(said) > _LONGEST or any(
-            topic.search(masked(said)) for topic in (topics[2:] if tells_of_others(clause.said, language) else topics)
-        ):
+        about_others = _WHERE.search(clause.said) or _CONSENT.search(clause.said)
+        harmless = not about_others and locale(language).harmless(clause.said) >= Confidence.LIKELY
+        heard = topics[2:] if harmless else topics
+        if len(said) > _LONGEST or any(topic.search(masked(said)) for topic in heard):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
-
-
-def tells_of_others(said: str, language: Language) -> bool:
-    """Return whether a clause states something about the speaker or others that has nothing to do with the robot.
-
-    It names neither the robot, an order, a place, a camera, nor anything that may change the danger: "my flatmate
-    made pancakes". The grammar knows these statements; the other topics are asked about all the same.
-    """
-    known = locale(language)
-    return known.tells_of_life(said) and not _WHERE.search(said) and not _CONSENT.search(said)
 
 
 #: Where somebody is, what they do just now and what they leave behind: that may be on the robot's way.
@@ -228,15 +221,13 @@ _CONSENT = re.compile(
     r"|no idea|no clue|will|'ll|won't|gonna|going to|about to|hopes?|hoping|wish\w*|want\w*|if only"
     r"|deserves?|trips?|let|lets|make|makes"
     r"|consent\w*|agree\w*|permi\w+|allow\w*|mind|minds|secret\w*|scared?|afraid|fear\w*|terrified|nervous|blind|deaf"
-    r"|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant"
+    r"|prov(?:e|es|ed|ing)|hat(?:e|es|ed)|alone|undress\w*|bath\w*|shower\w*|naked|drunk|hurt\w*|sick|ill|injured|pregnant"
     r"|wheelchair|crutch\w*)\b"
     r"|[拍录照摄]|镜头|会(?!计|议|员)|将|要(?!好)|希望|但愿|想[让要看把]|活该|抓|按|捆|绑|知道|发现"
-    r"|注意|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
+    r"|注意|证明|看不见|看见|听不见|同意|愿意|允许|偷|怕|吓|怀孕|轮椅|拐|醉|伤|病|盲|聋|洗澡|换衣"
 )
 #: Longer clauses are asked about as a whole; no short reassurance is that long.
 _LONGEST = 200
-#: Operations that no side remark can make harmful.
-_HARMLESS = frozenset([Op.HELLO, Op.HEART, Op.CLAP])
 
 
 @cache

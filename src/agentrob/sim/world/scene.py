@@ -1,4 +1,5 @@
-"""World files: the size of a room, the things in it and where each robot starts. docs/worlds.md documents the format.
+"""World files: the size of a room, the things in it and where each robot starts. docs/robots/worlds.md documents the
+format.
 
 Metres; x along the length, y along the width, the origin in the middle of the floor; degrees counter-clockwise from x.
 """

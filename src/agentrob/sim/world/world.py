@@ -38,7 +38,7 @@ class World:
         self.robots = tuple(robots)
         for robot in self.robots:
             robot.start = robot.start or self.scene.place(robot.name).start
-        self.model = _compile(self.robots, self.scene)
+        self.model = specification(self.robots, self.scene).compile()
         self.data = mujoco.MjData(self.model)
         for robot in self.robots:
             robot.bind(self.model, self.data)
@@ -80,10 +80,15 @@ class World:
         counts = [len(d.target_rad) for d in drives]
         kp = self._kp * np.repeat([d.kp_factor for d in drives], counts)
         kd = self._kd * np.repeat([d.kd_factor for d in drives], counts)
-        data = self.data
+        data, q, v = self.data, self._q, self._v
+        at, speed, force = (
+            data.qpos,
+            data.qvel,
+            data.qfrc_applied,
+        )  # views: looking them up costs more than reading them
         for _ in range(SUB_STEPS):
-            torque = kp * (target - data.qpos[self._q]) - kd * data.qvel[self._v]
-            data.qfrc_applied[self._v] = np.clip(torque, -self._bound, self._bound)
+            torque = kp * (target - at[q]) - kd * speed[v]
+            force[v] = np.minimum(np.maximum(torque, -self._bound), self._bound)
             mujoco.mj_step(self.model, data)
             for robot in self.robots:
                 robot.follow()
@@ -96,7 +101,8 @@ class World:
             self.tick()
 
 
-def _compile(robots: Sequence[Legged], place: scene.Scene) -> Any:
+def specification(robots: Sequence[Legged], place: scene.Scene) -> Any:
+    """The room with its robots as a `mujoco.MjSpec`."""
     spec = mujoco.MjSpec()
     spec.option.timestep = TIME_STEP_S
     # The walking policies were tuned with these contacts; the defaults let the feet slip.
@@ -107,4 +113,4 @@ def _compile(robots: Sequence[Legged], place: scene.Scene) -> Any:
     room.furnish(spec, place)
     for k, robot in enumerate(robots):
         robot.add_to(spec, FIRST_ROBOT_GROUP + k)
-    return spec.compile()
+    return spec

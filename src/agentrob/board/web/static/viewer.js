@@ -58,7 +58,7 @@ class View {
     this.plans = new Map();
     this.poses = new Map();
     this.changed = () => {};
-    if (window.WebGL2RenderingContext) {
+    if (window.WebGL2RenderingContext && section.dataset.three) {
       this.button = made("button", { type: "button", textContent: "3D", onclick: () => this.toggle() });
       this.button.setAttribute("aria-pressed", "false");
       this.tools.append(this.button);

@@ -1,0 +1,1 @@
+"""Reachy Mini for AgentRob, over the HTTP API of its own daemon."""

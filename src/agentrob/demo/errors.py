@@ -1,0 +1,7 @@
+"""The error of the demo."""
+
+from agentrob.errors import AgentRobError
+
+
+class DemoError(AgentRobError):
+    """The demo cannot start or continue."""

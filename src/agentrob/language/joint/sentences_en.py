@@ -1,0 +1,60 @@
+"""What robots say in English about joint commands."""
+
+JOINT = {
+    "joint.unclear": "I did not understand which robot does what, and after whom. Nobody moves. Give each robot its "
+    "part in its turn.",
+    "joint.part": "I did not understand the part of {robot}, {words}. Nobody moves. Each part must be a command on its "
+    "own.",
+    "joint.nothing": "I can only wait for what the same post asks of {robot}, and this one asks nothing of it. Nobody "
+    "moves. Put both into one post.",
+    "joint.cycle": "These parts wait for each other in a circle: {parts}. Nobody moves.",
+    "joint.cycle.part": "{robot} ({words})",
+    "joint.count": "This has {count} parts. A post to several robots has 2 to {most}. Nobody moves.",
+    "joint.deep": "Here {count} parts follow one another, and at most {most} can. Nobody moves.",
+    "joint.same": "I did not understand in which order {robot} does its parts. Nobody moves. Put `then` between them.",
+    "joint.when": "I did not understand when the part of {robot} begins. Nobody moves. Put `then` or `meanwhile` "
+    "before it.",
+    "joint.who": "I did not understand which robots are meant by {words}. Nobody moves. Name each of them.",
+    "joint.robot": "{name} is not a robot of this forum, so nobody can wait for it. Nobody moves. Name each robot by "
+    "its own account.",
+    "joint.alias": "In a post to several robots that wait for each other, name me by my account, {name}. Nobody moves.",
+    "joint.later": "A post with a time is for one robot. Nobody moves. Post each robot's schedule for itself.",
+    "joint.preview": "A preview is for one robot. Nobody moves. Post each robot's part for itself to preview it.",
+    "joint.or": " or ",
+    "joint.named": "{who} (part {part})",
+    "joint.part.of": "Part {part} of {parts}.",
+    "joint.waits": "Waits until {who} is done, at most {wait}.",
+    "joint.bids": "I could be done with it in about {seconds} s. The robots now find out which of them does it.",
+    "joint.bids.near": "I am {metres:.2f} m from {thing}, and could be done in about {seconds} s. The robots now find "
+    "out which of them does it.",
+    "joint.takes": "I do part {part}: it takes me about {seconds} s.",
+    "joint.takes.nearest": "I am the nearest to {thing}: {metres:.2f} m.",
+    "joint.takes.second": "I am {metres:.2f} m from {thing}; a nearer robot did not begin in time, or its "
+    "battery is low.",
+    "joint.takes.unmeasured": "Not every robot knows how far it is from {thing}; the one that is done first does it.",
+    "joint.takes.nowhere": "The post does not say nearer to what; the one that is done first does it.",
+    "joint.because": "I did not begin, because {who} {how}.",
+    "joint.because.stopped": "{who} was stopped, and one stop stops all parts of a post.",
+    "joint.because.nobody": "No robot took this part in time.",
+    "joint.because.not_taken": "The forum did not take my post, so the others could not know that I do this part.",
+    "joint.left": "Left to {who}, who took it first.",
+    "joint.left.near": "Left to {who}, which is nearer to {thing} ({metres:.2f} m, I am {own_m:.2f} m away).",
+    "joint.left.why": "Left to {who}, who took it first ({seconds} s, mine {own_s} s).",
+    "joint.state.done": "is done",
+    "joint.state.failed": "failed",
+    "joint.state.refused": "was refused",
+    "joint.state.asks_back": "asked back",
+    "joint.state.stopped": "was stopped",
+    "joint.state.interrupted": "was interrupted",
+    "joint.state.cancelled": "did not begin",
+    "joint.state.expired": "was too late",
+    "joint.state.answered": "did nothing",
+    "joint.state.open": "did not end in time",
+    "joint.state.silent": "did not answer in time",
+    "joint.summary": "{done} of {count} done:",
+    "joint.summary.part": "{part}. {who} {how}: {words}",
+    "agent.because.dependency": "Another part of this post, for which I waited, was not done.",
+    "agent.because.left": "Another robot does this part.",
+    "read.part": "{line} I begin when {who} is done.",
+    "joint.example": "For example: `@{first} walk forward 1 m, then @{second} wave`.",
+}

@@ -1,0 +1,25 @@
+"""Chinese sentences about operations that robots declare."""
+
+PHRASES = {
+    "argument.metres": "{step} {value} 米",
+    "argument.degrees": "{step} {value} 度",
+    "argument.seconds": "{step} {value} 秒",
+    "argument.metres_per_second": "{step} {value} 米每秒",
+    "argument.percent": "{step} {value}%",
+    "argument.count": "{step} {value}",
+    "argument.option": "{step}{value}",
+    "argument.range": "{least} 到 {most}",
+    "amount.metres": "{value} 米",
+    "amount.degrees": "{value}°",
+    "amount.seconds": "{value} 秒",
+    "amount.metres_per_second": "{value} 米每秒",
+    "amount.percent": "{value} %",
+    "amount.count": "{value}",
+    "did.declared": "{deed}（{amounts}）",
+    "ask.argument": "{words}是要多少，或是哪一个？可以是：{range}。",
+    "refuse.argument": "{asked}超出了“{step}”允许的范围：{range}。",
+    "refuse.risky": "“{step}”需要机器人主人的同意（配置里的 `allow_risky`）。",
+    "agent.reason.limit_argument": "这超出了机器人声明的范围。",
+    "agent.reason.travelled": "机器人声明这个动作会留在原地，它却离开了。",
+    "agent.reason.not_measured": "机器人没有测量它该做的事。",
+}

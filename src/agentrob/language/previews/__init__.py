@@ -1,0 +1,1 @@
+"""Posts that ask for a preview: how they are recognised, and what robots say about previews."""

@@ -1,0 +1,99 @@
+"""Make a preview: in a process of its own where the simulator can, else by geometry and limits."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import importlib.util
+import os
+import signal
+import sys
+from collections.abc import Sequence
+
+import structlog
+from pydantic import ValidationError
+
+from agentrob.model import Capabilities
+from agentrob.model.operations.built_in import BUILT_IN
+from agentrob.rehearsal.geometry import geometry_preview
+from agentrob.rehearsal.preview import Missing, Preview, PreviewRequest, read_preview, write_request
+
+#: The kinds of robots that the simulator has a body of.
+BODIES = ("go2", "g1")
+#: Modes from which the simulated robot can begin: it stands.
+STANDING = frozenset({"idle", "walking", "gesture", "locked", "unknown"})
+#: What the extra `sim` installs, as far as a preview needs it.
+PACKAGES = ("mujoco", "onnxruntime")
+#: A preview that takes longer is ended, and made by geometry instead.
+LIMIT_S = 120.0
+COMMAND = (sys.executable, "-m", "agentrob.rehearsal.child")
+#: What the process gets of our environment: no token or key is among it.
+_ENVIRONMENT = ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")
+_log = structlog.get_logger()
+
+
+def not_simulated(request: PreviewRequest) -> Missing | None:
+    """Why this preview cannot be simulated; None if it can."""
+    if request.settings.model not in BODIES:
+        return Missing.NO_BODY
+    if any(step.op not in BUILT_IN for step in request.plan.steps):
+        return Missing.OPERATION
+    if not request.settings.rehearsal.world:
+        return Missing.NO_WORLD
+    if any(importlib.util.find_spec(package) is None for package in PACKAGES):
+        return Missing.NO_SIMULATOR
+    if request.start is None:
+        return Missing.NO_PLACE
+    return None if request.mode in STANDING else Missing.POSTURE
+
+
+async def rehearse(
+    request: PreviewRequest, capabilities: Capabilities, command: Sequence[str] = COMMAND, limit_s: float = LIMIT_S
+) -> Preview:
+    """Return the preview of a plan. Never raises because of the process that simulates it; a cancellation ends it."""
+    missing = not_simulated(request)
+    if missing is None:
+        try:
+            return await _simulated(request, command, limit_s)
+        except TimeoutError:
+            missing = Missing.SLOW
+        except (OSError, ValidationError, ChildFailed) as e:
+            missing = Missing.FAILED
+            _log.warning("preview not simulated", robot=request.robot, error=str(e)[:500])
+    return await asyncio.to_thread(geometry_preview, request, capabilities, missing)
+
+
+class ChildFailed(Exception):
+    """The process ended without a preview; the last line that it wrote."""
+
+
+async def _simulated(request: PreviewRequest, command: Sequence[str], limit_s: float) -> Preview:
+    """The preview of a process of low priority. Raises `TimeoutError`, `ChildFailed` and `ValidationError`."""
+    pipe = asyncio.subprocess.PIPE
+    environment = {name: os.environ[name] for name in _ENVIRONMENT if name in os.environ}
+    # One thread: the other cores are for robots, and for people who wait. No GL: nothing is drawn.
+    environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disable"}
+    child = await asyncio.create_subprocess_exec(
+        *command, stdin=pipe, stdout=pipe, stderr=pipe, env=environment, process_group=0
+    )
+    try:
+        async with asyncio.timeout(limit_s):
+            preview, said = await child.communicate(write_request(request))
+    finally:
+        if child.returncode is None:
+            await asyncio.shield(_killed(child))
+    if child.returncode:
+        lines = said.decode(errors="replace").strip().splitlines()
+        raise ChildFailed(lines[-1] if lines else f"it ended with {child.returncode} and said nothing")
+    return await asyncio.to_thread(read_preview, preview)
+
+
+async def _killed(child: asyncio.subprocess.Process) -> None:
+    """End the process and the one that it forked, and close its pipes."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGKILL)
+    assert child.stdin is not None
+    child.stdin.close()
+    await child.communicate()
+    with contextlib.suppress(OSError):
+        await child.stdin.wait_closed()

@@ -1,0 +1,1 @@
+"""`agentrob doctor`: diagnoses of a robot, and of a whole installation."""

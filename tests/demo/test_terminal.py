@@ -1,0 +1,97 @@
+"""What the demo shows on a terminal, which port it takes, and when it opens a browser."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+import sqlite3
+import time
+from pathlib import Path
+
+import httpx2
+import pytest
+
+from agentrob.demo import ports, terminal
+from agentrob.demo.errors import DemoError
+from tests.demo.running import AGENTROB, START_S
+from tests.terminal import Terminal
+
+OLDER_FORUM = Path(__file__).parents[1] / "wiring/older_files/board.sql"
+
+
+# ------------------------------------------------------------------ the port
+def test_the_usual_port_is_taken_if_it_is_free_and_any_other_one_if_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = ports.free_port()
+    monkeypatch.setattr(ports, "PORT", usual)
+    assert ports.choose_port(None) == usual
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", usual))
+        other.listen()
+        chosen = ports.choose_port(None)
+        assert chosen not in (0, usual)
+        assert ports.is_free(chosen)
+        with pytest.raises(DemoError, match=f"port {usual} is in use"):
+            ports.choose_port(usual)
+    assert ports.choose_port(usual) == usual
+
+
+# ------------------------------------------------------------------ the browser
+@pytest.mark.parametrize(
+    ("environment", "at_terminal", "opens"),
+    [
+        ({"DISPLAY": ":0"}, True, True),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, True, True),
+        ({"BROWSER": "firefox"}, True, True),
+        ({}, True, False),
+        ({"DISPLAY": ""}, True, False),
+        ({"DISPLAY": ":0"}, False, False),
+        ({"DISPLAY": ":0", "CI": "true"}, True, False),
+        ({"DISPLAY": "localhost:10", "SSH_CONNECTION": "10.0.0.2 1 10.0.0.3 22"}, True, False),
+    ],
+)
+def test_a_browser_is_opened_only_for_a_person_who_sees_it(
+    environment: dict[str, str], at_terminal: bool, opens: bool
+) -> None:
+    assert terminal.has_browser(environment, terminal=at_terminal) is opens
+
+
+def test_a_missing_gl_library_is_said_with_what_gives_one() -> None:
+    told = terminal.welcome("http://x/enter/1", ["@quadruped wave"], "/data", ["pictures come from a simple camera"])
+    assert "  Note   pictures come from a simple camera\n" in told
+    assert "Note" not in terminal.welcome("http://x/enter/1", ["@quadruped wave"], "/data")
+
+
+# ------------------------------------------------------------------ the whole demo at a terminal
+@pytest.mark.sim
+def test_it_shows_its_progress_opens_a_browser_on_older_data_and_ends_by_ctrl_c(tmp_path: Path) -> None:
+    data, opened = tmp_path / "data", tmp_path / "opened"
+    (data / "board").mkdir(parents=True)
+    with sqlite3.connect(data / "board/board.sqlite3") as database:  # a forum of version 0.1.0
+        database.executescript(OLDER_FORUM.read_text(encoding="utf-8"))
+    database.close()
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {opened}.part && mv {opened}.part {opened}\n')
+    browser.chmod(0o755)
+    here = {key: value for key, value in os.environ.items() if key != "CI" and not key.startswith("SSH_")}
+    command = (AGENTROB, "demo", "--port", "0", "--data", str(data))
+    demo = Terminal(
+        *command, **{**here, "BROWSER": str(browser), "TERM": "xterm", "COLUMNS": "200", "MUJOCO_GL": "off"}
+    )
+    demo.read_until("Ctrl-C", START_S)
+    assert "building the room and its robots" in demo.said
+    assert "starting the robots' drivers and agents" in demo.said
+    assert "pictures come from a simple camera" in demo.said, "there is no OpenGL"
+    printed = re.search(r"http://\S+/enter/\S+", demo.said)
+    assert printed is not None
+    deadline = time.monotonic() + 30
+    while not opened.exists():
+        assert time.monotonic() < deadline, "no browser was opened"
+        time.sleep(0.05)
+    link = opened.read_text().strip()
+    assert link != printed[0], "the printed link still works after the browser has used its own"
+    for one in (link, printed[0]):
+        assert httpx2.get(one, timeout=60).status_code == 200
+    demo.press(b"\x03")
+    demo.read_until("ending", 30)
+    assert demo.wait() == 0
