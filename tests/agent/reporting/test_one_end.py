@@ -150,7 +150,6 @@ async def test_law_6_a_claim_that_shows_its_end_is_not_shown_as_queued_again(sce
     assert [(r.raw, r.version) for r in scene.replies(post)] == [("**Done.**", 2)]
 
 
-@pytest.mark.slow
 class SlowForum(MemoryForum):
     """A forum that gives no answer to the first edit that ends a command in time, and makes it later."""
 
@@ -176,6 +175,31 @@ async def test_law_6_an_end_that_is_sent_again_while_the_first_try_is_under_way_
     assert len(ends) == 1, "the end is in the history twice"
 
 
+async def test_law_6_an_end_that_lands_after_its_agent_died_is_not_written_again(scene: Scene) -> None:
+    """The agent that restarts looks before the forum has made the edit, and tells other times."""
+    forum, post = SlowForum(scene.world, ROBOT), await scene.post("alice", WALK)
+    card = StatusCard(ROBOT, "interrupted", step=1, steps=1, trace_id="ours")
+    account = await scene.person("alice").me()
+    command = Command(post.id, post.topic_id, post.content_hash, account, ROBOT, WALK, "en", post.created_at, "ours")
+    first = StatusPost(forum, command)
+    await first.claim(Shown("Seen.", replace(card, state="seen")))
+    dying = asyncio.create_task(first.close(Shown("**Interrupted.** Seen after 0.06 s.", card)))
+    while forum.late is None:
+        await asyncio.sleep(0)
+    dying.cancel()
+    await asyncio.wait({dying})
+    again = StatusPost(forum, command)
+    again.adopt((await again.claim(Shown("Seen.", replace(card, state="seen")))).post)
+
+    async def lands() -> None:
+        assert forum.late is not None
+        await forum.late
+
+    assert await again.close(Shown("**Interrupted.** Seen after 1.92 s.", card), before=lands)
+    assert [(r.raw, r.version) for r in scene.replies(post)] == [("**Interrupted.** Seen after 0.06 s.", 2)]
+
+
+@pytest.mark.slow
 async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_once(
     tmp_path: Path, slow_driver: Driver
 ) -> None:
