@@ -78,7 +78,7 @@ def until_page(agentrob: list[str], folder: Path, environment: Mapping[str, str]
 
 
 def size_mb(folder: Path, leaving_out: Collection[str] = ()) -> float:
-    """Return the size of the files of a folder without folders of these names; files that are linked twice count once."""
+    """Return the size of the files of a folder, without folders of these names; a file linked twice counts once."""
     paths = [path for path in folder.rglob("*") if not set(leaving_out) & set(path.relative_to(folder).parts)]
     files = {(found.st_dev, found.st_ino): found.st_size for found in (path.lstat() for path in paths)}
     return sum(files.values()) / 1e6

@@ -155,11 +155,16 @@ class SlowForum(MemoryForum):
 
     late: Coroutine[object, object, Post] | None = None
 
+    def __init__(self, *args: object) -> None:
+        super().__init__(*args)  # type: ignore[arg-type]
+        self.asked = asyncio.Event()
+
     async def edit_once(self, post_id: str, body: str, **more: object) -> Post:
         edit = super().edit_once(post_id, body, **more)  # type: ignore[arg-type]
         if self.late is not None:
             return await edit
         self.late = edit
+        self.asked.set()
         raise ForumUnreachable("no answer")
 
 
@@ -184,8 +189,7 @@ async def test_law_6_an_end_that_lands_after_its_agent_died_is_not_written_again
     first = StatusPost(forum, command)
     await first.claim(Shown("Seen.", replace(card, state="seen")))
     dying = asyncio.create_task(first.close(Shown("**Interrupted.** Seen after 0.06 s.", card)))
-    while forum.late is None:
-        await asyncio.sleep(0)
+    await forum.asked.wait()
     dying.cancel()
     await asyncio.wait({dying})
     again = StatusPost(forum, command)
