@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from agentrob.model import (
     BUILT_IN,
     ActionClass,
+    BaseMotion,
     Capabilities,
     Choice,
     Number,
@@ -116,6 +117,8 @@ def test_an_operation_that_nobody_declares_is_refused() -> None:
         (replace(BUILT_IN["hello"], action_class=ActionClass.RISKY), "'hello' is built in, as gesture"),
         (replace(GLOW, arguments=(Number("degrees", Unit.DEGREES, 0, 9),), words={"en": "glow"}), "glow_degrees"),
         (replace(GLOW, words={}), "needs words that ask for it"),
+        (replace(BUILT_IN["move"], base_motion=BaseMotion.ROTATION), "the same class, arguments and base motion"),
+        (replace(GLOW, base_motion=BaseMotion.TRANSLATION), r"only the built-in walk and turn have.*\(travel_m\)"),
     ],
 )
 def test_a_declaration_that_does_not_fit_the_house_is_refused(operation: Operation, said: str) -> None:

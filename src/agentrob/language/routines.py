@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from functools import lru_cache
 
-from agentrob.model import ActionClass, Capabilities, Direction, Op, Plan, Primitive
+from agentrob.model import ActionClass, BaseMotion, Capabilities, Direction, Plan, Primitive, turn, walk
 from agentrob.model.estimate import seconds_of
 
 
@@ -72,7 +72,7 @@ def most_times(routine: Routine, can: Capabilities, size_m: float | None = None)
 def fits(steps: Sequence[Primitive], can: Capabilities) -> bool:
     """Return whether a robot can do these steps in one command."""
     limits, plan = can.limits, Plan(tuple(steps))
-    possible = all(s.op in can.ops and (s.op is not Op.MOVE or s.direction in can.move_directions) for s in steps)
+    possible = all(can.can_do(step) for step in steps)
     short = all((s.distance_m or 0.0) <= limits.step_m and (s.degrees or 0.0) <= limits.step_deg for s in steps)
     whole = len(steps) <= limits.command_steps and plan.distance_m <= limits.command_m
     return bool(steps) and possible and short and whole and math.ceil(seconds_of(plan, can)) <= limits.command_s
@@ -80,7 +80,7 @@ def fits(steps: Sequence[Primitive], can: Capabilities) -> bool:
 
 def sides_of(steps: Sequence[Primitive]) -> tuple[int, float]:
     """Return the number of walks of a routine and the length of the first, in metres."""
-    walks = [step.distance_m or 0.0 for step in steps if step.op is Op.MOVE]
+    walks = [step.distance_m or 0.0 for step in steps if step.translates]
     return len(walks), walks[0] if walks else 0.0
 
 
@@ -100,13 +100,12 @@ def _ways(routine: Routine, can: Capabilities, size_m: float) -> Iterator[list[P
 
 def _polygon(sides: int, side_m: float) -> list[Primitive]:
     """Return a way along a regular polygon that ends where and as it began; with two sides, out and back."""
-    walk = Primitive(Op.MOVE, Direction.FORWARD, distance_m=round(side_m, 3))
-    return [walk, Primitive(Op.TURN, Direction.LEFT, degrees=round(360.0 / sides, 4))] * sides
+    return [walk(Direction.FORWARD, round(side_m, 3)), turn(Direction.LEFT, round(360.0 / sides, 4))] * sides
 
 
 def _dances(can: Capabilities) -> Iterator[list[Primitive]]:
     sway = [
-        Primitive(Op.TURN, side, degrees=degrees)
+        turn(side, degrees)
         for side, degrees in ((Direction.LEFT, SWAY_DEG), (Direction.RIGHT, 2 * SWAY_DEG), (Direction.LEFT, SWAY_DEG))
     ]
     gestures = [
@@ -114,7 +113,7 @@ def _dances(can: Capabilities) -> Iterator[list[Primitive]]:
         for one in can.operations
         if one.action_class is ActionClass.GESTURE and one.harmless and not any(a.needed for a in one.arguments)
     ]
-    if Op.TURN not in can.ops:
+    if not can.does(BaseMotion.ROTATION):
         sway = []
     for count in range(min(_MOST_GESTURES, len(gestures)), -1, -1):
         if sway or count > 1:

@@ -12,8 +12,8 @@ from agentrob.model.fencing import FencingToken
 from agentrob.model.fleet import FleetRobot, fleet_robot
 from agentrob.model.lifecycle import CommandState, EndReason
 from agentrob.model.operations.built_in import BUILT_IN, PHOTO, Direction, Op
-from agentrob.model.operations.declaration import Choice, Number, Operation, Option, Quantity, Unit
-from agentrob.model.plans import Plan, Primitive
+from agentrob.model.operations.declaration import BaseMotion, Choice, Number, Operation, Option, Quantity, Unit
+from agentrob.model.plans import Plan, Primitive, turn, walk
 from agentrob.model.posts import Page, Post, StatusCard
 from agentrob.model.results import ActionResult, Outcome, Report, StopResult
 from agentrob.model.robots import (
@@ -36,6 +36,7 @@ __all__ = [
     "AccountKind",
     "ActionClass",
     "ActionResult",
+    "BaseMotion",
     "Capabilities",
     "Choice",
     "Command",
@@ -77,4 +78,6 @@ __all__ = [
     "Unit",
     "Verdict",
     "fleet_robot",
+    "turn",
+    "walk",
 ]

@@ -9,7 +9,7 @@ from typing import Any
 
 from agentrob.model.accounts import ActionClass
 from agentrob.model.operations.built_in import BUILT_IN, Direction, Op, named, undeclared
-from agentrob.model.operations.declaration import MOST_ARGUMENTS, Operation, Value, check_name
+from agentrob.model.operations.declaration import MOST_ARGUMENTS, BaseMotion, Operation, Value, check_name
 
 #: The arguments of walking and turning, which are fields of a step.
 FIELDS = ("direction", "distance_m", "degrees", "speed_mps")
@@ -44,15 +44,30 @@ class Primitive:
         return self.declared or BUILT_IN.get(self.op) or undeclared(self.op)
 
     @property
+    def base_motion(self) -> BaseMotion | None:
+        """How it carries the base along a path that is known; None if it does not, or nobody knows how."""
+        return self.operation.base_motion
+
+    @property
+    def translates(self) -> bool:
+        """Whether it goes straight: `direction`, `distance_m` and perhaps `speed_mps` say how."""
+        return self.base_motion is BaseMotion.TRANSLATION
+
+    @property
+    def rotates(self) -> bool:
+        """Whether it turns on the spot: `direction` and `degrees` say how."""
+        return self.base_motion is BaseMotion.ROTATION
+
+    @property
     def walks(self) -> bool:
         """Whether it is a walk or a turn, whose path is known."""
-        return self.op in (Op.MOVE, Op.TURN)
+        return self.base_motion is not None
 
     @property
     def turns_in_place(self) -> bool:
         """Whether it is a turn by a robot that declares that its turns do not take it from its place at all: its foot
         stays, and a turn needs no more space than it declares."""
-        return self.op is Op.TURN and self.declared is not None and self.declared.most_travel_m == 0
+        return self.rotates and self.declared is not None and self.declared.most_travel_m == 0
 
     @property
     def travel_m(self) -> float:
@@ -76,6 +91,16 @@ class Primitive:
     def moves(self) -> bool:
         """Whether the robot's body moves at all."""
         return self.operation.moves
+
+
+def walk(direction: Direction, distance_m: float | None, speed_mps: float | None = None) -> Primitive:
+    """Return a walk straight ahead, back or sideways; without a speed the robot takes its own."""
+    return Primitive(Op.MOVE, direction, distance_m=distance_m, speed_mps=speed_mps)
+
+
+def turn(direction: Direction, degrees: float | None) -> Primitive:
+    """Return a turn on the spot, to the left (counter-clockwise) or to the right."""
+    return Primitive(Op.TURN, direction, degrees=degrees)
 
 
 def step_of(data: Mapping[str, Any]) -> Primitive:

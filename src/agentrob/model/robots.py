@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from agentrob.model.operations.built_in import BUILT_IN, Direction
-from agentrob.model.operations.declaration import CLASS_WORDS, Operation
+from agentrob.model.operations.declaration import CLASS_WORDS, BaseMotion, Operation
 from agentrob.model.plans import FIELDS, Primitive
 
 
@@ -67,6 +67,14 @@ class Capabilities:
             return None
         return next((own for own in self.declared if own.name == name), BUILT_IN.get(name))
 
+    def does(self, motion: BaseMotion) -> bool:
+        """Return whether it has an operation that moves its base like this."""
+        return any(operation.base_motion is motion for operation in self.operations)
+
+    def can_do(self, step: Primitive) -> bool:
+        """Return whether it has the operation of a step, and walks in its direction. Limits are another matter."""
+        return step.op in self.ops and (not step.translates or step.direction in self.move_directions)
+
     def bound(self, step: Primitive) -> Primitive:
         """Return the step with this robot's own declaration of its operation."""
         own = next((own for own in self.declared if own.name == step.op), None)
@@ -81,13 +89,23 @@ def _check_declaration(operation: Operation) -> None:
                 f"the argument {taken[0]!r} of the operation {operation.name!r} is one of walking and turning: "
                 f"name it otherwise, such as {operation.name}_{taken[0]}"
             )
+        if operation.base_motion is not None:
+            raise ValueError(
+                f"the operation {operation.name!r} declares a base motion, which only the built-in walk and turn have: "
+                "declare how far it travels (travel_m)"
+            )
         if not operation.words:
             raise ValueError(f"the operation {operation.name!r} needs words that ask for it, at least in English (en)")
-    elif (operation.action_class, operation.arguments) != (built_in.action_class, built_in.arguments):
+    elif _form(operation) != _form(built_in):
         raise ValueError(
             f"the operation {operation.name!r} is built in, as {CLASS_WORDS[built_in.action_class]}: declare it with "
-            "the same class and arguments, or under another name"
+            "the same class, arguments and base motion, or under another name"
         )
+
+
+def _form(operation: Operation) -> tuple[object, ...]:
+    """What a robot's declaration of a built-in operation may not change."""
+    return operation.action_class, operation.arguments, operation.base_motion
 
 
 @dataclass(frozen=True, slots=True)

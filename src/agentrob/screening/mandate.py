@@ -8,19 +8,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from agentrob.language.goal import Aim, Goal
-from agentrob.model import ActionResult, Capabilities, Direction, Mandate, Op, Outcome, Plan, Primitive
+from agentrob.model import ActionResult, BaseMotion, Capabilities, Direction, Mandate, Outcome, Plan, Primitive
 
 #: Tolerance for rounding errors in sums of distances (metres) and angles (degrees).
 ROUNDING = 1e-4
-#: Operations that each aim implies: a robot that only looks does not walk.
+#: The motions that each aim implies: a robot that only looks does not walk.
 _IMPLIED = {
-    Aim.APPROACH: (Op.MOVE, Op.TURN),
-    Aim.FACE: (Op.TURN,),
-    Aim.FIND: (Op.TURN,),
+    Aim.APPROACH: tuple(BaseMotion),
+    Aim.FACE: (BaseMotion.ROTATION,),
+    Aim.FIND: (BaseMotion.ROTATION,),
     Aim.LOOK: (),
     Aim.SEE: (),
     Aim.COLOURS: (),
-    Aim.HOME: (Op.MOVE, Op.TURN),
+    Aim.HOME: tuple(BaseMotion),
     Aim.STEP: (),
 }
 
@@ -43,14 +43,15 @@ def goal_mandate(goal: Goal, most: Mandate, capabilities: Capabilities) -> Manda
     `calls`. Steps that the goal names are added, as often as they are named, within the same limits.
     """
     limits, named = capabilities.limits, Plan(goal.steps)
-    searching = {op for task in goal.tasks for op in _implied(task.aim, task.where)} & capabilities.ops
+    implied = {motion for task in goal.tasks for motion in _implied(task.aim, task.where)}
+    searching = {one.name: one.base_motion for one in capabilities.operations if one.base_motion in implied}
     motions = min(most.steps, limits.command_steps)
     calls = Counter(step.op for step in goal.steps)
     calls.update(dict.fromkeys(searching, motions))
     for operation in capabilities.operations:
         calls[operation.name] += most.calls.get(operation.name, 0) if operation.picture else 0
-    looking_m = most.distance_m if Op.MOVE in searching else 0.0
-    looking_deg = most.degrees if Op.TURN in searching else 0.0
+    looking_m = most.distance_m if BaseMotion.TRANSLATION in searching.values() else 0.0
+    looking_deg = most.degrees if BaseMotion.ROTATION in searching.values() else 0.0
     return Mandate(
         calls={op: min(count, most.steps) for op, count in calls.items() if count},
         distance_m=min(looking_m + named.distance_m, limits.command_m),
@@ -62,8 +63,8 @@ def goal_mandate(goal: Goal, most: Mandate, capabilities: Capabilities) -> Manda
     )
 
 
-def _implied(aim: Aim, where: str) -> tuple[Op, ...]:
-    return (Op.TURN,) if aim is Aim.LOOK and where else _IMPLIED[aim]
+def _implied(aim: Aim, where: str) -> tuple[BaseMotion, ...]:
+    return (BaseMotion.ROTATION,) if aim is Aim.LOOK and where else _IMPLIED[aim]
 
 
 def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Primitive) -> str | None:
@@ -91,7 +92,7 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
         return f"The command allows {mandate.distance_m:.2f} m in all; this would make {distance_m:.2f} m."
     if not degrees <= mandate.degrees + ROUNDING:
         return f"The command allows {mandate.degrees:.0f}° in all; this would make {degrees:.0f}°."
-    if step.op is Op.MOVE and mandate.speed_mps is not None and not (step.speed_mps or math.inf) <= mandate.speed_mps:
+    if step.translates and mandate.speed_mps is not None and not (step.speed_mps or math.inf) <= mandate.speed_mps:
         return f"The command allows {mandate.speed_mps:g} m/s at most."
     if seconds >= mandate.seconds:
         return f"The command's time of {mandate.seconds:.0f} s is used up."
@@ -100,10 +101,10 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
 
 def _plain(step: Primitive) -> bool:
     """Return whether amounts are positive exactly where they belong; a negative walk would extend the mandate."""
-    if step.op is Op.MOVE:
+    if step.translates:
         speed = (step.speed_mps,) if step.speed_mps is not None else ()
         return step.direction is not None and step.degrees is None and all(map(_positive, (step.distance_m, *speed)))
-    if step.op is Op.TURN:
+    if step.rotates:
         sides = (Direction.LEFT, Direction.RIGHT)
         return step.direction in sides and step.distance_m is None and _positive(step.degrees)
     as_declared = step.operation.objection(step.arguments) is None

@@ -32,7 +32,6 @@ from agentrob.model import (
     Decision,
     Language,
     Number,
-    Op,
     Operation,
     Plan,
     Primitive,
@@ -129,7 +128,7 @@ def _impossible(plan: Plan, capabilities: Capabilities, language: Language) -> I
         known = operation_names(capabilities.operations, language)
         yield "ops.unknown", say("refuse.ops", language, steps=sentence(missing, language), can=known)
     for step in plan.steps:
-        if step.op is Op.MOVE and step.direction not in capabilities.move_directions:
+        if step.translates and step.direction not in capabilities.move_directions:
             can = [say(f"direction.{d}", language) for d in sorted(capabilities.move_directions)]
             yield (
                 "ops.direction",
@@ -171,10 +170,10 @@ def _well_formed(step: Primitive, capabilities: Capabilities) -> bool:
     """Return whether a step has positive, finite amounts exactly where they belong: plans may not come from the
     grammar.
     """
-    if step.op is Op.MOVE:
+    if step.translates:
         amounts = [step.distance_m, *([] if step.speed_mps is None else [step.speed_mps])]
         return step.direction is not None and step.degrees is None and all(map(_positive, amounts))
-    if step.op is Op.TURN:
+    if step.rotates:
         sides = ("left", "right")
         return (
             step.direction in sides and step.distance_m is None and step.speed_mps is None and _positive(step.degrees)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from agentrob.language.messages.plan_text import sentence
@@ -9,6 +11,7 @@ from agentrob.language.parser.grammar import parse
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.model import (
     BUILT_IN,
+    PHOTO,
     ActionClass,
     Capabilities,
     Choice,
@@ -73,6 +76,24 @@ def test_a_post_becomes_steps_and_the_robots_own_sentence_means_the_same(
     assert understood.plan.as_data() == steps, understood.question
     assert all(step.op in BUILT_IN or step.declared is not None for step in understood.plan.steps)
     assert read(sentence(understood.plan, understood.language)).plan.steps == understood.plan.steps
+
+
+@pytest.mark.parametrize(
+    ("text", "ops"),
+    [
+        ("wave and blow bubbles, take a photo after each", ["hello", PHOTO, "blow", PHOTO]),
+        ("walk 1 m, blow bubbles, take a photo after each move", ["move", PHOTO, "blow"]),
+    ],
+)
+def test_photos_are_taken_after_its_own_operations_too(text: str, ops: list[str]) -> None:
+    understood = parse(
+        text,
+        ("show",),
+        (),
+        frozenset({*CAN.ops, PHOTO}),
+        ParseContext(can=replace(CAN, ops=frozenset({*CAN.ops, PHOTO}))),
+    )
+    assert [step.op for step in understood.plan.steps] == ops, understood.question
 
 
 @pytest.mark.parametrize(

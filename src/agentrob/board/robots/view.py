@@ -16,7 +16,7 @@ from agentrob.board.robots.abilities import capabilities_of, op_in_words
 from agentrob.board.robots.actions import known_robot
 from agentrob.board.robots.live import MapView
 from agentrob.board.services import Services
-from agentrob.model import Account, AccountKind, ActionClass, Capabilities, Op
+from agentrob.model import BUILT_IN, Account, AccountKind, ActionClass, BaseMotion, Capabilities
 
 _KNOWN = {
     "model",
@@ -66,13 +66,13 @@ _LIMITS = {
     "command_s": ("One command", "s"),
     "command_steps": ("One command", "steps"),
 }
-#: The limits that only concern one operation.
-_LIMITED_OPS = {
-    "speed_mps": Op.MOVE,
-    "step_m": Op.MOVE,
-    "command_m": Op.MOVE,
-    "turn_dps": Op.TURN,
-    "step_deg": Op.TURN,
+#: The limits that only concern one way of moving.
+_LIMITED = {
+    "speed_mps": BaseMotion.TRANSLATION,
+    "step_m": BaseMotion.TRANSLATION,
+    "command_m": BaseMotion.TRANSLATION,
+    "turn_dps": BaseMotion.ROTATION,
+    "step_deg": BaseMotion.ROTATION,
 }
 
 
@@ -267,7 +267,8 @@ def _applying(limits: Mapping[str, object], ops: object) -> Mapping[str, object]
     """The limits without those of walks and turns that the robot cannot do."""
     if not isinstance(ops, (list, tuple)):
         return limits
-    return {name: value for name, value in limits.items() if name not in _LIMITED_OPS or _LIMITED_OPS[name] in ops}
+    moves = {BUILT_IN[op].base_motion for op in ops if op in BUILT_IN}
+    return {name: value for name, value in limits.items() if name not in _LIMITED or _LIMITED[name] in moves}
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:

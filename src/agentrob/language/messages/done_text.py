@@ -7,7 +7,7 @@ from itertools import groupby
 
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import done_sentence, measured_text, step_label
-from agentrob.model import ActionResult, Direction, Language, Op
+from agentrob.model import ActionResult, Direction, Language
 
 #: Less than this is not mentioned: the figure would be 0.
 _LEAST_M, _LEAST_DEG = 0.005, 0.5
@@ -33,9 +33,9 @@ def _deeds(results: Sequence[ActionResult], language: Language) -> Iterator[str]
 
 def _deed(result: ActionResult, language: Language) -> str:
     step, measured = result.primitive, result.measured
-    if step.op is Op.MOVE:
+    if step.translates:
         key, least, amount, shown = "did.move", _LEAST_M, measured.get("distance_m"), "{:.2f}"
-    elif step.op is Op.TURN:
+    elif step.rotates:
         key, least, amount, shown = "did.turn", _LEAST_DEG, measured.get("degrees"), "{:.0f}"
     elif not result.ok:
         return ""
@@ -43,13 +43,13 @@ def _deed(result: ActionResult, language: Language) -> str:
         return say(f"did.{step.op}", language)
     else:
         return _declared(result, language)
-    direction = step.direction or (Direction.FORWARD if step.op is Op.MOVE else Direction.LEFT)
+    direction = step.direction or (Direction.FORWARD if step.translates else Direction.LEFT)
     named = say(f"direction.{direction}", language)
     if amount is None:
         return say(f"{key}.unknown", language, direction=named)
     if abs(amount) < least:
         return ""
-    if step.op is Op.TURN:
+    if step.rotates:
         return say(key, language, direction=named, degrees=shown.format(amount))
     return say(f"{key}.{direction}", language, metres=shown.format(amount))
 

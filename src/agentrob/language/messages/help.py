@@ -8,7 +8,7 @@ from dataclasses import replace
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import example_of, sentence
 from agentrob.language.routines import Routine, steps_of, usual_size_m
-from agentrob.model import BUILT_IN, ActionClass, Capabilities, Direction, Language, Op, Primitive
+from agentrob.model import BUILT_IN, ActionClass, BaseMotion, Capabilities, Direction, Language, Primitive, turn, walk
 
 #: The routines that help names.
 ROUTINES = (Routine.DANCE, Routine.SQUARE, Routine.CIRCLE, Routine.PATROL)
@@ -35,7 +35,7 @@ def help_text(capabilities: Capabilities, name: str, language: Language, *, sees
         if sentences:
             played = [say("help.example", language, name=name, sentence=words) for words in sentences]
             lines += [say(key, language), "", *played, ""]
-    if Op.MOVE in capabilities.ops:
+    if capabilities.does(BaseMotion.TRANSLATION):
         more = [say("help.example", language, name=name, sentence=words) for words in thread_examples(language)]
         lines += [say("help.more", language), "", *more, ""]
     lines += [
@@ -58,26 +58,21 @@ def examples(capabilities: Capabilities) -> list[Primitive]:
     """Return one step of each kind that this robot can do within its limits."""
     limits = capabilities.limits
     walks = [d for d in (Direction.FORWARD, Direction.BACKWARD, Direction.LEFT) if d in capabilities.move_directions]
-    steps = [
-        Primitive(Op.MOVE, d, distance_m=min(m, limits.step_m)) for d, m in zip(walks, (1.0, 0.5, 0.3), strict=False)
-    ]
+    steps = [walk(d, min(m, limits.step_m)) for d, m in zip(walks, (1.0, 0.5, 0.3), strict=False)]
     steps += [
-        Primitive(Op.TURN, Direction.LEFT, degrees=min(90.0, limits.step_deg)),
-        Primitive(Op.TURN, Direction.RIGHT, degrees=min(45.0, limits.step_deg)),
+        turn(Direction.LEFT, min(90.0, limits.step_deg)),
+        turn(Direction.RIGHT, min(45.0, limits.step_deg)),
     ]
     steps = [step for step in steps if step.op in capabilities.ops]
-    return steps + [example_of(one) for one in capabilities.operations if not Primitive(one.name).walks]
+    return steps + [example_of(one) for one in capabilities.operations if one.base_motion is None]
 
 
 def firsts(capabilities: Capabilities) -> list[Primitive]:
     """Return a walk, a turn, a gesture and a picture, as far as the robot can do them."""
-    found: dict[str, Primitive] = {}
+    found: dict[BaseMotion | ActionClass, Primitive] = {}
     for step in examples(capabilities):
-        kind = step.op if step.walks else step.operation.action_class
-        if kind is not ActionClass.RISKY and (step.walks or kind is not ActionClass.MOVE):
-            found.setdefault(str(kind), step)
-    order = (Op.MOVE, Op.TURN, ActionClass.GESTURE, ActionClass.PHOTO)
-    return [found[str(kind)] for kind in order if str(kind) in found]
+        found.setdefault(step.base_motion or step.operation.action_class, step)
+    return [found[kind] for kind in (*BaseMotion, ActionClass.GESTURE, ActionClass.PHOTO) if kind in found]
 
 
 def commands(capabilities: Capabilities, language: Language) -> list[str]:
@@ -103,7 +98,7 @@ def thread_examples(language: Language) -> list[str]:
 def play_examples(capabilities: Capabilities, language: Language) -> list[str]:
     """Return the routines that fit this robot's limits, and the way home."""
     found = [say(f"help.{r}", language) for r in ROUTINES if steps_of(r, capabilities, usual_size_m(r, capabilities))]
-    goes = {Op.MOVE, Op.TURN} <= capabilities.ops and Direction.FORWARD in capabilities.move_directions
+    goes = all(map(capabilities.does, BaseMotion)) and Direction.FORWARD in capabilities.move_directions
     return [*found, say("help.home", language)] if goes else found
 
 
@@ -111,7 +106,7 @@ def eye_examples(capabilities: Capabilities, language: Language) -> list[str]:
     """Return what can be asked of a robot with a detector."""
     if not any(operation.picture for operation in capabilities.operations):
         return []
-    turns = [say("help.face", language)] if Op.TURN in capabilities.ops else []
+    turns = [say("help.face", language)] if capabilities.does(BaseMotion.ROTATION) else []
     return [*turns, say("help.colours", language)]
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 from itertools import groupby
 
 from agentrob.language.messages.catalog import can_say, say
-from agentrob.model import BUILT_IN, Choice, Language, Number, Op, Operation, Plan, Primitive, Unit
+from agentrob.model import BUILT_IN, Choice, Language, Number, Operation, Plan, Primitive, Unit
 from agentrob.model.operations.declaration import Argument, Value
 
 _OUTLINED = 10
@@ -136,8 +136,8 @@ def _option(choice: Choice, name: str, language: Language) -> str:
 
 def step_sentence(step: Primitive, language: Language) -> str:
     """Return one step as a command that the grammar reads as this step: "walk forward 1.5 m"."""
-    key = "step.move_at" if step.op is Op.MOVE and step.speed_mps is not None else f"step.{step.op}"
-    return _render(key, step, language)
+    at_speed = "_at" if step.translates and step.speed_mps is not None else ""
+    return _render(f"step.{step.op}{at_speed}", step, language)
 
 
 def step_label(step: Primitive, language: Language) -> str:

@@ -12,7 +12,7 @@ from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
 from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence, deeds_of
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
-from agentrob.model import PHOTO, Choice, Direction, Number, Op, Operation, Unit
+from agentrob.model import PHOTO, BaseMotion, Choice, Direction, Number, Operation, Unit
 from agentrob.model.operations.declaration import Argument, Value
 
 #: What an argument in each unit is said with.
@@ -265,7 +265,7 @@ class _Reader(SentenceState):
             return  # "hello again"
         draft = self._new(token, TokenKind.AGAIN)
         draft.back, draft.more = token.value == "back", token.value == "more"
-        draft.only = Op(token.value) if token.value in ("move", "turn") else None
+        draft.only = _REPEATED.get(str(token.value))
         # "Do it" needs to say how often; "again, turn left" may mean one thing or two.
         draft.vague = token.value == "this" or (self._next() is TokenKind.COMMA and self._next(2) in _ACTIONS)
 
@@ -510,6 +510,8 @@ def _hand_over(pending: Draft, draft: Draft) -> None:
 
 _UNITS = (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT, TokenKind.STEP_UNIT)
 _GOING = (TokenKind.MOVE, TokenKind.TURN)
+#: What is repeated by "one more turn".
+_REPEATED = {"move": BaseMotion.TRANSLATION, "turn": BaseMotion.ROTATION}
 _ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _TIMES = (TokenKind.TIMES, TokenKind.MORE_TIMES)
 _SIDES = (Direction.LEFT, Direction.RIGHT)

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.routines import Routine
-from agentrob.model import Direction
+from agentrob.model import BaseMotion, Direction
 from agentrob.model.operations.built_in import named
 from agentrob.model.operations.declaration import Value
 
@@ -46,7 +46,7 @@ class Draft:
     times: int = 1
     counted: bool = False
     more: bool = False  # this many times in addition to the first
-    only: Deed | None = None  # 再转一次: repeats a plan of only this operation
+    only: BaseMotion | None = None  # 再转一次: repeats a plan of only this motion
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False

@@ -35,7 +35,18 @@ from agentrob.language.registry import language_of, locale
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.talk.forms import Judges, is_spoken_of, is_talk, order_beside, topic_of
 from agentrob.language.visible_text import without_mentions
-from agentrob.model import PHOTO, Capabilities, Intent, Language, Op, Operation, Plan, Primitive, Understanding
+from agentrob.model import (
+    PHOTO,
+    BaseMotion,
+    Capabilities,
+    Intent,
+    Language,
+    Op,
+    Operation,
+    Plan,
+    Primitive,
+    Understanding,
+)
 
 #: Longer texts are not parsed as commands (stops still are), so that parsing stays fast.
 MAX_CHARS = 2_000
@@ -395,9 +406,9 @@ def _without_command(sentences: Sequence[Sentence], language: Language) -> Under
 
 def _general_example(can: Capabilities) -> list[Primitive]:
     """Return a command that works with this robot, for a post from which none can be made."""
-    firsts = {step.op: step for step in reversed(help_examples(can))}
-    motions = [firsts[op] for op in (Op.MOVE, Op.TURN) if op in firsts]
-    return motions or list(firsts.values())[:1]
+    examples = help_examples(can)
+    firsts = {step.base_motion: step for step in reversed(examples)}
+    return [firsts[motion] for motion in BaseMotion if motion in firsts] or examples[:1]
 
 
 #: The most sentences that a question offers.
@@ -410,10 +421,6 @@ def _offered(can: Capabilities, plans: Sequence[Sequence[Primitive]]) -> list[li
     for plan in plans:
         steps = [within(step, can) for step in plan]
         far = sum(step.distance_m or 0.0 for step in steps) > can.limits.command_m
-        if all(_goes(step, can) for step in steps) and 0 < len(steps) <= can.limits.command_steps and not far:
+        if all(can.can_do(step) for step in steps) and 0 < len(steps) <= can.limits.command_steps and not far:
             found += [steps] if steps not in found else []
     return found[:_MOST_OFFERS]
-
-
-def _goes(step: Primitive, can: Capabilities) -> bool:
-    return step.op in can.ops and (step.op is not Op.MOVE or step.direction in can.move_directions)

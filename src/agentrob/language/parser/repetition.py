@@ -12,7 +12,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import outline
 from agentrob.language.parser.drafts import Draft
 from agentrob.language.parser.lexicon import TokenKind
-from agentrob.model import BUILT_IN, Capabilities, Direction, Language, Op, Plan, Primitive
+from agentrob.model import BUILT_IN, BaseMotion, Capabilities, Direction, Language, Plan, Primitive
 
 #: The most steps of one post.
 MAX_STEPS = 100
@@ -61,11 +61,11 @@ def repeated_steps(
     base = list(before) or (list(history[-1].steps) if history else [])
     if not base:
         raise AmbiguousRepetition(say("ask.again", language, words=quote(said)))
-    if draft.only is not None and any(step.op is not draft.only for step in base):
+    if draft.only is not None and any(step.base_motion is not draft.only for step in base):
         raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
     if draft.back:
         steps = reversed_path(base)
-        turned = bool(steps) and steps[0].op is Op.TURN and steps[0].degrees == HALF_TURN_DEG  # forward, or as it came?
+        turned = bool(steps) and steps[0].rotates and steps[0].degrees == HALF_TURN_DEG  # forward, or as it came?
         if not steps or turned or draft.counted or draft.amount is not None:
             raise AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(base, language)))
         steps = _changed(steps, draft, said, language)
@@ -83,7 +83,7 @@ def repeated_steps(
 
 def reversed_path(steps: Sequence[Primitive]) -> list[Primitive]:
     """Return the same path in reverse, without gestures and pictures."""
-    moves = [step for step in reversed(steps) if step.op in (Op.MOVE, Op.TURN) and step.direction]
+    moves = [step for step in reversed(steps) if step.walks and step.direction]
     return [replace(step, direction=_OPPOSITE[step.direction]) for step in moves if step.direction]
 
 
@@ -91,27 +91,31 @@ def _changed(steps: Sequence[Primitive], draft: Draft, said: str, language: Lang
     """Apply changes ("the same but slower, to the left, two metres") where it is clear which step is meant."""
     unclear = AmbiguousRepetition(say("ask.again_how", language, words=quote(said), steps=outline(steps, language)))
     plain = not (draft.counted or draft.slow or draft.direction or draft.amount or draft.speed_mps)
-    walks = [step for step in steps if step.op is Op.MOVE]
+    walks = [step for step in steps if step.translates]
     if draft.faster or (draft.vague and plain) or ((draft.slow or draft.speed_mps is not None) and not walks):
         raise unclear
     found = list(steps)
     if draft.speed_mps is not None or draft.slow:
-        found = [replace(s, speed_mps=_speed(s, draft)) if s.op is Op.MOVE else s for s in found]
+        found = [replace(s, speed_mps=_speed(s, draft)) if s.translates else s for s in found]
     if draft.direction is not None and not draft.back:
         axis = _SIDES if draft.direction in _SIDES else tuple(d for d in Direction if d not in _SIDES)
         if len({s.direction for s in found if s.direction in axis}) != 1:
             raise unclear
         found = [replace(s, direction=draft.direction) if s.direction in axis else s for s in found]
     if draft.amount is not None:
-        op = {TokenKind.LENGTH: Op.MOVE, TokenKind.ANGLE: Op.TURN}.get(draft.amount.kind)
-        if sum(s.op is op for s in found) != 1 or not isinstance(draft.amount.value, float):
+        motion = {TokenKind.LENGTH: BaseMotion.TRANSLATION, TokenKind.ANGLE: BaseMotion.ROTATION}.get(draft.amount.kind)
+        if (
+            motion is None
+            or sum(s.base_motion is motion for s in found) != 1
+            or not isinstance(draft.amount.value, float)
+        ):
             raise unclear
-        found = [_with_amount(s, round(draft.amount.value, 4)) if s.op is op else s for s in found]
+        found = [_with_amount(s, round(draft.amount.value, 4)) if s.base_motion is motion else s for s in found]
     return found
 
 
 def _with_amount(step: Primitive, amount: float) -> Primitive:
-    return replace(step, distance_m=amount) if step.op is Op.MOVE else replace(step, degrees=amount)
+    return replace(step, distance_m=amount) if step.translates else replace(step, degrees=amount)
 
 
 def _speed(step: Primitive, draft: Draft) -> float:

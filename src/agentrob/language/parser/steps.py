@@ -22,12 +22,14 @@ from agentrob.language.parser.repetition import MAX_STEPS, SLOW_MPS, AmbiguousRe
 from agentrob.language.registry import locale
 from agentrob.language.remarks.classifier import joins_order
 from agentrob.language.routines import Routine, steps_of, usual_size_m
-from agentrob.model import PHOTO, Direction, Language, Op, Primitive
+from agentrob.model import PHOTO, BaseMotion, Direction, Language, Primitive, turn, walk
 
 #: Limits of the grammar for any robot: larger amounts mean a misunderstanding.
 MAX_DISTANCE_M = 100.0
 MAX_DEGREES = 3600.0
 SLOW_FROM_MPS, FAST_TO_MPS = 0.01, 10.0
+#: What "a picture after each move" and "after each turn" mean.
+_MOTION_OF = {TokenKind.MOVE: BaseMotion.TRANSLATION, TokenKind.TURN: BaseMotion.ROTATION}
 
 
 @dataclass
@@ -413,7 +415,7 @@ class _StepBuilder:
         if draft.faster:
             reading.note(say("note.own_speed", self.language))
         reading.note(routine_note(routine, steps, draft.times, self.language, quote(said)))
-        reading.steps += [replace(s, speed_mps=speed_mps) if s.op is Op.MOVE else s for s in steps]
+        reading.steps += [replace(s, speed_mps=speed_mps) if s.translates else s for s in steps]
 
     def _deed(self, op: str, draft: Draft, said: str) -> tuple[Primitive | None, str]:
         """Return the operation that was requested, or what this robot does instead ("shake hands")."""
@@ -473,11 +475,11 @@ class _StepBuilder:
     def _last_direction(self) -> Direction | None:
         """Return the direction of the last walk of the post, or else of the thread."""
         before = [step for plan in self.background.history for step in plan.steps] + self.reading.steps
-        return next((step.direction for step in reversed(before) if step.op is Op.MOVE), None)
+        return next((step.direction for step in reversed(before) if step.translates), None)
 
     def _turned_around(self) -> bool:
         steps = self.reading.steps
-        return bool(steps) and steps[-1].op is Op.TURN and steps[-1].degrees == 180.0
+        return bool(steps) and steps[-1].rotates and steps[-1].degrees == 180.0
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
         direction = draft.direction
@@ -495,7 +497,7 @@ class _StepBuilder:
         if not 0 < degrees <= MAX_DEGREES:
             most = min(MAX_DEGREES, can.limits.step_deg) if (can := self.background.can) else MAX_DEGREES
             return None, say("ask.degrees_bound", self.language, degrees=f"{most:g}")
-        return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(degrees, 4)), ""
+        return turn(direction or Direction.LEFT, round(degrees, 4)), ""
 
     def _move(self, draft: Draft, value: float, said: str) -> tuple[Primitive | None, str]:
         if draft.amount is None:
@@ -521,8 +523,7 @@ class _StepBuilder:
             return None, say("ask.distance_bound", self.language, metres=f"{most:g}")
         if draft.faster and speed is None:
             self.reading.note(say("note.own_speed", self.language))
-        step = Primitive(Op.MOVE, draft.direction or Direction.FORWARD, distance_m=round(distance_m, 4))
-        return replace(step, speed_mps=speed), ""
+        return walk(draft.direction or Direction.FORWARD, round(distance_m, 4), speed), ""
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
@@ -593,17 +594,17 @@ def _hints(draft: Draft) -> list[list[Primitive]]:
     kind = draft.amount.kind if draft.amount else None
     value = float(draft.amount.value) if draft.amount and isinstance(draft.amount.value, float) else 0.0
     degrees = value if kind in (TokenKind.ANGLE, TokenKind.NUMBER) and 5 <= value <= 360 else 90.0
-    turn = Primitive(Op.TURN, draft.direction if draft.direction in _SIDES else Direction.LEFT, degrees=degrees)
+    turned = turn(draft.direction if draft.direction in _SIDES and draft.direction else Direction.LEFT, degrees)
     if draft.verb is TokenKind.TURN or kind is TokenKind.ANGLE:
-        return [[turn]]
+        return [[turned]]
     metres = value if kind in (TokenKind.LENGTH, TokenKind.NUMBER) and 0.1 <= value <= MAX_DISTANCE_M else 1.0
     if kind is TokenKind.NUMBER and metres > 5:  # nobody walks "twenty" metres in a room
         metres /= 100
     usual = Direction.LEFT if draft.sideways else Direction.FORWARD
-    walk = Primitive(Op.MOVE, draft.direction or usual, distance_m=metres)
+    walked = walk(draft.direction or usual, metres)
     side, number = draft.direction in _SIDES, kind is TokenKind.NUMBER and value >= 5
     either = draft.verb is None and ((side and (number or kind is None)) or (number and draft.direction is None))
-    return [[turn], [walk]] if either else [[walk]]
+    return [[turned], [walked]] if either else [[walked]]
 
 
 def _in_bounds(step: Primitive) -> bool:
@@ -613,9 +614,9 @@ def _in_bounds(step: Primitive) -> bool:
 
 def _after_each(steps: Sequence[Primitive], after: TokenKind) -> list[Primitive]:
     """Insert a picture after every step, or only after every walk or turn, and remove other pictures."""
-    wanted = {TokenKind.MOVE: (Op.MOVE,), TokenKind.TURN: (Op.TURN,)}.get(after, tuple(op for op in Op))
+    wanted = _MOTION_OF.get(after)
     pictured: list[Primitive] = []
     for step in steps:
         if step != _PICTURE:
-            pictured += [step, _PICTURE] if step.op in wanted else [step]
+            pictured += [step, _PICTURE] if wanted in (None, step.base_motion) else [step]
     return pictured

@@ -98,6 +98,8 @@ DIRECTIONS: dict[str, Direction] = _table(
 # "左转" is a direction and an action at once.
 ACTIONS |= dict.fromkeys(("左转", "左拐", "右转", "右拐"), (Op.TURN,))
 
+#: What phrases with an angle of their own ask for.
+TURNING = Op.TURN
 #: Phrases that say an angle without a number.
 FIXED_ANGLES: dict[str, float] = _table(
     {
@@ -352,7 +354,7 @@ def _words(low: str, taken: list[bool]) -> Iterator[Evidence]:
         if direction := DIRECTIONS.get(phrase):
             yield Evidence(EvidenceKind.DIRECTION, start, end, direction=direction)
         if angle := FIXED_ANGLES.get(phrase):
-            yield Evidence(EvidenceKind.ACTION, start, end, op=Op.TURN)
+            yield Evidence(EvidenceKind.ACTION, start, end, op=TURNING)
             yield Evidence(EvidenceKind.ANGLE, start, end, angle)
         if mark := QUALIFIERS.get(phrase):
             name, value = mark

@@ -20,7 +20,7 @@ from agentrob.minds.extraction.declared import declared_step, with_declared
 from agentrob.minds.extraction.evidence import Evidence, EvidenceKind, evidence_in
 from agentrob.minds.extraction.schema import ExtractedStep
 from agentrob.minds.extraction.units import MPS, degrees, metres, same
-from agentrob.model import BUILT_IN, PHOTO, Capabilities, Direction, Op, Plan, Primitive
+from agentrob.model import BUILT_IN, PHOTO, Capabilities, Direction, Plan, Primitive, turn, walk
 
 T = TypeVar("T")
 Lack = Literal["words", "action", "direction", "amount", "speed", "count", "denial", "condition", "left_out", "bounds"]
@@ -37,7 +37,6 @@ _OPPOSITE = {
     Direction.LEFT: Direction.RIGHT,
     Direction.RIGHT: Direction.LEFT,
 }
-_MOTIONS = (Op.MOVE, Op.TURN)
 _MARKS = " \t\r\n.,;:!?\"'`~*_#-–—…。，！？；：、()（）[]【】“”‘’"
 
 
@@ -99,13 +98,13 @@ def claimed(step: ExtractedStep) -> Primitive:
     """Return a step as the model reads it, to show what was understood; it is never executed."""
     amount_m = metres(step.amount, step.unit) if step.amount and step.unit else None
     amount_deg = degrees(step.amount, step.unit) if step.amount and step.unit else None
-    if step.action is Op.MOVE:
+    if step.translates:
         speed = step.speed * MPS[step.speed_unit] if step.speed and step.speed_unit else None
         speed = SLOW_MPS if speed is None and step.slow else speed
-        return Primitive(Op.MOVE, step.direction or Direction.FORWARD, distance_m=amount_m, speed_mps=speed)
-    if step.action is Op.TURN:
+        return walk(step.direction or Direction.FORWARD, amount_m, speed)
+    if step.rotates:
         bare = BARE_TURN_DEG if step.amount is None else None
-        return Primitive(Op.TURN, step.direction or Direction.LEFT, degrees=amount_deg or bare)
+        return turn(step.direction or Direction.LEFT, amount_deg or bare)
     return Primitive(step.action)
 
 
@@ -171,9 +170,9 @@ class _Check:
             return True
         if clause.refers and not clause.ops and any(p.op is step.action for p in self._before):
             return True
-        if step.action is Op.TURN:  # "thirty degrees left", "move thirty degrees left"
+        if step.rotates:  # "thirty degrees left", "move thirty degrees left"
             return bool(clause.of(EvidenceKind.ANGLE)) and not clause.of(EvidenceKind.LENGTH)
-        return step.action is Op.MOVE and bool(clause.of(EvidenceKind.LENGTH)) and not clause.ops  # "then 2 m back"
+        return step.translates and bool(clause.of(EvidenceKind.LENGTH)) and not clause.ops  # "then 2 m back"
 
     def _most(self, clause: _Clause) -> int:
         """Return how many steps a clause can be: one, as many as it counts, or as many as it refers to."""
@@ -189,7 +188,7 @@ class _Check:
         counts = {m.value for m in clause.of(EvidenceKind.TIMES)}
         for number in clause.of(EvidenceKind.NUMBER):
             after = next((m for m in self._mentions if m.start >= number.end), None)
-            counted = after is not None and after.op is not None and after.op not in _MOTIONS
+            counted = after is not None and after.op is not None and not Primitive(after.op).walks
             if after is not None and counted and not self._text[number.end : after.start].strip():
                 counts.add(number.value)
         if len(counts) > 1 or any(c != int(c) or not 1 <= c <= MAX_STEPS for c in counts):
@@ -203,28 +202,28 @@ class _Check:
             if own is None:
                 raise _Lacking("left_out" if clause.of(EvidenceKind.NUMBER) else "action")
             return own
-        if step.action not in _MOTIONS:
+        if not (step.translates or step.rotates):
             if clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE):  # "wave 2 m"
                 raise _Lacking("left_out")
             return Primitive(step.action)
-        if clause.of(EvidenceKind.LENGTH if step.action is Op.TURN else EvidenceKind.ANGLE):  # "turn left 2 m"
+        if clause.of(EvidenceKind.LENGTH if step.rotates else EvidenceKind.ANGLE):  # "turn left 2 m"
             raise _Lacking("left_out")
         if clause.refers and (again := self._from_before(step, clause)):
             return self._with_speed(step, clause, again)
         free = [c for c in self._clauses if not any(c is p for p in places)]
         direction = _direction(step, clause, free)
-        if step.action is Op.MOVE:
+        if step.translates:
             distance_m = _amount(step, clause, free, EvidenceKind.LENGTH)
             if not 0 < distance_m <= MAX_DISTANCE_M:
                 raise _Lacking("bounds")
-            moved = Primitive(Op.MOVE, direction or Direction.FORWARD, distance_m=round(distance_m, 4))
+            moved = walk(direction or Direction.FORWARD, round(distance_m, 4))
             return self._with_speed(step, clause, moved)
         angle = self._angle(step, clause, free)
         if direction is None and angle not in (180.0, 360.0):
             raise _Lacking("direction")
         if not 0 < angle <= MAX_DEGREES:
             raise _Lacking("bounds")
-        return Primitive(Op.TURN, direction or Direction.LEFT, degrees=round(angle, 4))
+        return turn(direction or Direction.LEFT, round(angle, 4))
 
     def _angle(self, step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) -> float:
         said = clause.of(EvidenceKind.ANGLE) or [m for c in free if c.bare for m in c.of(EvidenceKind.ANGLE)]
@@ -236,7 +235,7 @@ class _Check:
 
     def _with_speed(self, step: ExtractedStep, clause: _Clause, move: Primitive) -> Primitive:
         near = [c for c in self._clauses if c.sentence == clause.sentence]
-        if move.op is not Op.MOVE:
+        if not move.translates:
             return move
         speeds = {m.value for c in near for m in c.of(EvidenceKind.SPEED)}
         if step.speed is not None and step.speed_unit is not None:
@@ -253,7 +252,7 @@ class _Check:
     def _from_before(self, step: ExtractedStep, clause: _Clause) -> Primitive | None:
         """Return an earlier step, repeated or reversed, with the changes that the clause names."""
         back = bool(clause.of(EvidenceKind.BACK))
-        kind = EvidenceKind.LENGTH if step.action is Op.MOVE else EvidenceKind.ANGLE
+        kind = EvidenceKind.LENGTH if step.translates else EvidenceKind.ANGLE
         said = {m.value for m in clause.of(kind)}
         for before in self._before:
             if before.op is not step.action or before.direction is None:
@@ -261,14 +260,14 @@ class _Check:
             turned = _OPPOSITE[before.direction] if back else before.direction
             plain = clause.directions - ({Direction.BACKWARD} if back else set())
             directions = plain or {turned}
-            amount = before.distance_m if step.action is Op.MOVE else before.degrees
+            amount = before.distance_m if step.translates else before.degrees
             amounts = said or {amount or 0.0}
             asked = _asked(step)
             if len(amounts) != 1 or (asked is not None and not same(asked, next(iter(amounts)))):
                 continue
             if len(directions) != 1 or (step.direction is not None and step.direction not in directions):
                 continue
-            field_name = "distance_m" if step.action is Op.MOVE else "degrees"
+            field_name = "distance_m" if step.translates else "degrees"
             return replace(before, direction=next(iter(directions)), **{field_name: next(iter(amounts))})  # type: ignore[arg-type]
         return None
 
@@ -318,7 +317,7 @@ class _Check:
         if clause.ops and len(before) != 1:
             return len(done) == 1 and bool(clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE))
         if clause.of(EvidenceKind.BACK):
-            before = [step for step in reversed(before) if step.op in _MOTIONS]
+            before = [step for step in reversed(before) if step.walks]
         own = bool(clause.ops) or len(before) == 1
         changed = clause.directions - ({Direction.BACKWARD} if clause.of(EvidenceKind.BACK) else set())
         if not own and (changed or clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE)):
@@ -333,7 +332,7 @@ def _asked(step: ExtractedStep) -> float | None:
     """Return the amount as the model reads it, in metres or degrees."""
     if step.amount is None or step.unit is None:
         return None
-    return metres(step.amount, step.unit) if step.action is Op.MOVE else degrees(step.amount, step.unit)
+    return metres(step.amount, step.unit) if step.translates else degrees(step.amount, step.unit)
 
 
 def _amount(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause], kind: EvidenceKind) -> float:
@@ -361,7 +360,7 @@ def _direction(step: ExtractedStep, clause: _Clause, free: Sequence[_Clause]) ->
     """The direction that the post says, when the model says the same; None when neither says one."""
     said = clause.directions or _completed_by(free, lambda c: c.directions)
     elsewhere = {d for c in free for d in c.directions}
-    if step.action is Op.TURN:
+    if step.rotates:
         said &= {Direction.LEFT, Direction.RIGHT}
         if not said and (step.direction is None or (step.direction is Direction.LEFT and _whole(clause))):
             return None  # a whole or half turn without a side; the caller looks at the angle
@@ -436,10 +435,10 @@ def _full(clause: _Clause, verb: Evidence) -> bool:
     if not any(m.kind is EvidenceKind.ACTION and m.end <= verb.start for m in clause.mentions):
         return False
     if verb.op in clause.ops:  # "snap three pictures" is one action, 挥手后挥手两次 two
-        twice = verb.op not in (*_MOTIONS, PHOTO) and clause.directions
+        twice = verb.op != PHOTO and not Primitive(verb.op).walks and clause.directions
         return bool(twice or clause.of(EvidenceKind.LENGTH) or clause.of(EvidenceKind.ANGLE))
     return bool(
-        clause.ops - set(_MOTIONS)
+        any(not Primitive(op).walks for op in clause.ops)
         or clause.directions
         or clause.of(EvidenceKind.LENGTH)
         or clause.of(EvidenceKind.ANGLE)

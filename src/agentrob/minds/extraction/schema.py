@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from agentrob.minds.extraction.units import SpeedUnit, Unit
-from agentrob.model import Direction, Op
+from agentrob.model import Direction, Op, Primitive
 
 
 class _Closed(BaseModel):
@@ -32,6 +32,16 @@ class ExtractedStep(_Closed):
     slow: bool = Field(default=False, description="true when the post asks to do this slowly")
     times: Annotated[int, Field(ge=1, le=20)] = 1
     words: Annotated[str, Field(max_length=300)] = Field(description="the words of the post for this step, copied")
+
+    @property
+    def translates(self) -> bool:
+        """Whether it asks for a walk."""
+        return Primitive(self.action).translates
+
+    @property
+    def rotates(self) -> bool:
+        """Whether it asks for a turn."""
+        return Primitive(self.action).rotates
 
 
 class Wants(_Closed):

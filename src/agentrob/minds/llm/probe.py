@@ -19,12 +19,12 @@ from agentrob.minds.llm.errors import ModelError
 from agentrob.minds.llm.model import ConfiguredModel
 from agentrob.minds.llm.prompt import prompts, user_message
 from agentrob.minds.safety_review import review_command
-from agentrob.model import Capabilities, Direction, Op, Plan, Primitive
+from agentrob.model import Capabilities, Direction, Op, Plan, turn, walk
 
 #: The post to read and the plan to review.
 _POST = "please go ahead for one metre and then have a look to the left"
 _ROBOT = Capabilities("go2", frozenset(Op))
-_PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0), Primitive(Op.TURN, Direction.LEFT, degrees=90)))
+_PLAN = Plan((walk(Direction.FORWARD, 1.0), turn(Direction.LEFT, 90.0)))
 YesNo = Literal["yes", "no", "off", "unknown"]
 _SYSTEM = "You are being tried out. Do exactly what is asked, with as few words as possible."
 _ASK_TOOL = "Use the tool set_number with the number 7."

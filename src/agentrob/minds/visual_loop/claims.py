@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from agentrob.language.goal import Aim, Goal
 from agentrob.language.messages.catalog import say
 from agentrob.language.messages.plan_text import step_sentence
-from agentrob.model import ActionResult, Language, Op, Outcome, Primitive
+from agentrob.model import ActionResult, Language, Outcome, Primitive
 
 #: Absolute and relative tolerance of claimed distances and angles.
 NEAR_M, NEAR_DEG, NEAR_SHARE = 0.1, 5.0, 0.2
@@ -24,12 +24,12 @@ _DEGREES = re.compile(_NUMBER + r"(?:°|deg(?:ree)?s?\b|度)", re.IGNORECASE)
 
 def walked_m(results: Sequence[ActionResult]) -> float:
     """Return the measured length of all walks together, in metres."""
-    return sum(abs(r.measured.get("distance_m", 0.0)) for r in results if r.primitive.op is Op.MOVE)
+    return sum(abs(r.measured.get("distance_m", 0.0)) for r in results if r.primitive.translates)
 
 
 def turned_deg(results: Sequence[ActionResult]) -> float:
     """Return the measured angle of all turns together in either direction, in degrees."""
-    return sum(abs(r.measured.get("degrees", 0.0)) for r in results if r.primitive.op is Op.TURN)
+    return sum(abs(r.measured.get("degrees", 0.0)) for r in results if r.primitive.rotates)
 
 
 def contradiction(goal: Goal, claim: str, did: str, results: Sequence[ActionResult], language: Language = "en") -> str:

@@ -9,7 +9,7 @@ from agentrob.language.goal import Aim, Goal, Subgoal
 from agentrob.language.messages.plan_text import step_sentence
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.visual_loop.goal import goal_of, goal_sentence
-from agentrob.model import PHOTO, Capabilities, Direction, Intent, Language, Op, Plan, Primitive, Understanding
+from agentrob.model import PHOTO, Capabilities, Direction, Intent, Language, Plan, Primitive, Understanding, turn, walk
 
 
 class Known(Protocol):
@@ -26,8 +26,8 @@ class Known(Protocol):
 _OF_MODEL = frozenset({Aim.APPROACH, Aim.FACE, Aim.FIND, Aim.LOOK, Aim.STEP})
 _OF_DETECTOR = frozenset({Aim.FACE, Aim.FIND, Aim.SEE, Aim.COLOURS})
 #: Steps of the kinds that an aim needs, by which it is judged before its own are known.
-_TURN = Primitive(Op.TURN, Direction.LEFT, degrees=45.0)
-_WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.5)
+_TURN = turn(Direction.LEFT, 45.0)
+_WALK = walk(Direction.FORWARD, 0.5)
 _PICTURE = Primitive(PHOTO)
 #: What a post may be for the rules and still be a goal for eyes.
 _MAY_BE = (Intent.COMMAND, Intent.ASK_BACK, Intent.NOTHING, Intent.QUESTION)

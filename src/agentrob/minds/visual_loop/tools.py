@@ -14,11 +14,11 @@ from agentrob.minds.llm.chat import Tool
 from agentrob.model import (
     BUILT_IN,
     ActionResult,
+    BaseMotion,
     Capabilities,
     Direction,
     Mandate,
     Number,
-    Op,
     Operation,
     Outcome,
     Primitive,
@@ -69,9 +69,9 @@ def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
     for operation in capabilities.operations:
         if not mandate.calls.get(operation.name):
             continue
-        if operation.name == Op.MOVE:
+        if operation.base_motion is BaseMotion.TRANSLATION:
             found.append(_move(operation, mandate, capabilities))
-        elif operation.name == Op.TURN:
+        elif operation.base_motion is BaseMotion.ROTATION:
             found.append(_turn(operation, mandate, capabilities))
         else:
             shown = " It is shown to you." if operation.picture else ""
@@ -84,11 +84,11 @@ def step_of(name: str, arguments: BaseModel, mandate: Mandate, capabilities: Cap
     """Return the step of a validated call, and whether to take a picture after it."""
     said: dict[str, Any] = arguments.model_dump()
     operation = next(one for one in capabilities.operations if tool_name(one) == name)
-    if not Primitive(operation.name).walks:
+    if operation.base_motion is None:
         settled = {k: v.value if isinstance(v, Enum) else v for k, v in said.items() if v is not None}
         return capabilities.bound(Primitive(operation.name, arguments=operation.complete(settled))), False
     direction = Direction(said["direction"].value)
-    speed = (said.get("speed_mps") or mandate.speed_mps) if operation.name == Op.MOVE else None
+    speed = (said.get("speed_mps") or mandate.speed_mps) if operation.base_motion is BaseMotion.TRANSLATION else None
     step = Primitive(operation.name, direction, said.get("distance_m"), said.get("degrees"), speed)
     return capabilities.bound(step), bool(said.get("look"))
 
@@ -168,9 +168,10 @@ def remaining(mandate: Mandate, used: Sequence[ActionResult], calls: int, second
     """Return what is left of a mandate after these results; `calls` and `seconds` are the loop's."""
     tried = [r.primitive for r in used if r.outcome is not Outcome.SKIPPED]
     left: dict[str, Any] = {"calls": max(0, calls), "seconds": max(0, round(seconds))}
-    if mandate.calls.get(Op.MOVE):
+    allowed = [Primitive(op) for op, count in mandate.calls.items() if count]
+    if any(step.translates for step in allowed):
         left["metres"] = max(0.0, round(mandate.distance_m - sum(s.travel_m for s in tried), 2))
-    if mandate.calls.get(Op.TURN):
+    if any(step.rotates for step in allowed):
         left["degrees"] = max(0.0, round(mandate.degrees - sum(s.degrees or 0.0 for s in tried)))
     if pictures := sum(count for op, count in mandate.calls.items() if BUILT_IN.get(op, _SHUT).picture):
         left["pictures"] = max(0, pictures - sum(s.operation.picture for s in tried))

@@ -7,7 +7,7 @@ from enum import StrEnum
 from types import MappingProxyType
 
 from agentrob.model.accounts import ActionClass
-from agentrob.model.operations.declaration import Choice, Number, Operation, Option, Quantity, Unit
+from agentrob.model.operations.declaration import BaseMotion, Choice, Number, Operation, Option, Quantity, Unit
 
 
 class Op(StrEnum):
@@ -59,12 +59,14 @@ def _directions(of: tuple[Direction, ...]) -> Choice:
 #: How long gestures take is measured, the longer one where two robots do it (`docs/robots/gestures.md`).
 _DECLARED = (
     Operation(
-        Op.MOVE.value, ActionClass.MOVE, travel_m=_LONGEST_M, measured=(Quantity("distance_m", Unit.METRES),),
+        Op.MOVE.value, ActionClass.MOVE, base_motion=BaseMotion.TRANSLATION, travel_m=_LONGEST_M,
+        measured=(Quantity("distance_m", Unit.METRES),),
         arguments=(_directions(_ANY), Number("distance_m", Unit.METRES, 0.0, _LONGEST_M),
                    Number("speed_mps", Unit.METRES_PER_SECOND, 0.0, _FASTEST_MPS, optional=True)),
     ),
     Operation(
-        Op.TURN.value, ActionClass.MOVE, travel_m=0.3, measured=(Quantity("degrees", Unit.DEGREES),),
+        Op.TURN.value, ActionClass.MOVE, base_motion=BaseMotion.ROTATION, travel_m=0.3,
+        measured=(Quantity("degrees", Unit.DEGREES),),
         arguments=(_directions(_SIDES), Number("degrees", Unit.DEGREES, 0.0, _WIDEST_DEG)),
     ),
     Operation(Op.HELLO.value, ActionClass.GESTURE, takes_s=8.0, harmless=True),

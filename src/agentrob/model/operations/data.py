@@ -6,7 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from agentrob.model.accounts import ActionClass
-from agentrob.model.operations.declaration import Argument, Choice, Number, Operation, Option, Quantity, Unit
+from agentrob.model.operations.declaration import (
+    Argument,
+    BaseMotion,
+    Choice,
+    Number,
+    Operation,
+    Option,
+    Quantity,
+    Unit,
+)
 
 
 def as_data(operation: Operation) -> dict[str, Any]:
@@ -14,7 +23,7 @@ def as_data(operation: Operation) -> dict[str, Any]:
     optional = {
         "done": dict(operation.done), "arguments": [_argument_data(a) for a in operation.arguments],
         "free_space_m": operation.free_space_m, "picture": operation.picture,
-        "harmless": operation.harmless, "consent": operation.consent,
+        "harmless": operation.harmless, "consent": operation.consent, "base_motion": operation.base_motion,
         "measured": [{"name": q.name, "unit": str(q.unit), "tolerance": q.tolerance} for q in operation.measured],
     }  # fmt: skip
     return {
@@ -36,6 +45,7 @@ def operation_of(data: object) -> Operation:
             _number_or(told, "takes_s", 5.0), _number_or(told, "time_limit_s", 60.0),
             tuple(_quantity(q) for q in _list(told, "measured")), told.get("picture") is True,
             told.get("harmless") is True, _text(told, "consent") if "consent" in told else "",
+            BaseMotion(_text(told, "base_motion")) if "base_motion" in told else None,
         )  # fmt: skip
     except (TypeError, KeyError) as e:
         raise ValueError(f"a declaration of an operation lacks {e}") from None

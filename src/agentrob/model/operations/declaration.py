@@ -21,6 +21,18 @@ CLASS_WORDS = {
     ActionClass.PHOTO: "look", ActionClass.GESTURE: "gesture", ActionClass.MOVE: "move", ActionClass.RISKY: "risky",
 }  # fmt: skip
 
+
+class BaseMotion(StrEnum):
+    """How an operation carries the base along a path that its arguments lay down, so that plans can compute with it.
+
+    A translation has `direction` and `distance_m`, and perhaps `speed_mps`: it goes straight, without turning. A
+    rotation has `direction`, left or right, and `degrees`: it turns on the spot.
+    """
+
+    TRANSLATION = "translation"
+    ROTATION = "rotation"
+
+
 #: What an argument is set to: a number in its unit, or the name of an option.
 Value = float | str
 
@@ -151,7 +163,8 @@ class Operation:
     seconds. `time_limit_s`: after this long, and its arguments in seconds, the guard ends it. `measured`: what its
     results measure. `picture`: its result has a picture. `harmless`: no remark beside it makes it dangerous, as with a
     wave; a robot that asks back about remarks does it all the same. `consent`: what the owner's consent to a risky
-    operation is called in the configuration, by default its name.
+    operation is called in the configuration, by default its name. `base_motion`: that of the built-in walk and turn;
+    where a robot's own operation takes it is not known.
 
     Raises `ValueError` with a sentence for a declaration that is not possible.
     """
@@ -169,6 +182,7 @@ class Operation:
     picture: bool = False
     harmless: bool = False
     consent: str = ""
+    base_motion: BaseMotion | None = None
 
     def __post_init__(self) -> None:
         check_name(self.name, "operation")

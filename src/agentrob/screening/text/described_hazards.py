@@ -16,7 +16,7 @@ from agentrob.language.messages.catalog import quote, say
 from agentrob.language.parser.amounts import with_amounts
 from agentrob.language.parser.lexicon import Token, TokenKind, tokens_of
 from agentrob.language.registry import locale
-from agentrob.model import ActionClass, Decision, Direction, Language, Op, Plan, Verdict
+from agentrob.model import ActionClass, Decision, Direction, Language, Plan, Verdict
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.patterns import Phrases
 from agentrob.screening.text.words import en as words_en
@@ -188,9 +188,9 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
     """Yield points of the path in metres from the robot's start, x ahead and y to its left."""
     x = y = heading = 0.0
     for step in plan.steps:
-        if step.op is Op.TURN and step.degrees:
+        if step.rotates and step.degrees:
             heading += math.radians(step.degrees) * (1 if step.direction is Direction.LEFT else -1)
-        elif step.op is Op.MOVE and step.distance_m and step.direction and math.isfinite(step.distance_m):
+        elif step.translates and step.distance_m and step.direction and math.isfinite(step.distance_m):
             ux, uy = step.direction.unit_vector
             dx, dy = ux * math.cos(heading) - uy * math.sin(heading), ux * math.sin(heading) + uy * math.cos(heading)
             samples = min(math.ceil(step.distance_m / _SAMPLE_M), 4_000)
