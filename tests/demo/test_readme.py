@@ -15,7 +15,8 @@ COMMANDS = [
     line for block in re.findall(r"^```sh\n(.*?)^```", README, re.MULTILINE | re.DOTALL) for line in block.splitlines()
 ]
 MAKE = [c for c in COMMANDS if c.startswith("make ")]
-SHELL = [c for c in COMMANDS if not c.startswith("make ")]
+INSTALL = [c for c in COMMANDS if c.startswith(".venv/bin/pip ")]
+SHELL = [c for c in COMMANDS if c not in (*MAKE, *INSTALL)]
 PYTHON = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
 MARKS = {"drive g1|demo": pytest.mark.slow}
 LIMIT_S = 200
@@ -49,6 +50,24 @@ def test_a_shell_command_in_the_readme_runs(command: str, tmp_path: Path) -> Non
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_packages_of_other_robots_are_installed_as_the_readme_says(tmp_path: Path) -> None:
+    """Into a separate folder and without a network."""
+    (command,) = INSTALL
+    _, *args = shlex.split(command)
+    into = ["--no-index", "--no-build-isolation", "--target", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", *args, *into],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    installed = {path.name.partition("-")[0] for path in tmp_path.glob("*.dist-info")}
+    assert installed == {"agentrob_ros2", "agentrob_so101"}
 
 
 @pytest.mark.sim

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from agentrob.language.messages.catalog import can_say
 from tests import in_process
 
 ROOT = Path(__file__).parents[2]
@@ -144,3 +145,11 @@ def test_a_missing_robot_is_answered_with_the_installed_ones(tmp_path: Path) -> 
         done = in_process.agentrob(tmp_path, *command, AGENTROB_DATA=str(tmp_path / "data"))
         assert done.returncode == 1
         assert "robot 'nosuch' is not installed; installed robots: fake, g1, go2" in done.stderr
+
+
+def test_the_guide_lists_reasons_that_replies_have_sentences_for() -> None:
+    listed = re.search(r"Chinese replies have a sentence for (.*?), so use", GUIDE, re.DOTALL)
+    assert listed is not None
+    reasons = re.findall(r"`(\w+)`", listed[1])
+    assert len(reasons) > 10
+    assert [reason for reason in reasons if not can_say(f"agent.reason.{reason}")] == []
