@@ -13,7 +13,7 @@ FORUM = """# HTTP API of the forum
 
 The embedded forum's API, below `/api/v1`, from its OpenAPI document (`/api/v1/openapi.json`; a running forum shows it
 at `/docs`). Programs send `Authorization: Bearer TOKEN`. [Interfaces between processes](interfaces.md) describes what
-the calls have in common: errors, paging, idempotency keys, rights and streams; [events](interfaces.md) what a stream
+the calls have in common: errors, paging, idempotency keys, rights and streams; [events](events.md) what a stream
 delivers.
 
 """

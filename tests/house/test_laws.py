@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -15,32 +16,43 @@ LAWS = range(1, 20)
 _NAMED = re.compile(r"test_laws?_((?:\d+_|and_)+)")
 
 
-def section(title: str) -> str:
-    """Return the text of docs/safety/laws.md under a heading."""
-    found = re.search(
-        rf"^## {title}\n(.*?)(?=^## |\Z)", (ROOT / "docs/safety/laws.md").read_text(), re.MULTILINE | re.DOTALL
-    )
-    assert found, f"docs/safety/laws.md has no section {title!r}"
-    return found[1]
+@dataclass(frozen=True)
+class Law:
+    """What docs/safety/laws.md says of a law: what its tests show, its code, the tests named after it, and others."""
+
+    shown: list[str]
+    code: list[str]
+    named: set[str]
+    besides: set[str]
 
 
-def rows(title: str) -> list[list[str]]:
-    """Return the cells of the table in a section, without its header."""
-    lines = [line for line in section(title).splitlines() if line.startswith("|")]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+def page() -> str:
+    return (ROOT / "docs/safety/laws.md").read_text(encoding="utf-8")
+
+
+def laws() -> dict[int, Law]:
+    """Return the sections of the page by the number of their law."""
+    found: dict[int, Law] = {}
+    for number, text in re.findall(r"^### Law (\d+): .*?$(.*?)(?=^##|\Z)", page(), re.MULTILINE | re.DOTALL):
+        assert int(number) not in found, f"law {number} has two sections"
+        code, tests = (re.search(rf"^\*\*{title}:\*\* (.*)$", text, re.MULTILINE) for title in ("Code", "Tests"))
+        assert code, f"law {number} names no code"
+        assert tests, f"law {number} names no tests"
+        named, _, besides = tests[1].partition(";")
+        paths = [re.findall(r"`([^`]+)`", part) for part in (code[1], named, besides)]
+        found[int(number)] = Law(re.findall(r"^- ", text, re.MULTILINE), paths[0], set(paths[1]), set(paths[2]))
+    return found
 
 
 def numbers(text: str) -> set[int]:
-    """Return the numbers in "1–2", "7, 10", "laws 3 and 7"."""
-    found = set()
-    for first, last in re.findall(r"(\d+)(?:–(\d+))?", text):
-        found.update(range(int(first), int(last or first) + 1))
-    return found
+    """Return the numbers in "6", "3 and 7"."""
+    return {int(number) for number in re.findall(r"\d+", text)}
 
 
 def not_built() -> set[int]:
     """Return the laws that the section "Not built yet" mentions."""
-    return {n for said in re.findall(r"\(laws? ([^)]*)\)", section("Not built yet")) for n in numbers(said)}
+    _, _, text = page().partition("## Not built yet")
+    return {n for said in re.findall(r"\(laws? ([^)]*)\)", text) for n in numbers(said)}
 
 
 def laws_shown(source: str) -> set[int]:
@@ -63,27 +75,25 @@ def test_every_law_has_a_named_test_or_is_listed_as_not_built() -> None:
     assert set(shown()) <= set(LAWS), "a test names a law that does not exist"
 
 
-def test_every_law_is_in_both_tables_once() -> None:
-    assert sorted(n for row in rows("What holds, and where") for n in numbers(row[0])) == list(LAWS)
-    assert [int(row[0]) for row in rows("How each law is tested")] == list(LAWS)
+def test_every_law_has_a_section_in_order() -> None:
+    assert list(laws()) == list(LAWS)
+    assert not_built()
     assert not_built() <= set(LAWS)
 
 
 def test_the_pages_statements_about_tests_are_correct() -> None:
     files = shown()
-    for law, asserted, named, besides in rows("How each law is tested"):
-        listed = set(re.findall(r"`(tests/[^`]+)`", named))
-        assert asserted
-        assert listed or (int(law) in not_built() and "not built" in asserted.lower()), f"law {law}"
-        assert listed <= files[int(law)], f"law {law}: no test of that name in {listed - files[int(law)]}"
-        for path in re.findall(r"`([^`]+)`", besides):
-            assert (ROOT / path).is_file(), path
+    for number, law in laws().items():
+        assert law.shown
+        assert law.named, f"law {number}"
+        assert law.named <= files[number], f"law {number}: no test of that name in {law.named - files[number]}"
+        assert [path for path in law.besides if not (ROOT / path).is_file()] == []
 
 
 def test_the_code_that_the_page_refers_to_exists() -> None:
-    for _, _, where in rows("What holds, and where"):
-        for path in re.findall(r"`([^`]+)`", where):
-            assert (ROOT / "src/agentrob" / path).is_file(), path
+    for number, law in laws().items():
+        assert law.code, f"law {number}"
+        assert [path for path in law.code if not (ROOT / "src/agentrob" / path).is_file()] == []
 
 
 def test_the_laws_in_a_test_name_are_parsed() -> None:
