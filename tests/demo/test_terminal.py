@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import socket
@@ -14,6 +15,7 @@ import pytest
 
 from agentrob.demo import ports, terminal
 from agentrob.demo.errors import DemoError
+from agentrob.process.listen import is_free
 from tests.demo.running import AGENTROB, START_S
 from tests.terminal import Terminal
 
@@ -30,7 +32,7 @@ def test_the_usual_port_is_taken_if_it_is_free_and_any_other_one_if_not(monkeypa
         other.listen()
         chosen = ports.choose_port(None)
         assert chosen not in (0, usual)
-        assert ports.is_free(chosen)
+        assert is_free(ports.HOST, chosen)
         with pytest.raises(DemoError, match=f"port {usual} is in use"):
             ports.choose_port(usual)
     assert ports.choose_port(usual) == usual
@@ -95,3 +97,30 @@ def test_it_shows_its_progress_opens_a_browser_on_older_data_and_ends_by_ctrl_c(
     demo.press(b"\x03")
     demo.read_until("ending", 30)
     assert demo.wait() == 0
+
+
+def processes_of(data: Path) -> list[str]:
+    """Return the command lines of all processes of the demo with this data folder."""
+    mark = f"AGENTROB_DATA={data}".encode()
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it has ended, or is another user's
+            if mark in (process / "environ").read_bytes().split(b"\0"):
+                found.append((process / "cmdline").read_text().replace("\0", " "))
+    return found
+
+
+@pytest.mark.sim
+def test_ctrl_c_while_it_starts_ends_everything_and_it_starts_again(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    command = (AGENTROB, "demo", "--port", "0", "--no-browser", "--data", str(data))
+    for step in ("setting up the forum", "building the room and its robots", "waiting for driver", "waiting for agent"):
+        demo = Terminal(*command, **{**os.environ, "TERM": "xterm", "COLUMNS": "200"})
+        demo.read_until(step, START_S)
+        assert processes_of(data) or step == "setting up the forum"
+        demo.press(b"\x03")
+        demo.read_until("AgentRob demo: ending", 30)
+        assert demo.wait() == 0
+        assert "Traceback" not in demo.said
+        assert "Ctrl-C" not in demo.said, "it had started already"
+        assert processes_of(data) == []

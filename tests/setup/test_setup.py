@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shlex
+import socket
 from pathlib import Path
 
 import pytest
@@ -121,6 +122,20 @@ def test_an_invalid_option_is_refused_before_anything_is_written(
     assert done.returncode == 1
     assert said in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_an_address_that_another_program_uses_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        listen = f"127.0.0.1:{other.getsockname()[1]}"
+        options = ("--admin", "chief", "--data", "./data", "--services", "user", "--listen", listen)
+        done = agentrob(tmp_path, "init", *options)
+        answers, shown = answered(listen, "127.0.0.1:8099", asked=("listen",))
+    assert done.returncode == 1
+    assert f"{listen} is in use" in done.stderr
+    assert "choose another with --listen" in done.stderr
+    assert not list(tmp_path.iterdir())
+    assert answers.listen == "127.0.0.1:8099"
+    assert f"{listen} is in use" in shown
 
 
 # ------------------------------------------------------------------ units and containers

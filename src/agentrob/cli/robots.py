@@ -24,7 +24,11 @@ def drive(
     pictures: Annotated[Path, typer.Option(help="Folder for pictures.")] = Path("."),
     as_json: AsJson = False,
     mind: Annotated[
-        str | None, typer.Option(help="The mind that reads the text; a model with images may also look and steer.")
+        str | None,
+        typer.Option(
+            help="The mind that reads the text: rules, or one of the configuration, which steers if it reads images. "
+            "By default the robot's own."
+        ),
     ] = None,
 ) -> None:
     """Drive a robot without a forum."""

@@ -5,27 +5,17 @@ from __future__ import annotations
 import socket
 
 from agentrob.demo.errors import DemoError
+from agentrob.process.listen import is_free
 
 #: Taken by default, if it is free.
-PORT = 8088
+HOST, PORT = "127.0.0.1", 8088
 
 
 def free_port() -> int:
     """Return a port of this machine that nobody uses."""
     with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
+        s.bind((HOST, 0))
         return int(s.getsockname()[1])
-
-
-def is_free(port: int) -> bool:
-    """Return whether a server can listen on this port of this machine."""
-    with socket.socket() as s:
-        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            s.bind(("127.0.0.1", port))
-        except OSError:
-            return False
-    return True
 
 
 def choose_port(wanted: int | None) -> int:
@@ -34,7 +24,7 @@ def choose_port(wanted: int | None) -> int:
     Raises `DemoError`.
     """
     if wanted:
-        if not is_free(wanted):
+        if not is_free(HOST, wanted):
             raise DemoError(f"port {wanted} is in use; choose another with --port, or leave --port away for a free one")
         return wanted
-    return PORT if wanted is None and is_free(PORT) else free_port()
+    return PORT if wanted is None and is_free(HOST, PORT) else free_port()

@@ -1,4 +1,4 @@
-"""Listen addresses: parses `host:port`, tells whether it is on this machine only, and opens its socket."""
+"""Listen addresses: parses `host:port`, tells whether it is on this machine only or in use, and opens its socket."""
 
 from __future__ import annotations
 
@@ -34,6 +34,18 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
+
+
+def is_free(host: str, port: int) -> bool:
+    """Return whether a server can listen on the address now: no other program does, and it is this machine's."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family) as s:
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            s.bind((host, port))
+        except OSError:
+            return False
+    return True
 
 
 def open_listener(host: str, port: int) -> socket.socket:

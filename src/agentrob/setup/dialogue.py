@@ -17,7 +17,7 @@ from rich.prompt import Confirm, Prompt
 from agentrob.config import load as configuration
 from agentrob.errors import ConfigError
 from agentrob.plugins import names
-from agentrob.process.listen import parse_listen
+from agentrob.process.listen import is_free, parse_listen
 from agentrob.robots.diagnostics import network
 from agentrob.setup.answers import Answers, RobotAnswers, Services
 
@@ -120,7 +120,9 @@ def _handle(said: str) -> None:
 
 
 def _listen(said: str) -> None:
-    parse_listen(said)
+    host, port = parse_listen(said)
+    if port and not is_free(host, port):
+        raise ValueError(f"{said} is in use, or not an address of this machine; choose another port")
     try:
         configuration.parse({"board": {"listen": said}}, "listen")
     except ConfigError as e:

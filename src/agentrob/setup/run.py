@@ -24,6 +24,7 @@ from agentrob.demo import visitor
 from agentrob.errors import ConfigError, ForumError, RobotError, RobotUnreachable
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process import host_lock
+from agentrob.process.listen import is_free, parse_listen
 from agentrob.setup.answers import Answers, RobotAnswers, Services
 from agentrob.setup.service_manager import Done, SetupError, install, place_of
 from agentrob.setup.units import processes
@@ -48,6 +49,8 @@ def set_up(answers: Answers, say: Callable[[str], None]) -> None:
         data = Path(answers.data).expanduser() if answers.data else configuration.default_data_dir()
         answers = replace(answers, config=answers.config.absolute(), data=str(data.absolute()))
     config = _configuration(answers)
+    if answers.services is not Services.NONE:
+        _check_listen(answers.listen)
     numbered = _Steps(say)
     numbered.show("Forum", _forum(answers, config))
     tokens = config.data_dir / "agents.env"
@@ -93,6 +96,13 @@ def _configuration(answers: Answers) -> Config:
     if answers.robot:
         raw["robots"] = {answers.robot.name: _robot_settings(answers.robot, answers.admin).model_dump()}
     return configuration.parse(raw, "agentrob init")
+
+
+def _check_listen(listen: str) -> None:
+    """Raise `ConfigError` if the forum could not listen there, so that no other program's answer is taken for its."""
+    host, port = parse_listen(listen)
+    if port and not is_free(host, port):
+        raise ConfigError(f"{listen} is in use, or not an address of this machine; choose another with --listen")
 
 
 def _forum(answers: Answers, config: Config) -> Done:
