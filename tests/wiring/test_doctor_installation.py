@@ -60,7 +60,10 @@ def test_each_finding_of_a_forum_that_does_not_run_names_a_valid_command(folder:
     (rex,) = told["robots"]
     found = by_check(rex["findings"])
     assert found["account"]["status"] == "ok"
-    assert (found["agent"]["status"], found["agent"]["command"]) == ("bad", "agentrob agent run rex")
+    start = f"set -a; . {folder}/data/agents.env; agentrob agent run rex"
+    assert (found["agent"]["status"], found["agent"]["command"]) == ("bad", start)
+    *_, rex = doctor(folder, AGENTROB_TOKEN_REX="known")[1]["robots"]
+    assert by_check(rex["findings"])["agent"]["command"] == "agentrob agent run rex"
     for one in (*told["findings"], *rex["findings"]):
         assert one["status"] == "ok" or one["command"], one
         if one["command"].startswith("agentrob "):

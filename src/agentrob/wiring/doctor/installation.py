@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import shlex
 import shutil
 import subprocess
 from collections.abc import Mapping
@@ -143,8 +144,20 @@ def of_agent(config: Config, name: str) -> list[Finding]:
     return [
         *account,
         *checked,
-        Finding("agent", Status.BAD, "no agent serves it", advice, f"agentrob agent run {name}"),
+        Finding("agent", Status.BAD, "no agent serves it", advice, _start_agent(config, name)),
     ]
+
+
+def _start_agent(config: Config, name: str) -> str:
+    """The command that starts the agent, with its token from the file of `agentrob init` if only that has it."""
+    start = f"agentrob agent run {name}"
+    try:
+        app.secret(config, name)
+    except ConfigError:
+        return (
+            start if not token_of(config, name) else f"set -a; . {shlex.quote(str(config.data_dir / TOKENS))}; {start}"
+        )
+    return start
 
 
 def token_of(config: Config, name: str) -> str:

@@ -84,7 +84,7 @@ def _naming(file: Path | None, found: Sequence[Finding]) -> list[Finding]:
     plain = ("agentrob init", "agentrob stop", "agentrob sim")
     return [
         replace(one, command=f"{one.command} --config {file}")
-        if one.command.startswith("agentrob ") and not one.command.startswith(plain)
+        if "agentrob " in one.command and not one.command.startswith(plain)
         else one
         for one in found
     ]
