@@ -31,6 +31,8 @@ _TASK = (
 )
 _VIEW = "view|feed|frame|scene|capture|screenshot|camera feed|visual"
 _ANEW = r"(?:sorry|oops|whoops|my mistake|my bad|no|no wait|wait|wait no|actually|uh|er)"
+_LETTER = "[a-z]"
+_ANGLE = rf"{_NUMBER}(?:[ -]{_NUMBER})* degrees?"
 _TENS = r"(?:[1-9]0|ten|twenty|thirty|forty|fifty|sixty|seventy|eighty|ninety)"
 _WHOLE = "(?:full|whole|complete|entire)"
 _CIRCLE = "(?:circle|turn|rotation|spin|revolution|twirl|loop)"
@@ -90,6 +92,18 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (rf"\b(?:take|snap|send|get) {_WHOM} an? (?:{_KINDLY} )?(photo|picture|pic|shot)\b", r"take a \2 for \1"),
     # ---------------------------------------------------------------- amounts
     *_clock(),
+    (rf"{_BEGIN}(?:mm+|mhmm+|hmm+|huh|er+m?|eh)[,.]? (?={_LETTER})", r"\1"),
+    (rf"\b{_WHOLE} (?={_NUMBER}[\w -]* degrees?\b)", ""),
+    (
+        rf"\b(turn|swing|spin|rotate|pivot) (?:all the way|completely|fully|right) (?:around|round) "
+        rf"(?=to (?:the|your) (?:left|right),? (?:by |about |an? )?{_NUMBER})",
+        r"\1 ",
+    ),
+    (r"\b(degrees?) back (?=to (?:the|your) (?:left|right)\b)", r"\1 "),
+    (
+        rf"{_BEGIN}(?:adjust|correct|align)(?: yourself)? (?=(?:by |about |another )?{_ANGLE}\b)",
+        r"\1turn ",
+    ),
     (rf"\bturn (left|right) around (?={_NUMBER})", r"turn \1 about "),
     (r"\b(?:l|lt)-?(\d{2,3})\b(?! ?(?:m|cm|mm|ft|feet|foot|met|in|inch|sec|s|step))", r"turn left \1 degrees"),
     (r"\b(?:r|rt)-?(\d{2,3})\b(?! ?(?:m|cm|mm|ft|feet|foot|met|in|inch|sec|s|step))", r"turn right \1 degrees"),
@@ -112,7 +126,14 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"\bur\b", "your"),
     (r"\bfotos?\b|\bfotograph\b", "photo"),
     (r"\b(?:tiny|teeny|wee|slight) (?=turn|left|right|step|bit of a turn|wave|move)", ""),
+    # ---------------------------------------------------------------- remarks without a verb
+    (
+        r"(?<=\w),? no (obstacles?|obstructions?|people|persons?|pets?|furniture) "
+        r"(ahead(?: of you)?|in (?:the|your) way|around|nearby|in front of you)(?=\s*(?:$|[.!]))",
+        r", there are no \1 \2",
+    ),
     # ---------------------------------------------------------------- one more of the same
+    (r"\b(?:take|have|get|give me|grab) another (?:look|peek|glance)\b", "take a photo"),
     (
         rf"^(.*\b(?:{_PICTURE})s?\b.*?\b(?:take|snap|grab|send|get|shoot)) "
         rf"(?:it again|(?:another|one more|a second|a new|the next)(?: one)?|one again){_END}",
