@@ -16,7 +16,7 @@ from agentrob.screening.screen import harm_in_words
 from agentrob.screening.text.harm import harm_of
 
 #: The files, and the minimum number of rows in each.
-DIRECTIONS = {"walking_directions.jsonl": 150, "more_directions.jsonl": 100}
+DIRECTIONS = {"walking_directions.jsonl": 150, "more_directions.jsonl": 160}
 
 
 @pytest.mark.parametrize("name", DIRECTIONS)
