@@ -203,6 +203,23 @@ async def test_law_6_an_end_that_lands_after_its_agent_died_is_not_written_again
     assert [(r.raw, r.version) for r in scene.replies(post)] == [("**Interrupted.** Seen after 0.06 s.", 2)]
 
 
+async def test_law_6_an_end_that_an_older_status_replaced_is_written_again(scene: Scene) -> None:
+    robot, post = other(scene), await scene.post("alice", WALK)
+    card = StatusCard(ROBOT, "interrupted", step=1, steps=1, trace_id="ours")
+    account = await scene.person("alice").me()
+    command = Command(post.id, post.topic_id, post.content_hash, account, ROBOT, WALK, "en", post.created_at, "ours")
+    status = StatusPost(robot, command)
+    claimed = await status.claim(Shown("Seen.", replace(card, state="seen")))
+    assert await status.close(Shown("**Interrupted.**", card))
+    await robot.edit(claimed.post.id, "Step 1 of 1.", card=replace(card, state="running"))
+    again = StatusPost(robot, command)
+    again.adopt((await again.claim(Shown("Seen.", replace(card, state="seen")))).post)
+    assert await again.close(Shown("**Interrupted.** Told anew.", card))
+    assert [(r.raw, r.card and r.card.state) for r in scene.replies(post)] == [
+        ("**Interrupted.** Told anew.", "interrupted")
+    ]
+
+
 @pytest.mark.slow
 async def test_law_6_two_agents_of_one_account_do_each_command_once_and_tell_it_once(
     tmp_path: Path, slow_driver: Driver

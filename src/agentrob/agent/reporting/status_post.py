@@ -245,7 +245,9 @@ class StatusPost:
             await self._forum.edit(post_id, final.text, images=images, card=final.card)
             return
         key = "end:guess" if _guessed(final.card) else "end"
-        await self._forum.edit_once(post_id, final.text, key=key, images=images, card=final.card)
+        now = await self._forum.edit_once(post_id, final.text, key=key, images=images, card=final.card)
+        if now.card is not None and not is_final(now.card):  # an earlier status that landed later replaced it
+            await self._forum.edit(post_id, final.text, images=images, card=final.card)
 
     async def _post_final_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:
         command, ours = self._command, True

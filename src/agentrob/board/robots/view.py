@@ -267,7 +267,7 @@ def _applying(limits: Mapping[str, object], ops: object) -> Mapping[str, object]
     """The limits without those of walks and turns that the robot cannot do."""
     if not isinstance(ops, (list, tuple)):
         return limits
-    moves = {BUILT_IN[op].base_motion for op in ops if op in BUILT_IN}
+    moves = {BUILT_IN[op].base_motion for op in ops if isinstance(op, str) and op in BUILT_IN}
     return {name: value for name, value in limits.items() if name not in _LIMITED or _LIMITED[name] in moves}
 
 
