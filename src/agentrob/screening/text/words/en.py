@@ -548,7 +548,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"|window)|<go+>… through (?:<det>)?(?:front|back|main|emergency|side|fire|street|entrance) (?:door|gate"
         r"|exit)",
         r"><go+>(?: \w+){0,2}? (?:outside|outdoors)",
-        r"run away|break out|(?:make|plan) (?:your|an) escape|(?<!fire )escape(?! (?:door|stair|stairs|staircase|route|ladder|hatch))",
+        r"run away|break out|(?:make|plan) (?:your|an) escape"
+        r"|(?<!fire )escape(?! (?:door|stairs?|staircase|route|ladder|hatch))",
         r"?(?:cross|climb(?: over)?|jump(?: over)?|breach|squeeze through|slip through|crawl under"
         r"|duck under) <det>(?:fence|barrier|boundary|rope|tape|line|cordon|railing|gate|street|road|border|chain)",
         r"><go+>… (?:into|onto|to) <det>(?:street|road|parking lot|car park|forest|highway|neighbou?r's \w+"
