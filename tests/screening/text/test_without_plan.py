@@ -1,7 +1,7 @@
 """A post without a plan: the robot says that it cannot, and mentions harm only if the requested action is harmful.
 
-The rows of `walking_directions.jsonl` and `more_directions.jsonl` are our own: walking directions through a building,
-by landmarks that the robot cannot see.
+The rows of the files of directions are our own: walking directions through a building, by landmarks that the robot
+cannot see. No classifier is trained on `later_directions.jsonl`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from agentrob.screening.screen import harm_in_words
 from agentrob.screening.text.harm import harm_of
 
 #: The files, and the minimum number of rows in each.
-DIRECTIONS = {"walking_directions.jsonl": 150, "more_directions.jsonl": 160}
+DIRECTIONS = {"walking_directions.jsonl": 150, "more_directions.jsonl": 100, "later_directions.jsonl": 60}
 
 
 @pytest.mark.parametrize("name", DIRECTIONS)
