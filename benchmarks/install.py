@@ -1,6 +1,6 @@
 """Install AgentRob from its wheels without our locks, and open the demo's page: seconds, packages and megabytes.
 
-    make dist && python benchmarks/install.py [--with pip|uvx]
+    make dist && python benchmarks/install.py [--with pip|uvx] [--dist DIR]
 
 `pip` makes an empty environment, installs `agentrob[sim]` into it with nothing cached, and starts the demo; `uvx` lets
 uv do the same in one command, with an empty cache of its own (needs `uv`). The time counts from the first command until
@@ -28,12 +28,12 @@ DIST = Path(__file__).resolve().parents[1] / "dist"
 PAGE_S = 600.0
 
 
-def with_pip(folder: Path) -> dict[str, Any]:
+def with_pip(folder: Path, dist: Path) -> dict[str, Any]:
     began = time.perf_counter()
     subprocess.run([sys.executable, "-m", "venv", folder / "env"], check=True)
     python = folder / "env/bin/python"
     made = time.perf_counter()
-    command = [python, "-m", "pip", "install", "--quiet", "--no-cache-dir", "--find-links", DIST, "agentrob[sim]"]
+    command = [python, "-m", "pip", "install", "--quiet", "--no-cache-dir", "--find-links", dist, "agentrob[sim]"]
     subprocess.run(command, check=True)
     installed = time.perf_counter()
     opened = until_page([str(folder / "env/bin/agentrob")], folder, {})
@@ -51,9 +51,9 @@ def with_pip(folder: Path) -> dict[str, Any]:
     }
 
 
-def with_uvx(folder: Path) -> dict[str, Any]:
-    (wheel,) = DIST.glob("agentrob-*.whl")
-    command = ["uvx", "--find-links", str(DIST), "--from", f"agentrob[sim] @ {wheel.as_uri()}", "agentrob"]
+def with_uvx(folder: Path, dist: Path) -> dict[str, Any]:
+    (wheel,) = dist.glob("agentrob-*.whl")
+    command = ["uvx", "--find-links", str(dist), "--from", f"agentrob[sim] @ {wheel.as_uri()}", "agentrob"]
     took = until_page(command, folder, {"UV_CACHE_DIR": str(folder / "cache")})
     return {"from_nothing_to_page_s": round(took, 1), "megabytes": round(size_mb(folder / "cache"), 1)}
 
@@ -87,13 +87,16 @@ def size_mb(folder: Path, leaving_out: Collection[str] = ()) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--with", dest="tool", choices=["pip", "uvx"], default="pip")
+    parser.add_argument("--dist", type=Path, default=DIST, help="the folder with the wheels")
     arguments = parser.parse_args()
-    if not list(DIST.glob("agentrob-*.whl")):
-        sys.exit(f"no wheel in {DIST}; build them with: make dist")
+    if not list(arguments.dist.glob("agentrob-*.whl")):
+        sys.exit(f"no wheel in {arguments.dist}; build them with: make dist")
     with tempfile.TemporaryDirectory() as folder:
         load = os.getloadavg()[0]
         measure = {"pip": with_pip, "uvx": with_uvx}[arguments.tool]
-        print(json.dumps({"tool": arguments.tool, "load_before": round(load, 1), **measure(Path(folder))}))
+        print(
+            json.dumps({"tool": arguments.tool, "load_before": round(load, 1), **measure(Path(folder), arguments.dist)})
+        )
 
 
 if __name__ == "__main__":

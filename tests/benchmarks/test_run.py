@@ -22,6 +22,7 @@ LITTLE = {
     "fleet.py": ["--robots", "4", "--commands", "20", "--rate", "2", "--kills", "2", "--no-times"],
     "growth.py": ["--commands", "6", "--every", "3"],
     "latency.py": ["--posts", "100"],
+    "left_out_templates.py": ["tests/language/later_first_sight.jsonl"],
     "live_view.py": ["--viewers", "3", "--seconds", "2", "--trials", "2"],
     "loop.py": ["--turns", "12"],
     "mcp.py": ["--calls", "5", "--starts", "1"],
@@ -39,7 +40,7 @@ LITTLE = {
     "world.py": ["--seconds", "3"],
 }
 #: Benchmarks with their own test file.
-ELSEWHERE = {"mutants.py": "test_mutants.py", "stop.py": "test_stop.py"}
+ELSEWHERE = {"install.py": "test_install.py", "mutants.py": "test_mutants.py", "stop.py": "test_stop.py"}
 
 
 def benchmark(name: str) -> str:

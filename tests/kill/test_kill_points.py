@@ -105,8 +105,8 @@ ENDED = [
     agent("record written", "agent.store.records:Records.write", "after", DONE, 1),
     agent("pictures to be uploaded", FORUM + "_upload", "before", DONE, 1, containing="xff", text=PHOTO),
     agent("pictures uploaded", FORUM + "_upload", "after", DONE, 1, containing="xff", text=PHOTO),
-    agent("final reply to be sent", FORUM + "edit", "before", DONE, 1, containing="state=<CommandState.DONE"),
-    agent("final reply sent", FORUM + "edit", "after", DONE, 1, containing="state=<CommandState.DONE"),
+    agent("final reply to be sent", FORUM + "edit_once", "before", DONE, 1, containing="state=<CommandState.DONE"),
+    agent("final reply sent", FORUM + "edit_once", "after", DONE, 1, containing="state=<CommandState.DONE"),
     agent("journal not closed yet", JOURNAL + "finish", "before", DONE, 1),
     agent("journal closed", JOURNAL + "finish", "after", DONE, 1),
 ]

@@ -35,6 +35,7 @@ from agentrob.agent.intake import event_stream
 from agentrob.agent.queue.queue import QueuedCommand
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.model import Account, AccountKind, EventKind, Post, Primitive, Role
+from agentrob.robots.driver.fencing import FencingNumbers
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import TIME_SCALE, GatedClient, GatedMind, Gates, Stand, robot_stand
 from tests.agent.store.journal_store import JournalStore, open_journal
@@ -96,6 +97,8 @@ class Laws(RuleBasedStateMachine):
         super().__init__()
         self.stand, self.folder, self.approval = stand, folder, approval
         folder.mkdir()
+        # On PostgreSQL each run has a database of its own, and a driver remembers the workers of 32.
+        stand.driver.leases.numbers = FencingNumbers()
         self.runner = asyncio.Runner()
         self.world = MemoryForum.world()
         self.world.sign_in(MODERATOR, role=Role.MODERATOR)
