@@ -70,11 +70,13 @@ def test_the_calls_and_what_was_seen_are_on_the_page(thread: tuple[RunningBoard,
         assert [row[3] for row in rows if row[0]] == ["done, picture 1", "done", "done", "done, picture 2"]
         assert rows[2][3].startswith("not done: ")
         pictures = report.locator(".pictures img")
-        for number in range(2):
+        photos = [row[0] for row in rows if row[3].startswith("done, picture")]
+        for number, step in enumerate(photos):
             picture = pictures.nth(number)
             picture.scroll_into_view_if_needed()
             page.wait_for_function("image => image.naturalWidth > 0", arg=picture.element_handle())
-            assert picture.get_attribute("alt") == f"Picture {number + 1} of {pictures.count()} by {ROBOT}"
+            alt = f"Photo of step {step}, {number + 1} of {pictures.count()} by {ROBOT}"
+            assert picture.get_attribute("alt") == alt
         assert page.evaluate("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
         SHOTS.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=SHOTS / f"look-{width}.png", full_page=True)
