@@ -18,8 +18,11 @@ from agentrob.setup import dialogue, service_manager, units
 from agentrob.setup.answers import Answers, RobotAnswers, Services
 from agentrob.setup.dialogue import Dialogue
 from agentrob.setup.service_manager import SetupError
+from tests.host_numbers import free_port
 from tests.in_process import agentrob
 
+#: Stands for an address where nothing listens.
+FREE = "a free address"
 ALL = ("admin", "title", "listen", "robot", "services", "walk")
 
 
@@ -33,8 +36,9 @@ def answered(*lines: str, asked: tuple[str, ...] = ALL, given: Answers | None = 
 
 # ------------------------------------------------------------------ the dialogue
 def test_a_simulated_robot_needs_few_answers() -> None:
-    answers, shown = answered("chief", "Lab", "127.0.0.1:8099", "simulated", "spot", "g1", "none")
-    assert answers == Answers("chief", title="Lab", listen="127.0.0.1:8099", robot=RobotAnswers("spot", "g1"))
+    listen = f"127.0.0.1:{free_port()}"
+    answers, shown = answered("chief", "Lab", listen, "simulated", "spot", "g1", "none")
+    assert answers == Answers("chief", title="Lab", listen=listen, robot=RobotAnswers("spot", "g1"))
     assert "walk" not in shown, "nothing would run that could walk"
 
 
@@ -50,14 +54,15 @@ def test_a_real_robot_is_asked_for_its_network_and_walks_only_if_somebody_watche
     ("asked", "lines", "said"),
     [
         ("admin", ["Big Chief", "chief"], "'Big Chief' is not valid: 2 to 32 of a-z"),
-        ("listen", ["nowhere", "127.0.0.1:8099"], "nowhere"),
-        ("listen", ["0.0.0.0:70000", "127.0.0.1:8099"], "70000"),
+        ("listen", ["nowhere", FREE], "nowhere"),
+        ("listen", ["0.0.0.0:70000", FREE], "70000"),
         ("robot", ["real", "rex", "go2", "nosuch0", "lo", "400", "0"], "'nosuch0' is not on this machine; valid: lo"),
         ("robot", ["real", "rex", "go2", "lo", "400", "0"], "'400' is not a DDS domain; valid: 0 to 230"),
     ],
 )
 def test_an_answer_that_is_not_valid_is_asked_again(asked: str, lines: list[str], said: str) -> None:
-    _, shown = answered(*lines, asked=(asked,))
+    free = f"127.0.0.1:{free_port()}"
+    _, shown = answered(*(free if line == FREE else line for line in lines), asked=(asked,))
     assert said in shown
 
 
@@ -129,12 +134,13 @@ def test_an_address_that_another_program_uses_is_refused_before_anything_is_writ
         listen = f"127.0.0.1:{other.getsockname()[1]}"
         options = ("--admin", "chief", "--data", "./data", "--services", "user", "--listen", listen)
         done = agentrob(tmp_path, "init", *options)
-        answers, shown = answered(listen, "127.0.0.1:8099", asked=("listen",))
+        free = f"127.0.0.1:{free_port()}"
+        answers, shown = answered(listen, free, asked=("listen",))
     assert done.returncode == 1
     assert f"{listen} is in use" in done.stderr
-    assert "choose another with --listen" in done.stderr
+    assert "choose another (--listen)" in done.stderr
     assert not list(tmp_path.iterdir())
-    assert answers.listen == "127.0.0.1:8099"
+    assert answers.listen == free
     assert f"{listen} is in use" in shown
 
 

@@ -7,6 +7,16 @@ from enum import StrEnum
 from pathlib import Path
 
 from agentrob.config.section import DEFAULT_LISTEN
+from agentrob.errors import ConfigError
+from agentrob.process.listen import is_free, parse_listen
+
+
+def check_address(listen: str) -> None:
+    """Raise `ConfigError` if the forum cannot listen there now: `agentrob init` would take another program's answer for
+    the forum's. Raises `ValueError` for what is not host:port."""
+    host, port = parse_listen(listen)
+    if port and not is_free(host, port):
+        raise ConfigError(f"{listen} is in use, or not an address of this machine; choose another (--listen)")
 
 
 class Services(StrEnum):

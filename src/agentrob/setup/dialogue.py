@@ -17,9 +17,8 @@ from rich.prompt import Confirm, Prompt
 from agentrob.config import load as configuration
 from agentrob.errors import ConfigError
 from agentrob.plugins import names
-from agentrob.process.listen import is_free, parse_listen
 from agentrob.robots.diagnostics import network
-from agentrob.setup.answers import Answers, RobotAnswers, Services
+from agentrob.setup.answers import Answers, RobotAnswers, Services, check_address
 
 HANDLE = re.compile(r"[a-z][a-z0-9_-]{1,31}")
 NO_ROBOT, SIMULATED, REAL = "none", "simulated", "real"
@@ -120,10 +119,8 @@ def _handle(said: str) -> None:
 
 
 def _listen(said: str) -> None:
-    host, port = parse_listen(said)
-    if port and not is_free(host, port):
-        raise ValueError(f"{said} is in use, or not an address of this machine; choose another port")
     try:
+        check_address(said)
         configuration.parse({"board": {"listen": said}}, "listen")
     except ConfigError as e:
         raise ValueError(str(e)) from None

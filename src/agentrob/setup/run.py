@@ -24,8 +24,7 @@ from agentrob.demo import visitor
 from agentrob.errors import ConfigError, ForumError, RobotError, RobotUnreachable
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process import host_lock
-from agentrob.process.listen import is_free, parse_listen
-from agentrob.setup.answers import Answers, RobotAnswers, Services
+from agentrob.setup.answers import Answers, RobotAnswers, Services, check_address
 from agentrob.setup.service_manager import Done, SetupError, install, place_of
 from agentrob.setup.units import processes
 from agentrob.wiring import app, simulators, unlock
@@ -50,7 +49,7 @@ def set_up(answers: Answers, say: Callable[[str], None]) -> None:
         answers = replace(answers, config=answers.config.absolute(), data=str(data.absolute()))
     config = _configuration(answers)
     if answers.services is not Services.NONE:
-        _check_listen(answers.listen)
+        check_address(answers.listen)
     numbered = _Steps(say)
     numbered.show("Forum", _forum(answers, config))
     tokens = config.data_dir / "agents.env"
@@ -96,13 +95,6 @@ def _configuration(answers: Answers) -> Config:
     if answers.robot:
         raw["robots"] = {answers.robot.name: _robot_settings(answers.robot, answers.admin).model_dump()}
     return configuration.parse(raw, "agentrob init")
-
-
-def _check_listen(listen: str) -> None:
-    """Raise `ConfigError` if the forum could not listen there, so that no other program's answer is taken for its."""
-    host, port = parse_listen(listen)
-    if port and not is_free(host, port):
-        raise ConfigError(f"{listen} is in use, or not an address of this machine; choose another with --listen")
 
 
 def _forum(answers: Answers, config: Config) -> Done:

@@ -239,14 +239,14 @@ class StatusPost:
         return True
 
     async def _edit_once(self, post_id: str, final: Shown, images: Sequence[bytes]) -> None:
-        """Write the end under a key of its kind: an earlier try that the forum is still making, perhaps by this agent
-        before it died, was not shown yet when we looked, and its text may differ in a time."""
+        """Write the end at most once. An earlier attempt, perhaps from before a restart, may still be under way and
+        report other times, so the key does not depend on the text."""
         if not isinstance(self._forum, KeyedEdits):
             await self._forum.edit(post_id, final.text, images=images, card=final.card)
             return
         key = "end:guess" if _guessed(final.card) else "end"
         now = await self._forum.edit_once(post_id, final.text, key=key, images=images, card=final.card)
-        if now.card is not None and not is_final(now.card):  # an earlier status that landed later replaced it
+        if now.card is not None and not is_final(now.card):  # a delayed status update has replaced it
             await self._forum.edit(post_id, final.text, images=images, card=final.card)
 
     async def _post_final_reply(self, final: Shown, images: Sequence[bytes], short: str, measured: bool) -> bool:

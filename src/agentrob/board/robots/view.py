@@ -267,8 +267,8 @@ def _applying(limits: Mapping[str, object], ops: object) -> Mapping[str, object]
     """The limits without those of walks and turns that the robot cannot do."""
     if not isinstance(ops, (list, tuple)):
         return limits
-    moves = {BUILT_IN[op].base_motion for op in ops if isinstance(op, str) and op in BUILT_IN}
-    return {name: value for name, value in limits.items() if name not in _LIMITED or _LIMITED[name] in moves}
+    motions = {BUILT_IN[op].base_motion for op in ops if isinstance(op, str) and op in BUILT_IN}
+    return {name: value for name, value in limits.items() if name not in _LIMITED or _LIMITED[name] in motions}
 
 
 def _limits(limits: Mapping[str, object]) -> tuple[tuple[str, str], ...]:

@@ -31,7 +31,6 @@ _TASK = (
 )
 _VIEW = "view|feed|frame|scene|capture|screenshot|camera feed|visual"
 _ANEW = r"(?:sorry|oops|whoops|my mistake|my bad|no|no wait|wait|wait no|actually|uh|er)"
-_LETTER = "[a-z]"
 _ANGLE = rf"{_NUMBER}(?:[ -]{_NUMBER})* degrees?"
 _TENS = r"(?:[1-9]0|ten|twenty|thirty|forty|fifty|sixty|seventy|eighty|ninety)"
 _WHOLE = "(?:full|whole|complete|entire)"
@@ -92,7 +91,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (rf"\b(?:take|snap|send|get) {_WHOM} an? (?:{_KINDLY} )?(photo|picture|pic|shot)\b", r"take a \2 for \1"),
     # ---------------------------------------------------------------- amounts
     *_clock(),
-    (rf"{_BEGIN}(?:mm+|mhmm+|hmm+|huh|er+m?|eh)[,.]? (?={_LETTER})", r"\1"),
+    (rf"{_BEGIN}(?:mm+|mhmm+|hmm+|huh|er+m?|eh)[,.]? (?=[a-z])", r"\1"),
     (rf"\b{_WHOLE} (?={_NUMBER}[\w -]* degrees?\b)", ""),
     (
         rf"\b(turn|swing|spin|rotate|pivot) (?:all the way|completely|fully|right) (?:around|round) "

@@ -163,8 +163,8 @@ class Operation:
     seconds. `time_limit_s`: after this long, and its arguments in seconds, the guard ends it. `measured`: what its
     results measure. `picture`: its result has a picture. `harmless`: no remark beside it makes it dangerous, as with a
     wave; a robot that asks back about remarks does it all the same. `consent`: what the owner's consent to a risky
-    operation is called in the configuration, by default its name. `base_motion`: that of the built-in walk and turn;
-    where a robot's own operation takes it is not known.
+    operation is called in the configuration, by default its name. `base_motion`: how the built-in walk and
+    turn move the base; a robot's own operation has none.
 
     Raises `ValueError` with a sentence for a declaration that is not possible.
     """

@@ -70,15 +70,6 @@ def _database(config: Config) -> Finding:
 
 def _other_forum(config: Config) -> Finding:
     """Whether a forum of another kind answers."""
-
-    async def ask(token: str) -> None:
-        forum = app.make_forum(config, token)
-        try:
-            async with asyncio.timeout(_ANSWER_S):
-                await forum.now()
-        finally:
-            await forum.close()
-
     where = f"{config.forum.kind} at {config.forum.url}"
     token = next((found for name in config.robots if (found := token_of(config, name))), "")
     if not token:
@@ -86,13 +77,23 @@ def _other_forum(config: Config) -> Finding:
             "forum", Status.UNKNOWN, f"{where} was not asked: no robot's token is known here", *_no_token(config)
         )
     try:
-        asyncio.run(ask(token))
+        asyncio.run(_ask(config, token))
     except (AgentRobError, TimeoutError) as e:
         why = str(e) or f"no answer within {_ANSWER_S:g} s"
         return Finding(
             "forum", Status.BAD, f"{where}: {why}", "Start it, or correct url in [forum].", f"curl {config.forum.url}"
         )
     return Finding("forum", Status.OK, f"{where} answers")
+
+
+async def _ask(config: Config, token: str) -> None:
+    """Make a request as the account of this token. Raises `ForumError`, or `TimeoutError` after `_ANSWER_S`."""
+    forum = app.make_forum(config, token)
+    try:
+        async with asyncio.timeout(_ANSWER_S):
+            await forum.now()
+    finally:
+        await forum.close()
 
 
 # ---------------------------------------------------------------------- services
@@ -149,14 +150,13 @@ def of_agent(config: Config, name: str) -> list[Finding]:
 
 
 def _start_agent(config: Config, name: str) -> str:
-    """The command that starts the agent, with its token from the file of `agentrob init` if only that has it."""
+    """The command that starts the agent; it loads the file of `agentrob init` if only that has the token."""
     start = f"agentrob agent run {name}"
     try:
         app.secret(config, name)
     except ConfigError:
-        return (
-            start if not token_of(config, name) else f"set -a; . {shlex.quote(str(config.data_dir / TOKENS))}; {start}"
-        )
+        if token_of(config, name):
+            return f"set -a; . {shlex.quote(str(config.data_dir / TOKENS))}; {start}"
     return start
 
 
@@ -213,17 +213,8 @@ def _account(config: Config, name: str) -> list[Finding]:
 
 def _token(config: Config, name: str, token: str) -> Finding:
     """Whether the forum accepts the token."""
-
-    async def ask() -> None:
-        forum = app.make_forum(config, token)
-        try:
-            async with asyncio.timeout(_ANSWER_S):
-                await forum.now()
-        finally:
-            await forum.close()
-
     try:
-        asyncio.run(ask())
+        asyncio.run(_ask(config, token))
     except ForumDenied as e:
         return Finding("token", Status.BAD, f"the forum refuses its token: {e}", *_no_token(config, name))
     except (AgentRobError, TimeoutError):
