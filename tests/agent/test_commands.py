@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from pathlib import Path
 
 import pytest
 
+from agentrob.agent.media.poses import PoseSampler
 from tests.agent.agent_scene import Driver, Scene, held_by, make_scene
 from tests.tolerances import about_m
 
@@ -52,6 +54,26 @@ async def test_never_mind_takes_back_what_its_author_asked_for_and_has_not_begun
     assert "Cancelled: 2 of your commands" in answer.raw
     assert others[1].card.state == "done"
     assert others[0].card.state != "cancelled"
+
+
+async def test_law_18_never_mind_does_not_take_back_a_command_whose_motion_has_ended(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended, go_on = asyncio.Event(), asyncio.Event()
+
+    async def written(_: PoseSampler) -> None:  # as on a slow disk: its report is not written yet
+        ended.set()
+        await go_on.wait()
+
+    monkeypatch.setattr(PoseSampler, "written", written)
+    async with scene.agent():
+        done = await scene.post("alice", "@quadruped turn left 20 degrees")
+        await asyncio.wait_for(ended.wait(), 60)
+        answer = await scene.final(await scene.post("alice", "@quadruped never mind"))
+        go_on.set()
+        report = await scene.final(done)
+    assert "nothing of yours waiting" in answer.raw
+    assert report.card.state == "done"
 
 
 async def test_never_mind_with_a_new_command_replaces_the_old_one(scene: Scene) -> None:

@@ -114,7 +114,12 @@ def processes_of(data: Path) -> list[str]:
 def test_ctrl_c_while_it_starts_ends_everything_and_it_starts_again(tmp_path: Path) -> None:
     data = tmp_path / "data"
     command = (AGENTROB, "demo", "--port", "0", "--no-browser", "--data", str(data))
-    for step in ("setting up the forum", "building the room and its robots", "waiting for driver", "waiting for agent"):
+    for step in (
+        "setting up the forum",
+        "building the room and its robots",
+        "waiting for driver",
+        "waiting for the agents",
+    ):
         demo = Terminal(*command, **{**os.environ, "TERM": "xterm", "COLUMNS": "200"})
         demo.read_until(step, START_S)
         assert processes_of(data) or step == "setting up the forum"

@@ -89,8 +89,6 @@ def create_app(
             hub.start(store.everything)
             reading = ReadingQueue(reader) if reader is not None else None
             app.state.services = parts = Services(settings, store, hub, presence, reading=reading)
-            if reading is not None:
-                reading.warm()
             background = asyncio.create_task(await _background(parts, me, told))
             try:
                 yield

@@ -136,10 +136,12 @@ class Demo:
         self.says("starting the robots' drivers and agents")
         drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
         board.wait_ready()
-        agents = [self._agent(name, config) for name in self.robots]
-        for child in (*drivers, *agents):
-            self.says(f"waiting for {child.name.replace('-', ' of @')}")
-            child.wait_ready()
+        agents = self._start_agents(config)
+        for driver in drivers:
+            self.says(f"waiting for {driver.name.replace('-', ' of @')}")
+            driver.wait_ready()
+        self.says("waiting for the agents")
+        agents.wait_ready(lines=len(self.robots))
         facts = {"pid": os.getpid(), "url": self.url, "room": self.room_url, "runtime": str(self.runtime)}
         (self.data / "demo.json").write_text(json.dumps(facts))
 
@@ -170,9 +172,13 @@ class Demo:
             if has_simulator(model)
         ]
 
-    def _agent(self, name: str, config: Path) -> Child:
-        env = {"AGENTROB_TOKEN": self.tokens[name]}
-        return self._child(f"agent-{name}", "agent", "run", name, "--config", str(config), env=env)
+    def _start_agents(self, config_path: Path) -> Child:
+        """Start the agents of all robots, in one process."""
+        from agentrob.wiring import app
+
+        config = app.load(config_path)
+        tokens = {app.token_variable(config, name): self.tokens[name] for name in self.robots}
+        return self._child("agents", "agent", "run", *self.robots, "--config", str(config_path), env=tokens)
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}

@@ -1,6 +1,7 @@
 """Start child processes, wait for their ready line, log their output to a file and end them.
 
-A child prints one line of JSON with `"ready": true` on standard output when it can be used. The kernel sends it SIGTERM
+A child prints one line of JSON with `"ready": true` on standard output when it can be used; one that serves several
+robots prints one for each. The kernel sends it SIGTERM
 when its parent dies (`end_with_parent`), so that a killed demo leaves no simulator or driver running.
 """
 
@@ -36,8 +37,8 @@ class Child:
     def __init__(self, name: str, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
         self.name = name
         self.log = log
-        self.ready: dict[str, Any] | None = None
-        self._changed = threading.Event()
+        self._ready: list[dict[str, Any]] = []
+        self._ended, self._changed = False, threading.Condition()
         log.parent.mkdir(parents=True, exist_ok=True)
         with log.open("ab") as errors:
             self.process = subprocess.Popen(
@@ -56,20 +57,30 @@ class Child:
             for line in self.process.stdout:
                 log.write(line)
                 log.flush()
-                if self.ready is None and line.startswith(b"{"):
+                if line.startswith(b"{"):
                     with contextlib.suppress(ValueError):
                         said = json.loads(line)
                         if said.get("ready"):
-                            self.ready = said
-                            self._changed.set()
-        self._changed.set()
+                            with self._changed:
+                                self._ready.append(said)
+                                self._changed.notify_all()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
 
-    def wait_ready(self, limit_s: float = 60.0) -> dict[str, Any]:
-        """The contents of the ready line; `ChildError` with the child's last log line if it ends or is late."""
-        self._changed.wait(limit_s)
-        if self.ready is not None:
-            return self.ready
-        if self.process.poll() is None and self._changed.is_set():
+    @property
+    def ready(self) -> dict[str, Any] | None:
+        """The contents of the first ready line."""
+        return self._ready[0] if self._ready else None
+
+    def wait_ready(self, limit_s: float = 60.0, lines: int = 1) -> dict[str, Any]:
+        """Wait for so many ready lines; return the first. Raises `ChildError` with the child's last log line if it ends
+        before or is late."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._ended or len(self._ready) >= lines, limit_s)
+        if len(self._ready) >= lines:
+            return self._ready[0]
+        if self.process.poll() is None and self._ended:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self.process.wait(2)
         state = "ended" if self.process.poll() is not None else f"was not ready after {limit_s:.0f} s"

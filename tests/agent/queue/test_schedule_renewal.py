@@ -159,6 +159,7 @@ async def test_a_reply_to_one_of_two_schedules_renews_or_cancels_that_one(scene:
         await agent.schedules.load()
         await scene.post("alice", "keep on", topic=one.topic_id)
         await scene.until(lambda: agent.schedules.card and len(agent.schedules.card["schedules"]) == 2)
+        await scene.until(lambda: not len(agent.queue))  # while a post is processed, "cancel" is a stop
         await scene.post("bob", "cancel", topic=one.topic_id, reply_to=first.id)
         await scene.until(lambda: ended(scene, other))
         assert (await kept_of(agent, other)).ended == "cancelled"

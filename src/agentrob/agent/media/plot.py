@@ -55,10 +55,9 @@ def path_plot(results: Sequence[ActionResult]) -> bytes | None:
         span = _frame(axes, [*asked, *local])
         for pose, color, name in ((local[0], _START, "start"), (local[-1], _END, "end")):
             _marker(axes, pose, color, name, 0.09 * span)
-        _legend(axes)
-        picture = io.BytesIO()
-        figure.savefig(picture, format="png", facecolor=_CARD)
-        return picture.getvalue()
+        if axes.get_legend() is None:  # it is the same for all paths
+            _legend(axes)
+        return _png(figure)
 
 
 @cache
@@ -101,6 +100,13 @@ def _canvas() -> tuple[Any, Any]:
 def _path_canvas() -> tuple[Any, Any]:
     """One figure for all paths: to make axes and ticks takes a third of the time of a plot."""
     return _canvas()
+
+
+def _png(figure: Any) -> bytes:
+    """The drawn figure. The compression takes half of the time of the default, for a quarter more bytes."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", facecolor=_CARD, pil_kwargs={"compress_level": 3})
+    return picture.getvalue()
 
 
 def _legend(axes: Any) -> None:
@@ -196,9 +202,7 @@ def preview_plot(preview: Preview, room: Mapping[str, Any]) -> bytes | None:
     arrow = {"arrowstyle": "-|>", "color": _START, "linewidth": 2, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
     axes.annotate("", xy=tip, xytext=(start.x_m, start.y_m), arrowprops=arrow, zorder=5)
     _legend(axes)
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png", facecolor=_CARD)
-    return picture.getvalue()
+    return _png(figure)
 
 
 def _draw_room(axes: Any, room: Mapping[str, Any]) -> None:

@@ -175,6 +175,8 @@ def render_page(
     frame: dict[str, Any] = {"receipt": receipt_of(request, viewer)}
     frame |= {"site": settings.title, "public_read": settings.public_read, "sign_up": settings.sign_up}
     frame["reads"] = services.reading is not None  # commands while they are written
+    if services.reading is not None and viewer.account is not None:
+        services.reading.warm()  # whoever looks at a page may write a command next
     frame["unread"] = _unread(services, viewer)
     frame["asked"] = _asked(services, viewer)
     html = _TEMPLATES.get_template(template).render(
