@@ -138,13 +138,7 @@ class RobotAgent:
         self.records = Records(self.folder)
         self.queue = CommandQueue(self._queue_changed)
         self.threads = PartThreads(forum, self._parts_changed)
-        self.inbox = Inbox(
-            name, lambda: self.journal, self.queue,
-            lambda at: self.stop_handler.why_not(at),  # noqa: PLW0108 (the stop handler is made later)
-            self._settle, self._enqueue, self._decline, self._approve, self._cancel,
-            lambda post, triaged: self.schedules.renew(post, triaged.language, fresh=triaged.fresh),
-            lambda post: self.schedules.amended(post),  # noqa: PLW0108 (made later, too)
-        )  # fmt: skip
+        self.inbox = Inbox(name, self.queue, self)
         self.moderator_alert = ModeratorAlert(forum, name, (*settings.moderators, settings.owner))
         self.stops = StopReplies(
             forum, driver, settings, self.event_stream.now, self._stop_reply, self.clock.settled, self._stopped
@@ -313,7 +307,7 @@ class RobotAgent:
             if not begun and why:
                 job.end(why)
                 await self.journal.end([claim.command.key], why)
-            self._enqueue(job)
+            self.enqueue(job)
         self._claimed_topics = frozenset()
         self.inbox.clear_left_open()
 
@@ -387,7 +381,7 @@ class RobotAgent:
     def _make_schedules(self) -> Schedules:
         return Schedules(
             self.settings, self.forum, self.journal, self.queue, self.event_stream.now, self.stop_handler.why_not,
-            self._enqueue, self.tasks.spawn, self.live_view.card_changed,
+            self.enqueue, self.tasks.spawn, self.live_view.card_changed,
         )  # fmt: skip
 
     def _make_pipeline(self) -> Pipeline:
@@ -556,7 +550,7 @@ class RobotAgent:
                 self.tasks.spawn(self.journal.end([job.command.key], EndReason.STOP))
 
     # ------------------------------------------------------------------ triage
-    async def _settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
+    async def settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
         """Triage a post again once the clocks are compared: only then it is known whether it is fresh."""
         await self.clock.settled()
         if self.clock.was_set() is None:
@@ -635,21 +629,31 @@ class RobotAgent:
         except RobotError as e:
             _log.warning("room not reset", robot=self.name, error=str(e))
 
-    def _decline(self, command: Command) -> None:
+    # ------------------------------------------------------------------ what the inbox asks for
+    def why_stopped(self, posted_at: datetime) -> EndReason | None:
+        return self.stop_handler.why_not(posted_at)
+
+    def enqueue(self, job: QueuedCommand) -> None:
+        self.stops.new_command()
+        self.queue.enter(job)
+        job.task = self.tasks.spawn(self.pipeline.run(job))
+
+    def decline(self, command: Command) -> None:
         self.tasks.spawn(self.pipeline.decline(command))
 
-    async def _approve(self, post: Post, triaged: TriagedPost) -> None:
+    async def decide(self, post: Post, triaged: TriagedPost) -> None:
         await self.pipeline.approvals.record_decision(post, triaged)
 
-    async def _cancel(self, post: Post) -> None:
+    async def cancel(self, post: Post) -> None:
         """Cancel the schedules of a thread, for an account that may stop the robot."""
         if may(post.author, "stop").decision is Decision.ALLOW:
             await self.schedules.cancel(post.topic_id, post.reply_to)
 
-    def _enqueue(self, job: QueuedCommand) -> None:
-        self.stops.new_command()
-        self.queue.enter(job)
-        job.task = self.tasks.spawn(self.pipeline.run(job))
+    async def renew(self, post: Post, triaged: TriagedPost) -> None:
+        await self.schedules.renew(post, triaged.language, fresh=triaged.fresh)
+
+    async def amend(self, post: Post) -> None:
+        await self.schedules.amended(post)
 
     def _queue_changed(self) -> None:
         self.live_view.changed()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -64,6 +65,18 @@ class Primitive:
         return self.base_motion is not None
 
     @property
+    def well_formed(self) -> bool:
+        """Whether exactly the fields are set that its motion has, with amounts that are positive and finite: a negative
+        walk would extend a mandate. `Operation.objection` judges its arguments."""
+        if self.translates:
+            amounts = (self.distance_m, *(() if self.speed_mps is None else (self.speed_mps,)))
+            return self.direction is not None and self.degrees is None and all(map(_positive, amounts))
+        if self.rotates:
+            sideless = self.direction not in (Direction.LEFT, Direction.RIGHT)
+            return not sideless and self.distance_m is None and self.speed_mps is None and _positive(self.degrees)
+        return replace(self, arguments=()) == Primitive(self.op)
+
+    @property
     def turns_in_place(self) -> bool:
         """Whether it is a turn by a robot that declares that its turns do not take it from its place at all: its foot
         stays, and a turn needs no more space than it declares."""
@@ -91,6 +104,10 @@ class Primitive:
     def moves(self) -> bool:
         """Whether the robot's body moves at all."""
         return self.operation.moves
+
+
+def _positive(amount: float | None) -> bool:
+    return amount is not None and math.isfinite(amount) and amount > 0
 
 
 def walk(direction: Direction, distance_m: float | None, speed_mps: float | None = None) -> Primitive:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 from agentrob.language.goal import Aim, Goal
-from agentrob.model import ActionResult, BaseMotion, Capabilities, Direction, Mandate, Outcome, Plan, Primitive
+from agentrob.model import ActionResult, BaseMotion, Capabilities, Mandate, Outcome, Plan, Primitive
 
 #: Tolerance for rounding errors in sums of distances (metres) and angles (degrees).
 ROUNDING = 1e-4
@@ -80,7 +79,7 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
     distance_m = sum(s.travel_m for s in steps)
     degrees = sum(s.degrees or 0.0 for s in steps)
     seconds = sum(result.duration_s for result in tried)
-    if not _plain(step):
+    if not step.well_formed or not (step.walks or step.operation.objection(step.arguments) is None):
         return f"{step.op} {step.asked()} is not a valid step."
     if len(steps) > mandate.steps:
         return f"The command allows {mandate.steps} steps; this would be step {len(steps)}."
@@ -97,19 +96,3 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
     if seconds >= mandate.seconds:
         return f"The command's time of {mandate.seconds:.0f} s is used up."
     return None
-
-
-def _plain(step: Primitive) -> bool:
-    """Return whether amounts are positive exactly where they belong; a negative walk would extend the mandate."""
-    if step.translates:
-        speed = (step.speed_mps,) if step.speed_mps is not None else ()
-        return step.direction is not None and step.degrees is None and all(map(_positive, (step.distance_m, *speed)))
-    if step.rotates:
-        sides = (Direction.LEFT, Direction.RIGHT)
-        return step.direction in sides and step.distance_m is None and _positive(step.degrees)
-    as_declared = step.operation.objection(step.arguments) is None
-    return as_declared and replace(step, arguments=()) == Primitive(step.op)
-
-
-def _positive(amount: float | None) -> bool:
-    return amount is not None and math.isfinite(amount) and amount > 0

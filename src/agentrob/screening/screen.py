@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from dataclasses import replace
 
 from agentrob.language.messages.catalog import can_say, say
 from agentrob.language.messages.plan_text import (
@@ -167,26 +166,13 @@ def _declaration(step: Primitive, capabilities: Capabilities) -> Operation:
 
 
 def _well_formed(step: Primitive, capabilities: Capabilities) -> bool:
-    """Return whether a step has positive, finite amounts exactly where they belong: plans may not come from the
-    grammar.
-    """
-    if step.translates:
-        amounts = [step.distance_m, *([] if step.speed_mps is None else [step.speed_mps])]
-        return step.direction is not None and step.degrees is None and all(map(_positive, amounts))
-    if step.rotates:
-        sides = ("left", "right")
-        return (
-            step.direction in sides and step.distance_m is None and step.speed_mps is None and _positive(step.degrees)
-        )
-    wrong = _declaration(step, capabilities).objection(step.arguments)
-    bounds = (
+    """Return whether a step has what belongs to it and nothing else: plans may not come from the grammar. A number
+    beyond its bounds is reported as that."""
+    wrong = None if step.walks else _declaration(step, capabilities).objection(step.arguments)
+    beyond = (
         wrong is not None and isinstance(wrong[0], Number) and isinstance(wrong[1], float) and math.isfinite(wrong[1])
     )
-    return (wrong is None or bounds) and replace(step, arguments=()) == Primitive(step.op)
-
-
-def _positive(amount: float | None) -> bool:
-    return amount is not None and math.isfinite(amount) and amount > 0
+    return step.well_formed and (wrong is None or beyond)
 
 
 def _beyond_a_step(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:

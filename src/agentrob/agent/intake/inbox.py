@@ -6,9 +6,9 @@ import asyncio
 import math
 import time
 import traceback
-from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from datetime import datetime
+from typing import Protocol
 from uuid import uuid4
 
 import structlog
@@ -30,45 +30,49 @@ SAVE_S = 10.0
 _log = structlog.get_logger()
 
 
+class PostHandler(Protocol):
+    """What is done with the posts of an inbox; the robot's agent implements it."""
+
+    @property
+    def journal(self) -> Journal: ...
+
+    def why_stopped(self, posted_at: datetime) -> EndReason | None:
+        """Why a post of that time may not move: a newer stop. None if it may."""
+
+    async def settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
+        """Wait until the forum's clock is known, and return the post as it is triaged then."""
+
+    def enqueue(self, job: QueuedCommand) -> None:
+        """Start a command."""
+
+    def decline(self, command: Command) -> None:
+        """Report that a command could not be recorded."""
+
+    async def decide(self, post: Post, triaged: TriagedPost) -> None:
+        """Handle a post that approves or denies a command."""
+
+    async def cancel(self, post: Post) -> None:
+        """Handle a post that cancels the schedules of its thread."""
+
+    async def renew(self, post: Post, triaged: TriagedPost) -> None:
+        """Handle a post that renews the schedules of its thread."""
+
+    async def amend(self, post: Post) -> None:
+        """Handle the edit or removal of a post that may have a schedule."""
+
+
 class Inbox:
-    """Handles one robot's events in order.
+    """Handles one robot's events in order."""
 
-    `stopped` returns why a post of a given time may not move: the newest stop is later. `settled` returns the triaged
-    post again once the forum's clock is known. `enqueue` starts a command. `decline` reports that a command could not
-    be recorded. `approve` handles a post that approves or denies a command, `cancel` one that cancels the schedules of
-    its thread, `renew` one that renews them, `amended` the schedule of a post that was edited or removed.
-    """
-
-    def __init__(
-        self,
-        robot: str,
-        journal: Callable[[], Journal],
-        queue: CommandQueue,
-        stopped: Callable[[datetime], EndReason | None],
-        settled: Callable[[Post, TriagedPost], Awaitable[TriagedPost]],
-        enqueue: Callable[[QueuedCommand], None],
-        decline: Callable[[Command], None],
-        approve: Callable[[Post, TriagedPost], Awaitable[None]],
-        cancel: Callable[[Post], Awaitable[None]],
-        renew: Callable[[Post, TriagedPost], Awaitable[None]],
-        amended: Callable[[Post], Awaitable[None]],
-    ) -> None:
+    def __init__(self, robot: str, queue: CommandQueue, handler: PostHandler) -> None:
         #: Posts of commands that have been received and are not queued yet.
         self.coming: dict[str, Post] = {}
         #: Commands that an earlier process claimed and that are not queued yet.
         self.left_open: frozenset[str] = frozenset()
         self._ended: dict[str, EndReason] = {}
         self._robot = robot
-        self._journal = journal
         self._queue = queue
-        self._stopped = stopped
-        self._settled = settled
-        self._enqueue = enqueue
-        self._decline = decline
-        self._approve = approve
-        self._cancel = cancel
-        self._renew = renew
-        self._amended = amended
+        self._handler = handler
         self._waiting: asyncio.Queue[tuple[Event, TriagedPost]] = asyncio.Queue()
 
     @property
@@ -125,7 +129,7 @@ class Inbox:
         try:
             await self.accept(event, triaged)
             if save and event.id:
-                await self._journal().put_all(cursor=event.id, cursor_at=event.at.isoformat())
+                await self._handler.journal.put_all(cursor=event.id, cursor_at=event.at.isoformat())
         except JournalError as e:
             _log.error("post not taken: nothing moves without the journal", robot=self._robot, error=str(e))
             self._not_taken(event, triaged)
@@ -143,7 +147,7 @@ class Inbox:
         if post is None or event.kind is not EventKind.POST_CREATED or triaged.route not in _TO_TAKE:
             return
         if self._queue.find(post.id) is None:
-            self._decline(self._command(post, triaged))
+            self._handler.decline(self._command(post, triaged))
 
     async def accept(self, event: Event, triaged: TriagedPost) -> None:
         """Start a command, or carry out what else a post says; end a command whose post was edited or removed."""
@@ -152,18 +156,18 @@ class Inbox:
             return
         if event.kind is not EventKind.POST_CREATED:
             if post.author.kind not in NOT_OBEYED:  # else it is no command; most edits of a fleet are its robots'
-                await self._amend(post)
-                await self._amended(post)
+                await self._end_amended(post)
+                await self._handler.amend(post)
             return
         if triaged.route not in (Route.CANCEL, Route.STOP, Route.HALT, Route.NOTHING):
-            triaged = await self._settled(post, triaged)
+            triaged = await self._handler.settle(post, triaged)
         match triaged.route:
             case Route.CANCEL:
-                await self._cancel(post)
+                await self._handler.cancel(post)
             case Route.RENEW:
-                await self._renew(post, triaged)
+                await self._handler.renew(post, triaged)
             case Route.APPROVE | Route.DENY:
-                await self._approve(post, triaged)
+                await self._handler.decide(post, triaged)
             case Route.READ | Route.STALE:
                 await self._take_command(post, triaged)
 
@@ -177,7 +181,7 @@ class Inbox:
             await self._start(post, command, ended)
 
     async def _start(self, post: Post, command: Command, ended: EndReason | None) -> None:
-        claim = await self._journal().claim(command, ended)
+        claim = await self._handler.journal.claim(command, ended)
         if not claim.new:
             return
         if (tag := split_tag(post.raw, post.author)[1]) is not None:  # an agent asked: its own trace finds this one
@@ -186,14 +190,14 @@ class Inbox:
         came = self._why_stopped(post) if ended is None else None  # while the claim was written
         if came is not None:
             job.end(came)
-        self._enqueue(job)
+        self._handler.enqueue(job)
         if came is not None:
-            await self._journal().end([command.key], came)
+            await self._handler.journal.end([command.key], came)
 
     def _why_stopped(self, post: Post) -> EndReason | None:
-        return self.ended(post.id) or self._stopped(post.created_at)
+        return self.ended(post.id) or self._handler.why_stopped(post.created_at)
 
-    async def _amend(self, post: Post) -> None:
+    async def _end_amended(self, post: Post) -> None:
         """End the command of a post that was edited or removed."""
         for job in [job for job in self._queue if job.command.post_id == post.id]:
             if post.removed:
@@ -203,7 +207,7 @@ class Inbox:
             else:
                 continue
             job.end(why)
-            await self._journal().end([job.command.key], why)
+            await self._handler.journal.end([job.command.key], why)
 
     def _commands(self, post: Post, triaged: TriagedPost) -> list[Command]:
         """The command of a post; of a post to several robots that wait for each other, one for each part of this
