@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
+import sys
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from agentrob.errors import ConfigError
@@ -15,14 +18,25 @@ PACKAGES = {
 }  # fmt: skip
 
 
+def installed(family: str) -> Mapping[str, EntryPoint]:
+    """The installed plugins of a family by name. All packages are searched once, and again when `sys.path` changes: a
+    worker asks several times for each robot that it takes over."""
+    return _on_path(family, tuple(sys.path))
+
+
+@cache
+def _on_path(family: str, _path: tuple[str, ...]) -> Mapping[str, EntryPoint]:
+    return {e.name: e for e in entry_points(group=f"agentrob.{family}")}
+
+
 def names(family: str) -> list[str]:
     """The names of the installed plugins of a family."""
-    return sorted(e.name for e in entry_points(group=f"agentrob.{family}"))
+    return sorted(installed(family))
 
 
 def find(family: str, name: str) -> Any:
     """Load the object that an entry point names. Raises `ConfigError` if it is not installed or cannot be loaded."""
-    plugins, kind = {e.name: e for e in entry_points(group=f"agentrob.{family}")}, family.removesuffix("s")
+    plugins, kind = installed(family), family.removesuffix("s")
     if name not in plugins:
         package = f": pip install {PACKAGES[name]}" if family == "robots" and name in PACKAGES else ""
         raise ConfigError(

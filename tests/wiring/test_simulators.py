@@ -68,7 +68,7 @@ def test_drive_and_demo_run_it_as_a_command(installed: None) -> None:
 def test_a_robot_of_our_own_packages_that_is_not_installed_is_told_with_its_package(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(plugins, "entry_points", lambda group: [])
+    monkeypatch.setattr(plugins, "installed", lambda family: {})
     with pytest.raises(ConfigError, match=r"robot 'ros2-sim' is not installed: pip install agentrob-ros2; installed"):
         plugins.find("robots", "ros2-sim")
     with pytest.raises(ConfigError, match=r"robot 'nosuch' is not installed; installed robots"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import structlog
 
@@ -84,7 +85,9 @@ async def prepare(mind: Mind) -> None:
         await mind.prepare()
 
 
+@cache
 def _warm_up_rules() -> None:
+    """Once in a process: a worker prepares each of its agents."""
     for text in WARM_UP:
         parse(text, (), (), frozenset())
         small_talk_of(text, (), ())
