@@ -46,10 +46,12 @@ _STORE = ("contract", "schedules", "journal", "same_on_both", "retention", "tran
 #: The test files of each room or file.
 TESTS = {
     "src/agentrob/robots/safety": ("tests/robots/safety",),
-    **dict.fromkeys(
-        ("src/agentrob/robots/safety/guard.py", "src/agentrob/robots/safety/crash_marker.py"),
-        ("tests/robots/safety", "tests/robots/driver/test_restart.py"),
+    "src/agentrob/robots/safety/guard.py": (
+        "tests/robots/safety",
+        "tests/robots/driver/test_restart.py",
+        "tests/robots/driver/test_room.py",
     ),
+    "src/agentrob/robots/safety/crash_marker.py": ("tests/robots/safety", "tests/robots/driver/test_restart.py"),
     "src/agentrob/screening": ("tests/screening",),
     "src/agentrob/agent/store": tuple(f"tests/agent/store/test_{name}.py" for name in _STORE),
 }
@@ -280,7 +282,8 @@ def kill(running: Running) -> None:
 
 def measure(root: Path, file: str, tests: Iterable[str], options: argparse.Namespace) -> list[Result]:
     """Run the tests against the mutants of a file."""
-    mutants = mutants_of((root / file).read_text(encoding="utf-8"))
+    first, last = options.lines
+    mutants = [m for m in mutants_of((root / file).read_text(encoding="utf-8")) if first <= m.line <= last]
     if options.sample and options.sample < len(mutants):
         chosen = random.Random(options.seed).sample(range(len(mutants)), options.sample)
         mutants = [mutants[n] for n in sorted(chosen)]
@@ -338,6 +341,9 @@ def main() -> None:
     parser.add_argument("--root", type=Path, default=ROOT, help="the project; its packages are in src")
     parser.add_argument("--sample", type=int, default=0, help="so many mutants of each file, chosen at random")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--lines", type=int, nargs=2, default=(1, sys.maxsize), metavar=("FIRST", "LAST"), help="only these lines"
+    )
     parser.add_argument("--longest", type=float, default=math.inf, help="leave out tests that take longer, in seconds")
     parser.add_argument("--jobs", type=int, default=1, help="so many mutants at a time")
     parser.add_argument("--json", action="store_true")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -206,3 +207,38 @@ def test_law_8_a_step_without_readings_is_no_faster_than_it_was_asked_for(
     guard = make({"faults": {"ranges": "missing"}}, allow_unknown_ranges=True)
     assert guard.step(move(0.3, speed_mps=asked_mps), go_on).ok
     assert fake_of(guard).commanded.forward_mps == pytest.approx(at_most_mps)
+
+
+def test_a_pose_is_told_in_the_frame_of_home_and_not_without_one(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard = make(home_on_start=False)
+    fake_of(guard).carry(Pose(3.0, 4.0, 0.5))
+    assert guard.posture().pose is None
+    until(lambda: can_set_home(guard))
+    fake_of(guard).carry(Pose(3.0, 5.0, 0.5))
+    told = guard.posture().pose
+    assert told is not None
+    assert (told.x_m, told.y_m) == pytest.approx((math.sin(0.5), math.cos(0.5)))
+    assert told.yaw_rad == pytest.approx(0.0)
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None))
+    assert guard.posture().pose is None
+
+
+@pytest.mark.parametrize(
+    ("simulated", "home_on_start", "warned"), [(True, True, False), (False, True, True), (False, False, False)]
+)
+def test_law_9_the_owner_of_a_real_robot_is_told_that_its_start_sets_no_home(
+    make: Make, caplog: pytest.LogCaptureFixture, simulated: bool, home_on_start: bool, warned: bool
+) -> None:
+    make(simulated=simulated, home_on_start=home_on_start)
+    assert ("home_on_start homes simulated robots only" in caplog.text) is warned
+
+
+def test_a_guard_watches_until_it_is_closed_and_keeps_no_process_from_ending(make: Make) -> None:
+    before = set(threading.enumerate())
+    guard = make()
+    (observer,) = (t for t in set(threading.enumerate()) - before if t.name == "guard-observer")
+    assert observer.daemon
+    guard.close()
+    observer.join(60)
+    assert not observer.is_alive()
