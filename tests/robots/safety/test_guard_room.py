@@ -1,0 +1,106 @@
+"""Law 11 in a shared room, in the guard itself: when the robot's place there is known, and when a step gets its zone."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from agentrob.config.robots import RobotConfig
+from agentrob.model import Outcome, Pose
+from agentrob.robots.contract import go_on
+from agentrob.robots.fake import FakeRobot
+from agentrob.robots.safety.crash_marker import boot_id
+from agentrob.robots.safety.guard import SAME_PLACE_M, Guard
+from agentrob.robots.safety.lock import Halt
+from agentrob.robots.zones.keeper import LocalKeeper
+from agentrob.robots.zones.member import RoomMember
+from tests.robots.guard_scene import can_set_home, fake_of, move, until
+
+InRoom = Callable[..., tuple[Guard, RoomMember]]
+
+
+@pytest.fixture
+def in_room(tmp_path: Path) -> Iterator[InRoom]:
+    """Make guarded fake robots that share a room; keywords are settings."""
+    guards: list[Guard] = []
+
+    def make(name: str, error_m: float | None = 0.1, **changed: object) -> tuple[Guard, RoomMember]:
+        given = {"model": "fake", "simulated": True, "home_on_start": True, **changed}
+        settings = RobotConfig.model_validate({"options": {"time_scale": math.inf}, **given})
+        keeper = LocalKeeper(tmp_path / "lab.sqlite", boot_id, time.monotonic)
+        room = RoomMember(name, "lab", keeper, error_m=error_m)
+        room.start()
+        guards.append(Guard(FakeRobot(settings), settings, Halt(tmp_path / f"{name}.halt"), room=room))
+        return guards[-1], room
+
+    yield make
+    for guard in guards:
+        guard.close()
+
+
+def homed_again(guard: Guard, x_m: float) -> None:
+    """Carry the robot to a place, and set its home there."""
+    fake_of(guard).carry(Pose(x_m, 0, 0))
+    until(lambda: can_set_home(guard))
+
+
+def homed(guard: Guard) -> None:
+    until(lambda: guard.state().homed)
+
+
+def test_law_11_a_home_that_is_set_in_another_place_is_not_where_the_settings_say(in_room: InRoom) -> None:
+    guard, room = in_room("ann")
+    homed(guard)
+    assert room.framed
+    homed_again(guard, 1.0)
+    assert not room.framed, "it takes the whole room from now on"
+
+
+def test_law_11_a_home_that_is_set_again_in_the_same_place_changes_nothing(in_room: InRoom) -> None:
+    guard, room = in_room("ann", simulated=False, home_on_start=False)
+    for x_m in (0.0, 0.5 * SAME_PLACE_M):
+        homed_again(guard, x_m)
+        assert room.framed
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+def test_law_11_back_at_its_first_home_only_a_simulated_robot_is_known_to_be_there(
+    in_room: InRoom, simulated: bool
+) -> None:
+    guard, room = in_room("ann", simulated=simulated, home_on_start=False)
+    for x_m in (0.0, 1.0, 0.0):  # a restart may have set the odometry of a real robot to zero anywhere
+        homed_again(guard, x_m)
+    assert room.framed is simulated
+
+
+def test_law_11_a_robot_whose_odometry_jumps_takes_the_whole_room(in_room: InRoom) -> None:
+    guard, room = in_room("ann", home_on_start=False)
+    homed_again(guard, 0.0)
+    fake_of(guard).carry(Pose(5.0, 0, 0))
+    until(lambda: not room.framed)
+
+
+def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(in_room: InRoom) -> None:
+    ann, _ = in_room("ann", error_m=None)  # it always takes the whole room
+    bob, _ = in_room("bob", error_m=None)
+    for guard in (ann, bob):
+        homed(guard)
+    assert ann.enter_room([move(0.3)]) is None
+    hindrance = bob.enter_room([move(0.3)])
+    assert hindrance is not None
+    assert (hindrance.reason, hindrance.robot) == ("room_busy", "ann")
+    refused = bob.step(move(0.3), go_on)
+    assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "room_busy")
+    ann.leave_room()
+    until(lambda: bob.enter_room([move(0.3)]) is None)
+    assert bob.step(move(0.3), go_on).ok
+
+
+def test_a_robot_that_shares_no_room_has_no_zone_to_wait_for(make: Callable[..., Guard]) -> None:
+    guard = make()
+    assert guard.enter_room([move(0.3)]) is None
+    guard.leave_room()
