@@ -152,6 +152,15 @@ def test_law_8_its_time_limit_ends_it(make: Make) -> None:
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "deadline")
 
 
+@pytest.mark.parametrize(("left_s", "done"), [(2.9, False), (3.1, True)])
+def test_a_step_that_asks_for_more_seconds_than_are_left_is_not_begun(make: Make, left_s: float, done: bool) -> None:
+    result = make().step(STEP, go_on, left_s)
+    assert result.ok is done, result.message
+    if not done:
+        assert (result.outcome, result.reason) == (Outcome.REFUSED, "deadline")
+        assert result.message == "This step needs at least 3.0 s, and only 2.9 s are left."
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason", "said"),
     [

@@ -242,3 +242,27 @@ def test_a_guard_watches_until_it_is_closed_and_keeps_no_process_from_ending(mak
     guard.close()
     observer.join(60)
     assert not observer.is_alive()
+
+
+def test_law_8_a_fresh_state_without_a_position_is_refused_as_what_it_is(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None))
+    result = guard.step(HELLO, go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
+    assert result.message == "The robot tells no position: its odometry is missing or not a number."
+
+
+@pytest.mark.parametrize(("simulated", "told"), [(True, False), (False, True)])
+def test_law_9_a_real_robot_without_a_home_is_told_that_its_start_sets_none(
+    make: Make, monkeypatch: pytest.MonkeyPatch, simulated: bool, told: bool
+) -> None:
+    monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
+    guard = make(simulated=simulated)
+    age_states(guard, monkeypatch, 0.49)
+    monkeypatch.setattr(guard, "_fence", None)
+    monkeypatch.setattr(guard, "_homes_itself", False)
+    result = guard.step(HELLO, go_on)
+    assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed")
+    assert ("home_on_start homes simulated robots only" in result.message) is told

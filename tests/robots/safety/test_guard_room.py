@@ -1,4 +1,4 @@
-"""Law 11 in a shared room, in the guard itself: when the robot's place there is known, and when a step gets its zone."""
+"""Law 11 in a shared room, in the guard: when the robot's place there is known, and when a step gets its zone."""
 
 from __future__ import annotations
 
@@ -84,7 +84,10 @@ def test_law_11_a_robot_whose_odometry_jumps_takes_the_whole_room(in_room: InRoo
     until(lambda: not room.framed)
 
 
-def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(in_room: InRoom) -> None:
+def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(
+    in_room: InRoom, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agentrob.robots.zones.member.KEEP_S", 1000.0)  # so that only leaving gives the room back
     ann, _ = in_room("ann", error_m=None)  # it always takes the whole room
     bob, _ = in_room("bob", error_m=None)
     for guard in (ann, bob):
@@ -98,6 +101,17 @@ def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(in_room:
     ann.leave_room()
     until(lambda: bob.enter_room([move(0.3)]) is None)
     assert bob.step(move(0.3), go_on).ok
+
+
+def test_law_11_a_robot_whose_step_runs_is_not_at_rest_however_still_it_stands(in_room: InRoom) -> None:
+    guard, room = in_room("ann")
+    homed(guard)
+    until(lambda: room.at_rest)
+    during: list[bool] = []
+    assert guard.step(move(0.3), lambda _: during.append(room.at_rest)).ok
+    assert during
+    assert not any(during)
+    until(lambda: room.at_rest)
 
 
 def test_a_robot_that_shares_no_room_has_no_zone_to_wait_for(make: Callable[..., Guard]) -> None:
