@@ -266,3 +266,21 @@ def test_law_9_a_real_robot_without_a_home_is_told_that_its_start_sets_none(
     result = guard.step(HELLO, go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed")
     assert ("home_on_start homes simulated robots only" in result.message) is told
+
+
+def test_law_18_a_step_whose_state_was_lost_for_a_moment_is_not_measured(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot, lost = fake_of(guard), threading.Event()
+    seen, rest = robot._seen, robot.rest
+
+    def come_to_rest() -> None:
+        lost.clear()
+        rest()
+
+    monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), age_s=1.0) if lost.is_set() else seen())
+    monkeypatch.setattr(robot, "rest", come_to_rest)
+    result = guard.step(move(0.3), lambda state: lost.set() if state.pose.x_m > 0.1 else None)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+    assert guard.state().age_s < 0.5, "its state has come again"
+    assert not result.measured
