@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.config.robots import RobotConfig
+from agentrob.config.robots import FenceConfig, RobotConfig
 from agentrob.errors import RobotError
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
+from agentrob.robots.safety.fence import Fence
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
@@ -284,3 +285,31 @@ def test_law_18_a_step_whose_state_was_lost_for_a_moment_is_not_measured(
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
     assert guard.state().age_s < 0.5, "its state has come again"
     assert not result.measured
+
+
+@pytest.mark.parametrize("tells_speed", [True, False])
+def test_law_8_a_walk_that_nears_the_fence_ends_so_that_the_robot_rests_inside(
+    make: Make, monkeypatch: pytest.MonkeyPatch, tells_speed: bool
+) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    robot, edge_m = fake_of(guard), 0.6
+    seen = robot._seen
+    if not tells_speed:  # then it counts as fast as it was asked to go
+        monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), velocity_mps=None))
+
+    def narrow(state: RobotState) -> None:
+        if state.pose.x_m > 0.3:  # its odometry drifts, for instance: the step would not have been begun
+            guard._fence = Fence(FenceConfig(x_min_m=-1, x_max_m=edge_m, y_min_m=-1, y_max_m=1), Pose(0, 0, 0))
+
+    result = guard.step(move(1.0, speed_mps=0.5), narrow)
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "fence")
+    assert 0.3 < robot.pose.x_m <= edge_m
+
+
+def test_a_walk_that_is_measured_faster_than_its_limit_goes_on(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard = make(fence={"x_min_m": -9, "x_max_m": 9, "y_min_m": -9, "y_max_m": 9})
+    until(lambda: guard.state().homed)
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), velocity_mps=(1.0, 0.0)))
+    assert guard.step(move(0.3), go_on).reason != "limit_speed_mps"
