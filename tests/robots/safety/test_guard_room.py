@@ -18,7 +18,7 @@ from agentrob.robots.safety.guard import SAME_PLACE_M, Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.zones.keeper import LocalKeeper
 from agentrob.robots.zones.member import RoomMember
-from tests.robots.guard_scene import can_set_home, fake_of, move, until
+from tests.robots.guard_scene import ExternalController, can_set_home, fake_of, move, until
 
 InRoom = Callable[..., tuple[Guard, RoomMember]]
 
@@ -101,6 +101,22 @@ def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(
     ann.leave_room()
     until(lambda: bob.enter_room([move(0.3)]) is None)
     assert bob.step(move(0.3), go_on).ok
+
+
+def test_law_11_who_asks_for_a_zone_waits_until_the_robot_is_measured_to_rest(in_room: InRoom) -> None:
+    guard, room = in_room("ann")
+    assert not room.at_rest, "it has been watched for too short a time"
+    assert guard.enter_room([move(0.3)]) is None
+    assert room.at_rest
+
+
+def test_law_11_a_robot_that_does_not_come_to_rest_gets_no_zone(in_room: InRoom) -> None:
+    guard, _ = in_room("ann", options={"time_scale": 1.0})
+    with ExternalController(fake_of(guard)):
+        until(lambda: abs(guard.state().velocity_mps[0]) > 0.1)
+        hindrance = guard.enter_room([move(0.3)])
+    assert hindrance is not None
+    assert hindrance.reason == "room_restless"
 
 
 def test_law_11_a_robot_whose_step_runs_is_not_at_rest_however_still_it_stands(in_room: InRoom) -> None:
