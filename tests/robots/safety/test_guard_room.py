@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -134,3 +135,12 @@ def test_a_robot_that_shares_no_room_has_no_zone_to_wait_for(make: Callable[...,
     guard = make()
     assert guard.enter_room([move(0.3)]) is None
     guard.leave_room()
+
+
+def test_law_11_a_closed_guard_reports_to_its_room_no_more(in_room: InRoom) -> None:
+    before = set(threading.enumerate())
+    guard, _ = in_room("ann")
+    (reporting,) = (t for t in set(threading.enumerate()) - before if t.name == "room")
+    guard.close()
+    reporting.join(60)
+    assert not reporting.is_alive()
