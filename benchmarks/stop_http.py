@@ -15,6 +15,7 @@ import contextlib
 import json
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import httpx2
@@ -32,15 +33,14 @@ TOKEN = "benchmark-token-of-nobody"
 class ServedDemo(Demo):
     """A demo that runs the Go2's agent as a service."""
 
-    def _agent(self, name: str, config: Path) -> Child:
-        if name != posts.ROBOT:
-            return super()._agent(name, config)
+    def _start_agents(self, robots: Sequence[str], config_path: Path) -> list[Child]:
+        others = super()._start_agents([robot for robot in robots if robot != posts.ROBOT], config_path)
         tokens = {"stopper": {"token_env": "STOP_TOKEN", "scopes": ["stop"]}}
         service = ServiceConfig.model_validate({"listen": "127.0.0.1:0", "tokens": tokens})
         path = self.data / "served.toml"
-        app.load(config).model_copy(update={"service": service}).write(path)
-        env = {"AGENTROB_TOKEN": self.tokens[name], "STOP_TOKEN": TOKEN}
-        return self._child(f"agent-{name}", "agent", "serve", name, "--config", str(path), env=env)
+        app.load(config_path).model_copy(update={"service": service}).write(path)
+        env = {"AGENTROB_TOKEN": self.tokens[posts.ROBOT], "STOP_TOKEN": TOKEN}
+        return [*others, self._child("service", "agent", "serve", posts.ROBOT, "--config", str(path), env=env)]
 
 
 async def trial(scene: posts.Scene, http: httpx2.AsyncClient) -> tuple[float, float]:
@@ -58,7 +58,7 @@ async def trial(scene: posts.Scene, http: httpx2.AsyncClient) -> tuple[float, fl
 
 async def measure(demo: Demo, trials: int) -> posts.Row:
     row, told_ms = posts.Row("http", posts.STOP_LIMIT_MS), []
-    ready = next(child for child in demo.children if child.name == f"agent-{posts.ROBOT}").wait_ready()
+    ready = next(child for child in demo.children if child.name == "service").wait_ready()
     client = httpx2.AsyncClient(
         base_url=ready["url"], headers={"Authorization": f"Bearer {TOKEN}"}, trust_env=False, timeout=20
     )

@@ -136,12 +136,13 @@ class Demo:
         self.says("starting the robots' drivers and agents")
         drivers = [self._child(f"driver-{name}", "driver", name, "--config", str(config)) for name in self.robots]
         board.wait_ready()
-        agents = self._start_agents(config)
+        agents = self._start_agents(list(self.robots), config)
         for driver in drivers:
             self.says(f"waiting for {driver.name.replace('-', ' of @')}")
             driver.wait_ready()
         self.says("waiting for the agents")
-        agents.wait_ready(lines=len(self.robots))
+        for child in agents:
+            child.wait_ready()
         facts = {"pid": os.getpid(), "url": self.url, "room": self.room_url, "runtime": str(self.runtime)}
         (self.data / "demo.json").write_text(json.dumps(facts))
 
@@ -172,17 +173,18 @@ class Demo:
             if has_simulator(model)
         ]
 
-    def _start_agents(self, config_path: Path) -> Child:
-        """Start the agents of all robots, in one process."""
+    def _start_agents(self, robots: Sequence[str], config_path: Path) -> list[Child]:
+        """Start the agents of these robots, in one process."""
         from agentrob.wiring import app
 
         config = app.load(config_path)
-        tokens = {app.token_variable(config, name): self.tokens[name] for name in self.robots}
-        return self._child("agents", "agent", "run", *self.robots, "--config", str(config_path), env=tokens)
+        tokens = {app.token_variable(config, robot): self.tokens[robot] for robot in robots}
+        words = ("agent", "run", *robots, "--config", str(config_path))
+        return [self._child("agents", *words, env=tokens, ready_lines=len(robots))]
 
-    def _child(self, name: str, *args: str, env: dict[str, str] | None = None) -> Child:
+    def _child(self, name: str, *args: str, env: dict[str, str] | None = None, ready_lines: int = 1) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
-        child = Child(name, args, self.data / "log" / f"{name}.log", own)
+        child = Child(name, args, self.data / "log" / f"{name}.log", own, ready_lines)
         self.children.append(child)
         return child
 

@@ -32,11 +32,17 @@ class ChildError(AgentRobError):
 
 
 class Child:
-    """`python -m agentrob <args>` in a session of its own, so that Ctrl-C reaches only the parent, which ends it."""
+    """`python -m agentrob <args>` in a session of its own, so that Ctrl-C reaches only the parent, which ends it.
 
-    def __init__(self, name: str, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None) -> None:
+    It can be used when it has printed so many `ready_lines`.
+    """
+
+    def __init__(
+        self, name: str, args: Sequence[str], log: Path, env: Mapping[str, str] | None = None, ready_lines: int = 1
+    ) -> None:
         self.name = name
         self.log = log
+        self._ready_lines = ready_lines
         self._ready: list[dict[str, Any]] = []
         self._ended, self._changed = False, threading.Condition()
         log.parent.mkdir(parents=True, exist_ok=True)
@@ -73,12 +79,12 @@ class Child:
         """The contents of the first ready line."""
         return self._ready[0] if self._ready else None
 
-    def wait_ready(self, limit_s: float = 60.0, lines: int = 1) -> dict[str, Any]:
-        """Wait for so many ready lines; return the first. Raises `ChildError` with the child's last log line if it ends
-        before or is late."""
+    def wait_ready(self, limit_s: float = 60.0) -> dict[str, Any]:
+        """The contents of the first ready line; `ChildError` with the child's last log line if it ends before all of
+        them or is late."""
         with self._changed:
-            self._changed.wait_for(lambda: self._ended or len(self._ready) >= lines, limit_s)
-        if len(self._ready) >= lines:
+            self._changed.wait_for(lambda: self._ended or len(self._ready) >= self._ready_lines, limit_s)
+        if len(self._ready) >= self._ready_lines:
             return self._ready[0]
         if self.process.poll() is None and self._ended:
             with contextlib.suppress(subprocess.TimeoutExpired):
