@@ -185,7 +185,7 @@ class Scene:
         headers = {"Authorization": f"Bearer {demo.tokens[VISITOR]}"}
         self.http = httpx2.AsyncClient(headers=headers, trust_env=False, timeout=WAIT_S)
         self.wire = Wire(self.domain)
-        self.agents = next(child for child in demo.children if child.name == "agents").process
+        self.worker = next(child for child in demo.children if child.name == "worker").process
         self._posts = 0
         self.late = 0  # stops that took effect after the event that they should have preceded
         self.unwritten = 0  # stops that could not be written to the journal
@@ -292,11 +292,11 @@ async def frozen(scene: Scene) -> float:
     command = await scene.walk()
     await scene.walking(mark)
     asked_s = time.monotonic()
-    scene.agents.send_signal(signal.SIGSTOP)
+    scene.worker.send_signal(signal.SIGSTOP)
     try:
         await scene.wire.wait("zero", mark, asked_s)
     finally:
-        scene.agents.send_signal(signal.SIGCONT)
+        scene.worker.send_signal(signal.SIGCONT)
     return await _settled(scene, command, mark, asked_s)
 
 
@@ -397,7 +397,7 @@ async def full_disk(scene: Scene) -> float:
     mark = len(scene.wire.heard)
     command = await scene.walk()
     await scene.walking(mark)
-    with full(scene.agents.pid):
+    with full(scene.worker.pid):
         stop, accepted_s = await scene.stop(command)
         await scene.wire.wait("zero", mark, accepted_s)
         await asyncio.sleep(FULL_S)

@@ -61,7 +61,7 @@ async def test_law_18_never_mind_does_not_take_back_a_command_whose_motion_has_e
 ) -> None:
     ended, go_on = asyncio.Event(), asyncio.Event()
 
-    async def written(_: PoseSampler) -> None:  # as on a slow disk: its report is not written yet
+    async def written(_: PoseSampler) -> None:  # as on a slow disk, which delays the report
         ended.set()
         await go_on.wait()
 

@@ -259,11 +259,11 @@ def test_law_17_the_absence_of_any_driver_is_reported(monkeypatch: pytest.Monkey
 
 @pytest.fixture(scope="module")
 def orphaned_demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    """Start a demo and kill its board and its agents."""
+    """Start a demo and kill its board and its worker."""
     with Demo(DemoSettings(tmp_path_factory.mktemp("headless") / "demo", port=0)) as demo:
         demo.start()
         child = {child.name: child for child in demo.children}
-        kill(child["agents"].process, child["board"].process)
+        kill(child["worker"].process, child["board"].process)
         yield demo
 
 

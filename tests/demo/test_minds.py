@@ -71,6 +71,20 @@ def test_an_unknown_mind_is_reported_before_anything_starts(tmp_path: Path) -> N
     assert not list((tmp_path / "demo").glob("log/*"))
 
 
+def test_a_mind_that_cannot_be_loaded_is_reported_before_anything_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    info = tmp_path / "broken_mind-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken-mind\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[agentrob.minds]\nbroken = no_such_module:Mind\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    broken = demo(tmp_path / "demo", tmp_path / "a", "--mind", "broken")
+    assert broken.returncode == 1
+    assert "the mind 'broken' of the package broken-mind cannot be loaded" in broken.stderr.splitlines()[-1]
+    assert not list((tmp_path / "demo").glob("log/*"))
+
+
 @pytest.mark.sim
 @pytest.mark.slow
 def test_a_chosen_mind_is_kept_by_later_starts(tmp_path: Path) -> None:

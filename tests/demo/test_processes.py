@@ -303,7 +303,7 @@ def test_a_question_back_ends_with_exit_code_one(tmp_path: Path) -> None:
 def test_ctrl_c_ends_everything_within_three_seconds_and_leaves_no_process_lock_or_port(demo: RunningDemo) -> None:
     """This is the last test of the file, because it ends the demo that the others use."""
     children = descendants(demo.process.pid)
-    assert len(children) >= 5, "the forum, the world, a driver for each robot, and their agents"
+    assert len(children) >= 5, "the forum, the world, a driver for each robot, and a worker"
     locks = locks_of({demo.process.pid, *children})
     kinds = sorted(name.split("/")[0] for name in locks.values())
     assert kinds == ["board", "domain", "domain", "driver", "driver", "world", "world"]

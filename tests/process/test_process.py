@@ -98,6 +98,25 @@ def test_a_failed_child_is_reported_with_its_last_output(tmp_path: Path) -> None
     terminate_all([child])
 
 
+def test_a_child_that_serves_several_robots_is_ready_when_each_of_them_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    second = tmp_path / "second"
+    os.mkfifo(second)
+    program = tmp_path / "program"  # prints one ready line, and the next one when it is told to
+    program.write_text(f'#!/bin/sh\necho \'{{"ready": true, "robot": "ann"}}\'\ncat {second}\nexec sleep 1000\n')
+    program.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(program))
+    child = Child("worker", [], tmp_path / "worker.log", ready_lines=2)
+    try:
+        with pytest.raises(ChildError, match="worker was not ready after 0 s"):
+            child.wait_ready(0.2)
+        second.write_text('{"ready": true, "robot": "bob"}\n')
+        assert child.wait_ready(LIMIT_S) == {"ready": True, "robot": "ann"}
+    finally:
+        terminate_all([child])
+
+
 def test_children_end_when_their_parent_is_killed(tmp_path: Path) -> None:
     code = (
         "from pathlib import Path; from agentrob.process.child import Child\n"

@@ -87,14 +87,16 @@ class ReadingQueue:
     def __init__(self, make: Callable[[], CommandReader]) -> None:
         self._reader = make()
         self._thread = ThreadPoolExecutor(1, "board-reading")
-        self._waiting, self._warm = 0, False
+        self._waiting = 0
+        self._begun = False
         self._limiter, self._most = MovingWindowRateLimiter(MemoryStorage()), RateLimitItemPerMinute(PER_MINUTE)
 
     def warm(self) -> None:
-        """Let the reader begin, if it has not, so that the first text does not wait for that."""
-        if self._warm:
+        """Start the reader, unless it was started before, so that the first text does not wait for that."""
+        if self._begun:
             return
-        self._warm, nobody = True, Account("0", "nobody")
+        self._begun = True
+        nobody = Account("0", "nobody")
         self._thread.submit(self._reader.read, DraftCommand("", nobody)).add_done_callback(
             lambda done: done.exception()
         )

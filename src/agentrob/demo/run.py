@@ -174,13 +174,13 @@ class Demo:
         ]
 
     def _start_agents(self, robots: Sequence[str], config_path: Path) -> list[Child]:
-        """Start the agents of these robots, in one process."""
+        """Start a worker that runs the agents of these robots."""
         from agentrob.wiring import app
 
         config = app.load(config_path)
         tokens = {app.token_variable(config, robot): self.tokens[robot] for robot in robots}
         words = ("agent", "run", *robots, "--config", str(config_path))
-        return [self._child("agents", *words, env=tokens, ready_lines=len(robots))]
+        return [self._child("worker", *words, env=tokens, ready_lines=len(robots))]
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None, ready_lines: int = 1) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
@@ -231,7 +231,8 @@ class Demo:
         return path
 
     def _minds(self) -> tuple[dict[str, MindConfig], str]:
-        """The configured models, and the mind that reads posts. Raises `ConfigError` if it is unknown."""
+        """The configured models, and the mind that reads posts. Raises `ConfigError` if it is unknown or cannot be
+        loaded."""
         path = self.data / "agentrob.toml"
         previous = self._previous_config(path)
         minds = previous.minds | configuration.load().minds
@@ -241,6 +242,8 @@ class Demo:
         if mind not in known:
             valid = ", ".join(known)
             raise ConfigError(f"unknown mind {mind!r}; valid: {valid}; add [minds.NAME] to ./agentrob.toml or {path}")
+        if mind not in minds and mind != "rules":
+            plugins.find("minds", mind)  # else the agents would try again and again to load one that cannot be loaded
         return minds, mind
 
     def _previous_config(self, path: Path) -> Config:

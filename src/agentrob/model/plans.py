@@ -66,14 +66,14 @@ class Primitive:
 
     @property
     def well_formed(self) -> bool:
-        """Whether exactly the fields are set that its motion has, with amounts that are positive and finite: a negative
-        walk would extend a mandate. `Operation.objection` judges its arguments."""
+        """Whether the fields that belong to its motion are set, and no others, and amounts are positive and finite: a
+        negative walk would extend a mandate. `Operation.objection` checks arguments."""
         if self.translates:
-            amounts = (self.distance_m, *(() if self.speed_mps is None else (self.speed_mps,)))
-            return self.direction is not None and self.degrees is None and all(map(_positive, amounts))
+            valid_speed = self.speed_mps is None or _positive(self.speed_mps)
+            return self.direction is not None and self.degrees is None and _positive(self.distance_m) and valid_speed
         if self.rotates:
-            sideless = self.direction not in (Direction.LEFT, Direction.RIGHT)
-            return not sideless and self.distance_m is None and self.speed_mps is None and _positive(self.degrees)
+            to_a_side = self.direction in (Direction.LEFT, Direction.RIGHT)
+            return to_a_side and self.distance_m is None and self.speed_mps is None and _positive(self.degrees)
         return replace(self, arguments=()) == Primitive(self.op)
 
     @property

@@ -1,8 +1,8 @@
 """Start child processes, wait for their ready line, log their output to a file and end them.
 
 A child prints one line of JSON with `"ready": true` on standard output when it can be used; one that serves several
-robots prints one for each. The kernel sends it SIGTERM
-when its parent dies (`end_with_parent`), so that a killed demo leaves no simulator or driver running.
+robots prints one for each. The kernel sends it SIGTERM when its parent dies (`end_with_parent`), so that a killed demo
+leaves no simulator or driver running.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ChildError(AgentRobError):
 class Child:
     """`python -m agentrob <args>` in a session of its own, so that Ctrl-C reaches only the parent, which ends it.
 
-    It can be used when it has printed so many `ready_lines`.
+    It is ready when it has printed this number of `ready_lines`.
     """
 
     def __init__(
@@ -44,7 +44,8 @@ class Child:
         self.log = log
         self._ready_lines = ready_lines
         self._ready: list[dict[str, Any]] = []
-        self._ended, self._changed = False, threading.Condition()
+        self._ended = False
+        self._changed = threading.Condition()
         log.parent.mkdir(parents=True, exist_ok=True)
         with log.open("ab") as errors:
             self.process = subprocess.Popen(

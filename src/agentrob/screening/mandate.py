@@ -79,7 +79,8 @@ def mandate_violation(mandate: Mandate, used: Sequence[ActionResult], step: Prim
     distance_m = sum(s.travel_m for s in steps)
     degrees = sum(s.degrees or 0.0 for s in steps)
     seconds = sum(result.duration_s for result in tried)
-    if not step.well_formed or not (step.walks or step.operation.objection(step.arguments) is None):
+    as_declared = step.walks or step.operation.objection(step.arguments) is None
+    if not (step.well_formed and as_declared):
         return f"{step.op} {step.asked()} is not a valid step."
     if len(steps) > mandate.steps:
         return f"The command allows {mandate.steps} steps; this would be step {len(steps)}."

@@ -166,13 +166,13 @@ def _declaration(step: Primitive, capabilities: Capabilities) -> Operation:
 
 
 def _well_formed(step: Primitive, capabilities: Capabilities) -> bool:
-    """Return whether a step has what belongs to it and nothing else: plans may not come from the grammar. A number
-    beyond its bounds is reported as that."""
+    """Return whether a step has what belongs to it and nothing else, since plans may not come from the grammar.
+    `_beyond_arguments` reports a number that is out of bounds."""
     wrong = None if step.walks else _declaration(step, capabilities).objection(step.arguments)
-    beyond = (
+    out_of_bounds = (
         wrong is not None and isinstance(wrong[0], Number) and isinstance(wrong[1], float) and math.isfinite(wrong[1])
     )
-    return step.well_formed and (wrong is None or beyond)
+    return step.well_formed and (wrong is None or out_of_bounds)
 
 
 def _beyond_a_step(plan: Plan, capabilities: Capabilities, language: Language) -> Iterator[tuple[str, str]]:

@@ -24,10 +24,12 @@ def preload() -> None:
 def _import_agent() -> None:
     from agentrob.agent import agent  # noqa: F401
     from agentrob.agent.media import plot
+    from agentrob.agent.understanding.extract import warm_up_rules
     from agentrob.screening.screen import prepare
 
     plot.warm_up()
     prepare()
+    warm_up_rules()
 
 
 def _at_low_priority(work: Callable[[], None]) -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import statistics
+import threading
 import time
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from agentrob.board import command_reading
+from agentrob.board.command_reading import DraftCommand, DraftReading
 from agentrob.wiring.command_reader import ReaderProcess
 from tests.board.running_board import RunningBoard, running_board
 from tests.board.web.forum_site import CARD
@@ -64,10 +67,34 @@ def test_the_line_says_what_would_happen_or_why_nothing_would(
     assert found.startswith(line) if line else found == ""
 
 
+def test_the_reader_starts_when_somebody_with_an_account_first_opens_a_page(tmp_path: Path) -> None:
+    read_texts: list[str] = []
+    began = threading.Event()
+
+    class Reader:
+        def read(self, draft: DraftCommand) -> DraftReading:
+            read_texts.append(draft.text)
+            began.set()
+            return DraftReading()
+
+        def close(self) -> None:
+            pass
+
+    with running_board(tmp_path, reader=Reader, public_read=True) as board:
+        board.client("op").get("/boards/robots/topics").raise_for_status()
+        board.browser().get("/").raise_for_status()
+        assert not began.is_set(), "programs and guests write no drafts"
+        person = board.browser("op")
+        for _ in range(2):
+            person.get("/").raise_for_status()
+        assert began.wait(60)
+    assert read_texts == [""], "once"
+
+
 def test_nothing_is_stored(board: RunningBoard) -> None:
-    topics = board.client("op").get("/topics").json()
+    topics = board.client("op").get("/boards/robots/topics").raise_for_status().json()
     read(board, "@quadruped walk forward 1 m")
-    assert board.client("op").get("/topics").json() == topics
+    assert board.client("op").get("/boards/robots/topics").json() == topics
 
 
 def test_law_2_the_reading_of_an_account_that_may_not_command_says_so(board: RunningBoard) -> None:

@@ -16,7 +16,7 @@ from agentrob.robots.contract import go_on
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
 from agentrob.robots.safety.fence import Fence
-from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.guard import Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
 from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
 
@@ -210,32 +210,34 @@ def test_law_8_a_step_without_readings_is_no_faster_than_it_was_asked_for(
     assert fake_of(guard).commanded.forward_mps == pytest.approx(at_most_mps)
 
 
-def test_a_pose_is_told_in_the_frame_of_home_and_not_without_one(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    guard = make(home_on_start=False)
-    fake_of(guard).carry(Pose(3.0, 4.0, 0.5))
-    assert guard.posture().pose is None
-    until(lambda: can_set_home(guard))
-    fake_of(guard).carry(Pose(3.0, 5.0, 0.5))
-    told = guard.posture().pose
-    assert told is not None
-    assert (told.x_m, told.y_m) == pytest.approx((math.sin(0.5), math.cos(0.5)))
-    assert told.yaw_rad == pytest.approx(0.0)
-    seen = fake_of(guard)._seen
-    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None))
+def test_the_pose_of_a_posture_is_in_the_frame_of_home_and_unknown_without_one(
+    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert make(home_on_start=False).posture().pose is None
+    settings = RobotConfig(model="fake", simulated=True, options={"time_scale": math.inf})
+    robot = FakeRobot(settings)
+    time = SimulatedTime(robot.now_s, lambda seconds: robot.wait_until(robot.now_s() + seconds))
+    guard = Guard(robot, settings, Halt(tmp_path / "homed.halt"), simulated_time=time, home=Pose(3.0, 4.0, 0.5))
+    robot.carry(Pose(3.0, 5.0, 0.5))
+    pose = guard.posture().pose
+    assert pose is not None
+    assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((math.sin(0.5), math.cos(0.5), 0.0))
+    seen = robot._seen
+    monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), pose=None))
     assert guard.posture().pose is None
 
 
 @pytest.mark.parametrize(
     ("simulated", "home_on_start", "warned"), [(True, True, False), (False, True, True), (False, False, False)]
 )
-def test_law_9_the_owner_of_a_real_robot_is_told_that_its_start_sets_no_home(
+def test_law_9_the_log_says_that_home_on_start_does_not_home_a_real_robot(
     make: Make, caplog: pytest.LogCaptureFixture, simulated: bool, home_on_start: bool, warned: bool
 ) -> None:
     make(simulated=simulated, home_on_start=home_on_start)
     assert ("home_on_start homes simulated robots only" in caplog.text) is warned
 
 
-def test_a_guard_watches_until_it_is_closed_and_keeps_no_process_from_ending(make: Make) -> None:
+def test_the_observer_of_a_guard_is_a_daemon_thread_that_ends_when_it_is_closed(make: Make) -> None:
     before = set(threading.enumerate())
     guard = make()
     (observer,) = (t for t in set(threading.enumerate()) - before if t.name == "guard-observer")
@@ -245,7 +247,7 @@ def test_a_guard_watches_until_it_is_closed_and_keeps_no_process_from_ending(mak
     assert not observer.is_alive()
 
 
-def test_law_8_a_fresh_state_without_a_position_is_refused_as_what_it_is(
+def test_law_8_a_step_is_refused_while_a_fresh_state_has_no_position(
     guard: Guard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = fake_of(guard)._seen
@@ -255,18 +257,14 @@ def test_law_8_a_fresh_state_without_a_position_is_refused_as_what_it_is(
     assert result.message == "The robot tells no position: its odometry is missing or not a number."
 
 
-@pytest.mark.parametrize(("simulated", "told"), [(True, False), (False, True)])
-def test_law_9_a_real_robot_without_a_home_is_told_that_its_start_sets_none(
-    make: Make, monkeypatch: pytest.MonkeyPatch, simulated: bool, told: bool
+def test_law_9_a_simulated_robot_that_lost_its_home_is_refused_without_a_word_on_real_ones(
+    guard: Guard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
-    guard = make(simulated=simulated)
-    age_states(guard, monkeypatch, 0.49)
+    monkeypatch.setattr(guard, "_homes_itself", False)  # as before it stands still long enough
     monkeypatch.setattr(guard, "_fence", None)
-    monkeypatch.setattr(guard, "_homes_itself", False)
     result = guard.step(HELLO, go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed")
-    assert ("home_on_start homes simulated robots only" in result.message) is told
+    assert result.message == "The robot has no home, so its fence is unknown; its owner must set home first."
 
 
 def test_law_18_a_step_whose_state_was_lost_for_a_moment_is_not_measured(
@@ -299,7 +297,7 @@ def test_law_8_a_walk_that_nears_the_fence_ends_so_that_the_robot_rests_inside(
         monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), velocity_mps=None))
 
     def narrow(state: RobotState) -> None:
-        if state.pose.x_m > 0.3:  # its odometry drifts, for instance: the step would not have been begun
+        if state.pose.x_m > 0.3:  # on the way, since a step that leads out of the fence is never begun
             guard._fence = Fence(FenceConfig(x_min_m=-1, x_max_m=edge_m, y_min_m=-1, y_max_m=1), Pose(0, 0, 0))
 
     result = guard.step(move(1.0, speed_mps=0.5), narrow)
@@ -307,7 +305,9 @@ def test_law_8_a_walk_that_nears_the_fence_ends_so_that_the_robot_rests_inside(
     assert 0.3 < robot.pose.x_m <= edge_m
 
 
-def test_a_walk_that_is_measured_faster_than_its_limit_goes_on(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_walk_is_not_ended_because_it_is_measured_faster_than_its_limit(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
     guard = make(fence={"x_min_m": -9, "x_max_m": 9, "y_min_m": -9, "y_max_m": 9})
     until(lambda: guard.state().homed)
     seen = fake_of(guard)._seen

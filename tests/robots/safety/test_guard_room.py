@@ -6,12 +6,13 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from agentrob.config.robots import RobotConfig
-from agentrob.model import Outcome, Pose
+from agentrob.model import Hindrance, Outcome, Pose, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.crash_marker import boot_id
@@ -19,7 +20,7 @@ from agentrob.robots.safety.guard import SAME_PLACE_M, Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.zones.keeper import LocalKeeper
 from agentrob.robots.zones.member import RoomMember
-from tests.robots.guard_scene import ExternalController, can_set_home, fake_of, move, until
+from tests.robots.guard_scene import B, F, can_set_home, fake_of, move, until
 
 InRoom = Callable[..., tuple[Guard, RoomMember]]
 
@@ -43,29 +44,29 @@ def in_room(tmp_path: Path) -> Iterator[InRoom]:
         guard.close()
 
 
-def homed_again(guard: Guard, x_m: float) -> None:
-    """Carry the robot to a place, and set its home there."""
-    fake_of(guard).carry(Pose(x_m, 0, 0))
-    until(lambda: can_set_home(guard))
-
-
 def homed(guard: Guard) -> None:
     until(lambda: guard.state().homed)
+
+
+def set_home(guard: Guard) -> None:
+    until(lambda: can_set_home(guard))
 
 
 def test_law_11_a_home_that_is_set_in_another_place_is_not_where_the_settings_say(in_room: InRoom) -> None:
     guard, room = in_room("ann")
     homed(guard)
     assert room.framed
-    homed_again(guard, 1.0)
+    assert guard.step(move(1.0), go_on).ok
+    set_home(guard)
     assert not room.framed, "it takes the whole room from now on"
 
 
 def test_law_11_a_home_that_is_set_again_in_the_same_place_changes_nothing(in_room: InRoom) -> None:
     guard, room = in_room("ann", simulated=False, home_on_start=False)
-    for x_m in (0.0, 0.5 * SAME_PLACE_M):
-        homed_again(guard, x_m)
-        assert room.framed
+    set_home(guard)
+    assert guard.step(move(0.5 * SAME_PLACE_M), go_on).ok
+    set_home(guard)
+    assert room.framed
 
 
 @pytest.mark.parametrize("simulated", [True, False])
@@ -73,14 +74,16 @@ def test_law_11_back_at_its_first_home_only_a_simulated_robot_is_known_to_be_the
     in_room: InRoom, simulated: bool
 ) -> None:
     guard, room = in_room("ann", simulated=simulated, home_on_start=False)
-    for x_m in (0.0, 1.0, 0.0):  # a restart may have set the odometry of a real robot to zero anywhere
-        homed_again(guard, x_m)
+    set_home(guard)
+    for way in (F, B):  # a restart may have set the odometry of a real robot to zero anywhere
+        assert guard.step(move(1.0, way), go_on).ok
+        set_home(guard)
     assert room.framed is simulated
 
 
 def test_law_11_a_robot_whose_odometry_jumps_takes_the_whole_room(in_room: InRoom) -> None:
-    guard, room = in_room("ann", home_on_start=False)
-    homed_again(guard, 0.0)
+    guard, room = in_room("ann")
+    homed(guard)
     fake_of(guard).carry(Pose(5.0, 0, 0))
     until(lambda: not room.framed)
 
@@ -111,16 +114,43 @@ def test_law_11_who_asks_for_a_zone_waits_until_the_robot_is_measured_to_rest(in
     assert room.at_rest
 
 
-def test_law_11_a_robot_that_does_not_come_to_rest_gets_no_zone(in_room: InRoom) -> None:
-    guard, _ = in_room("ann", options={"time_scale": 1.0})
-    with ExternalController(fake_of(guard)):
-        until(lambda: abs(guard.state().velocity_mps[0]) > 0.1)
-        hindrance = guard.enter_room([move(0.3)])
+def shake(guard: Guard, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the robot sway where it stands: nobody drives it, and it is never measured to be at rest."""
+    seen = fake_of(guard)._seen
+
+    def swaying() -> RobotState:
+        return replace(seen(), pose=Pose(0.05 * math.sin(20 * time.monotonic()), 0, 0))
+
+    monkeypatch.setattr(fake_of(guard), "_seen", swaying)
+
+
+def test_law_11_a_robot_that_does_not_come_to_rest_gets_no_zone(
+    in_room: InRoom, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agentrob.robots.safety.guard.REST_S", 0.5)
+    guard, _ = in_room("ann")
+    shake(guard, monkeypatch)
+    hindrance = guard.enter_room([move(0.3)])
     assert hindrance is not None
     assert hindrance.reason == "room_restless"
+    assert not guard.state().halted
 
 
-def test_law_11_a_robot_whose_step_runs_is_not_at_rest_however_still_it_stands(in_room: InRoom) -> None:
+def test_law_11_a_stop_ends_the_wait_for_a_zone(in_room: InRoom, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agentrob.robots.safety.guard.REST_S", 1000.0)
+    guard, _ = in_room("ann")
+    shake(guard, monkeypatch)
+    found: list[Hindrance | None] = []
+    asking = threading.Thread(target=lambda: found.append(guard.enter_room([move(0.3)])), daemon=True)
+    asking.start()
+    asking.join(0.2)
+    assert asking.is_alive(), "it waits"
+    guard.stop()
+    asking.join(60)
+    assert [hindrance.reason for hindrance in found if hindrance is not None] == ["room_restless"]
+
+
+def test_law_11_while_a_step_runs_the_robot_does_not_count_as_at_rest(in_room: InRoom) -> None:
     guard, room = in_room("ann")
     homed(guard)
     until(lambda: room.at_rest)

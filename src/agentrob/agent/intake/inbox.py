@@ -31,16 +31,17 @@ _log = structlog.get_logger()
 
 
 class PostHandler(Protocol):
-    """What is done with the posts of an inbox; the robot's agent implements it."""
+    """Carries out what the posts of an inbox ask for; the robot's agent implements it."""
 
     @property
-    def journal(self) -> Journal: ...
+    def journal(self) -> Journal:
+        """The robot's journal. Raises `JournalError` before it was opened."""
 
     def why_stopped(self, posted_at: datetime) -> EndReason | None:
-        """Why a post of that time may not move: a newer stop. None if it may."""
+        """Return why a post of that time may not move the robot, if a stop came after it; None if it may."""
 
     async def settle(self, post: Post, triaged: TriagedPost) -> TriagedPost:
-        """Wait until the forum's clock is known, and return the post as it is triaged then."""
+        """Wait until the forum's clock is known; return how the post is triaged then."""
 
     def enqueue(self, job: QueuedCommand) -> None:
         """Start a command."""
@@ -58,7 +59,7 @@ class PostHandler(Protocol):
         """Handle a post that renews the schedules of its thread."""
 
     async def amend(self, post: Post) -> None:
-        """Handle the edit or removal of a post that may have a schedule."""
+        """Update or end the schedule of a post that was edited or removed, if it has one."""
 
 
 class Inbox:

@@ -95,13 +95,14 @@ class QueuedCommand:
         self.timings_ms.setdefault(name, max(0.0, (at - self.command.posted_at).total_seconds() * 1000))
 
     @property
-    def moved(self) -> bool:
+    def motion_ended(self) -> bool:
         """Whether its motion has ended in this process, so that only its report is left to write."""
         return self.begun_s is not None and not self.moving
 
     @property
     def can_end(self) -> bool:
-        return self.ended is None and not self.begun and not self.moved
+        """Whether it may still be ended: not what was ended before, and nothing whose motion is over."""
+        return self.ended is None and not self.begun and not self.motion_ended
 
     @property
     def left_s(self) -> float | None:

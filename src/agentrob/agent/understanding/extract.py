@@ -80,14 +80,14 @@ async def by_rules(
 async def prepare(mind: Mind) -> None:
     """Load the mind's library, and what the rules import and compile at the first use, so that the first post does not
     wait for it, and no stop meanwhile."""
-    await asyncio.to_thread(_warm_up_rules)
+    await asyncio.to_thread(warm_up_rules)
     if isinstance(mind, ManagedMind):
         await mind.prepare()
 
 
 @cache
-def _warm_up_rules() -> None:
-    """Once in a process: a worker prepares each of its agents."""
+def warm_up_rules() -> None:
+    """Import and compile what the rules need, once in a process. Blocks for about half a second."""
     for text in WARM_UP:
         parse(text, (), (), frozenset())
         small_talk_of(text, (), ())
