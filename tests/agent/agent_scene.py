@@ -23,7 +23,10 @@ from agentrob.minds.protocol import Mind
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, CommandState, Post, Role
 from agentrob.model.lifecycle import TRANSITIONS
+from agentrob.robots.driver import driver as driver_module
+from agentrob.robots.driver import fencing
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.lease import Leases
 from agentrob.robots.driver.process import run_driver
 from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.forked_process import ForkedProcess
@@ -80,16 +83,36 @@ def robot_settings(**more: Any) -> RobotConfig:
     return RobotConfig.model_validate({**common, **more})
 
 
+#: An agent that shares its process with a test, on a machine that runs several, may renew its lease late.
+PATIENT_LEASE_S = 5.0
+
+
+def run_test_driver(lease_s: float, name: str, settings: RobotConfig, socket: Path, folder: Path) -> None:
+    """Run a driver whose leases last `lease_s`, and that remembers more databases than an owner has, because each test
+    has its own; the main function of its process."""
+    driver_module.Leases = partial(Leases, lease_s)  # type: ignore[misc,assignment]
+    fencing.STORES = 1000
+    run_driver(name, settings, socket, folder)
+
+
 class Driver:
-    """A driver in its own process."""
+    """A driver in its own process. Tests in which an agent dies or its lease lapses set `lease_s` to the `TTL_S` of
+    real drivers. `run` is the main function of another driver."""
 
     def __init__(
-        self, folder: Path, settings: RobotConfig, name: str = ROBOT, run: Callable[..., None] = run_driver
+        self,
+        folder: Path,
+        settings: RobotConfig,
+        name: str = ROBOT,
+        run: Callable[..., None] | None = None,
+        lease_s: float = PATIENT_LEASE_S,
     ) -> None:
         self.name = name
         self.socket = folder / f"{name}.sock"
         self.settings = settings
-        self.process = ForkedProcess(run, name, settings, self.socket, folder, keep_stderr=False)
+        self.process = ForkedProcess(
+            run or partial(run_test_driver, lease_s), name, settings, self.socket, folder, keep_stderr=False
+        )
         assert json.loads(self.process.stdout.readline())["ready"]
 
     def client(self) -> DriverClient:

@@ -8,11 +8,9 @@ from pathlib import Path
 import pytest
 
 from agentrob.agent.media import pictures
-from agentrob.config.robots import RobotConfig
-from agentrob.robots.driver import fencing
-from agentrob.robots.driver.process import run_driver
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_process import end_agents
-from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
+from tests.agent.agent_scene import PATIENT_LEASE_S, Driver, Scene, make_scene, robot_settings
 
 #: The smallest PNG.
 BLANK = bytes.fromhex(
@@ -21,16 +19,12 @@ BLANK = bytes.fromhex(
 )
 
 
-def run_for_many_databases(name: str, settings: RobotConfig, socket: Path, folder: Path) -> None:
-    """Run a driver for tests that have a database each; the main function of its process."""
-    fencing.STORES = 1000
-    run_driver(name, settings, socket, folder)
-
-
 @pytest.fixture(scope="module")
-def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
-    """Start one driver for all tests of a module."""
-    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(), run=run_for_many_databases)
+def driver(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
+    """Start one driver for all tests of a module; its leases are as short as a real one's in modules with
+    `AGENTS_DIE`."""
+    lease_s = TTL_S if getattr(request.module, "AGENTS_DIE", False) else PATIENT_LEASE_S
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(), lease_s=lease_s)
     yield made
     made.end()
 

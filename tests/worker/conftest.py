@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_scene import Driver, robot_settings
 from tests.board.running_board import RunningBoard, running_board
 from tests.worker.ledger_driver import run_ledger_driver
@@ -16,7 +17,7 @@ from tests.worker.worker_processes import Workers
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
     """Start one driver for all tests of a module."""
-    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings())
+    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(), lease_s=TTL_S)
     yield made
     made.end()
 

@@ -245,6 +245,37 @@ async def test_law_18_a_stop_that_comes_as_the_loop_ends_by_itself_is_told_as_th
     assert execution.looked.end.why == "model"
 
 
+class StopMeetsRenewal(LocalDriver):
+    """While the lease is checked, a stop of the same agent ends its renewals."""
+
+    def __init__(self, guard: Guard, stopped: list[EndReason]) -> None:
+        super().__init__(guard)
+        self.stopped = stopped
+
+    async def lost(self, lease: str) -> LeaseLost | None:
+        self.stopped.append(EndReason.STOP)
+        return LeaseLost("this client released the lease when it requested a stop")
+
+
+async def test_law_18_a_stop_that_comes_while_the_lease_is_checked_is_told_as_the_stop(guard: Guard) -> None:
+    stopped: list[EndReason] = []
+    held = hooks(ended=lambda: stopped[0] if stopped else None)
+    task = visual_task(Script([[WALK], asyncio.Event()]))
+    async with asyncio.timeout(60):
+        execution = await run_visual_task(StopMeetsRenewal(guard, stopped), COMMAND, task, held)  # type: ignore[arg-type]
+    assert (execution.status, execution.message) == ("stopped", "")
+
+
+async def test_law_18_a_lease_that_lapses_in_mid_thought_interrupts_the_command(guard: Guard) -> None:
+    model, driver = Script([[WALK], asyncio.Event()]), LocalDriver(guard)
+    looking = asyncio.create_task(run_visual_task(driver, COMMAND, visual_task(model), hooks()))  # type: ignore[arg-type]
+    await asyncio.wait_for(model.thinking.wait(), 60)
+    driver.ended = LeaseLost("the lease lapsed")
+    async with asyncio.timeout(2):
+        execution = await looking
+    assert (execution.status, execution.message) == ("interrupted", "the lease lapsed")
+
+
 async def test_law_13_a_stop_past_the_forum_ends_the_thought_too(guard: Guard) -> None:
     model, driver = Script([[WALK], asyncio.Event()]), LocalDriver(guard)
     looking = asyncio.create_task(run_visual_task(driver, COMMAND, visual_task(model), hooks()))  # type: ignore[arg-type]

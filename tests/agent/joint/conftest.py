@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from tests.agent.agent_scene import Driver, robot_settings
-from tests.agent.conftest import run_for_many_databases
 from tests.agent.joint.joint_scene import JointScene, make_joint_scene
 
 
@@ -17,9 +16,7 @@ from tests.agent.joint.joint_scene import JointScene, make_joint_scene
 def drivers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Driver]]:
     folder, domain = tmp_path_factory.mktemp("drivers"), int(os.environ["AGENTROB_TEST_DOMAIN"])
     made = {
-        name: Driver(
-            folder, robot_settings(domain=domain ^ number, options={"time_scale": 2}), name, run_for_many_databases
-        )
+        name: Driver(folder, robot_settings(domain=domain ^ number, options={"time_scale": 2}), name)
         for number, name in enumerate(("quadruped", "humanoid"))
     }
     yield made

@@ -22,6 +22,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, ActionResult, EventKind, Plan, Primitive, Role, StatusCard, Understanding
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_process import Poster, end_agent, start_agent
 from tests.agent.agent_process import until as until_robot
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
@@ -30,6 +31,7 @@ from tests.board.running_board import RunningBoard, running_board
 from tests.tolerances import about_deg
 
 pytestmark = pytest.mark.usefixtures("database")
+AGENTS_DIE = True
 
 #: How far a standing robot may still settle.
 STILL_M = 0.02
@@ -50,7 +52,7 @@ async def until(client: DriverClient, condition: Callable[[Any], bool]) -> None:
 
 @pytest.fixture
 def slow_driver(tmp_path: Path) -> Iterator[Driver]:
-    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow")
+    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow", lease_s=TTL_S)
     yield made
     made.end()
 

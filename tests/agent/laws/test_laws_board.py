@@ -29,6 +29,7 @@ from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import running_board
 
 pytestmark = pytest.mark.usefixtures("database")
+AGENTS_DIE = True
 
 CHANGES = ("edit", "remove", "hide", "suspend", "demote", "narrow", "close", "move")
 #: Changes that lead to a refusal with a reason instead of a cancellation.

@@ -26,10 +26,12 @@ from agentrob.forums.protocol import Written
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Role, StatusCard, Understanding
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_process import Poster, end_agent, start_agent, until
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.board.running_board import RunningBoard, running_board
 
+AGENTS_DIE = True
 WALK = f"@{ROBOT} walk forward 1 metre"
 MEASURED = re.compile(r"walk forward 1 m \| (0\.9\d|1\.0\d) m \| done")
 GUESS = "**Interrupted.** This post was taken up before"
@@ -37,7 +39,7 @@ GUESS = "**Interrupted.** This post was taken up before"
 
 @pytest.fixture
 def slow_driver(tmp_path: Path) -> Driver:
-    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow")
+    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow", lease_s=TTL_S)
     yield made  # type: ignore[misc]
     made.end()
 

@@ -16,17 +16,20 @@ from agentrob.agent.stop import replies as stopping
 from agentrob.errors import RobotUnreachable
 from agentrob.model import AccountKind, Role, StopResult
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.agent.store.journal_store import fail_disk
 
-#: The lease's duration plus the time in which a body at 0.5 m/s comes to rest; the rest is for busy machines.
-LAPSE_S, REST_S = 1.0, 1.5
+#: Time in which a body at 0.5 m/s comes to rest; most of it is for busy machines.
+REST_S = 1.5
 
 
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driver]:
     """Return a scene in real time, so that there is a motion to stop."""
-    made = Driver(tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), name="stoppable")
+    made = Driver(
+        tmp_path_factory.mktemp("driver"), robot_settings(options={"time_scale": 1}), "stoppable", lease_s=TTL_S
+    )
     yield made
     made.end()
 
@@ -241,7 +244,7 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
         async with asyncio.timeout(60), scene.driver.client() as client:
             while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
                 await asyncio.sleep(0.01)
-        assert time.monotonic() - asked_s < LAPSE_S + REST_S
+        assert time.monotonic() - asked_s < TTL_S + REST_S
         over.set()
         never.set()
         reply = await scene.final(scene.world.posts[post])

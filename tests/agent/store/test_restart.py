@@ -23,6 +23,7 @@ from tests.agent.store.journal_store import open_journal
 from tests.agent.store.old_journal import OLDEST_CLAIM, write_old_journal
 
 pytestmark = pytest.mark.usefixtures("database")
+AGENTS_DIE = True
 
 STILL_M = 0.02
 

@@ -15,6 +15,7 @@ from agentrob.robots.control.controller import rotate, wrap
 from agentrob_ros2 import messages, readings
 from agentrob_ros2.network import Node, Subscription
 from agentrob_ros2.options import Ros2Options, TopicOptions
+from agentrob_ros2.pose_speed import PoseSpeed
 
 log = logging.getLogger(__name__)
 
@@ -24,8 +25,6 @@ SCAN_AGE_S = 0.5
 BATTERY_AGE_S = 60.0
 #: Where it is on the map is told at least this often by a base that is localised.
 LOCALISED_S = 5.0
-#: Without velocities in its messages, its velocity is taken from poses that lie at least this far apart.
-SPEED_OVER_S = 0.1
 #: `/tf_static` is kept for those who come later.
 STATIC = TopicOptions(reliability="reliable", durability="transient_local")
 MOVING_MPS, MOVING_RPS = 0.02, 0.05
@@ -48,7 +47,7 @@ class Sensors:
     def __init__(self, node: Node, options: Ros2Options, clock: Clock) -> None:
         self._node, self._options = node, options
         self._position: Position | None = None
-        self._before: Position | None = None  # of the velocity
+        self._pose_speed = PoseSpeed()
         self._ranges: tuple[float, readings.Ranges] | None = None
         self._tilt: tuple[float, bool | None] | None = None
         self._percent: tuple[float, float | None] | None = None
@@ -190,7 +189,9 @@ class Sensors:
                     continue
                 pose, wrong = readings.pose_of(at.translation.x, at.translation.y, at.rotation)
                 upright = readings.upright_of(at.rotation)
-                self._take(Position(came_s, stamp_s, pose, self._speed(came_s, pose), upright), wrong)
+                self._take(
+                    Position(came_s, stamp_s, pose, self._pose_speed.update(came_s, stamp_s, pose), upright), wrong
+                )
 
     def _repeated(self, stamp_s: float) -> bool:
         """Whether this message is an old one once more. Messages without a stamp count as new."""
@@ -203,23 +204,6 @@ class Sensors:
     @property
     def pose_topic(self) -> str:
         return self._options.pose_topic
-
-    def _speed(self, came_s: float, pose: Pose | None) -> tuple[float, float, float] | None:
-        """Forward, left and turning speed from the last poses."""
-        before, last = self._before, self._position
-        if pose is None:
-            self._before = None
-            return None
-        if before is None or before.pose is None:
-            self._before = Position(came_s, 0.0, pose, None, None)
-            return None
-        seconds = came_s - before.came_s
-        if seconds < SPEED_OVER_S:
-            return last.velocity if last is not None else None
-        self._before = Position(came_s, 0.0, pose, None, None)
-        dx, dy = (pose.x_m - before.pose.x_m) / seconds, (pose.y_m - before.pose.y_m) / seconds
-        c, s = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-        return c * dx + s * dy, c * dy - s * dx, wrap(pose.yaw_rad - before.pose.yaw_rad) / seconds
 
     def _statics(self, came_s: float, message: messages.TFMessage) -> None:
         with self._static_lock:

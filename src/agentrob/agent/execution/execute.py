@@ -251,6 +251,17 @@ class Run:
             return CommandState.REFUSED
         return CommandState.FAILED
 
+    def _status_of_lost(self, lost: LeaseLost) -> tuple[CommandState, str]:
+        """Return the final state and the message of a command whose lease was lost between two steps."""
+        if lost.why in BY_PEOPLE:
+            return CommandState.STOPPED, ""
+        # A stop through this agent ends the renewals first, so the lease may be lost before the driver has the stop.
+        if lost.why == LAPSED and (why := self.hooks.ended()):
+            return why.state_in_motion, ""
+        if lost.why == EndReason.RELEASE and not self.results:  # accepted before the release at the robot
+            return CommandState.CANCELLED, str(lost)
+        return CommandState.INTERRUPTED if lost.why in _BY_US else CommandState.FAILED, str(lost)
+
     async def run_with_lease(self, work: Callable[[], Awaitable[CommandState]]) -> Execution:
         """Do `work`, which returns the command's final state, while holding the robot's lease.
 
@@ -263,11 +274,7 @@ class Run:
                 self.status = await work()
         except LeaseLost as e:  # a stop came after the command was accepted, perhaps not through the forum
             self.stopped_by = e.by
-            self.status, self.message = CommandState.FAILED, str(e)
-            if e.why in BY_PEOPLE:
-                self.status, self.message = CommandState.STOPPED, ""
-            elif e.why == EndReason.RELEASE and not self.results:  # accepted before the release at the robot
-                self.status = CommandState.CANCELLED
+            self.status, self.message = self._status_of_lost(e)
         except RobotError as e:
             self.message = str(e)
         except Exception:
