@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.forums.nodebb.posts import mentions_in
-from agentrob.language.rendered_text import MAX_HTML, rendering_differs
+from agentrob.language.rendered_text import MAX_ELEMENTS, MAX_HTML, rendering_differs
 
 _BOB = (
     '<a class="plugin-mentions-user plugin-mentions-a" href="/user/bob" aria-label="Profile: bob">@<bdi>bob</bdi></a>'
@@ -70,8 +70,14 @@ def test_law_15_no_page_takes_long_to_be_read(piece: str) -> None:
     began = time.process_time()
     for _ in range(5):
         rendering_differs("walk", piece * (MAX_HTML // len(piece)))
-        rendering_differs("walk", "<i x>" * 1_000 + "</i>" * 1_000)
+        rendering_differs("walk", (piece * (2 * MAX_ELEMENTS // max(1, piece.count("<"))))[:MAX_HTML])
+        rendering_differs("walk", "<i x>" * MAX_ELEMENTS + "</i>" * MAX_ELEMENTS)
     assert time.process_time() - began < 0.5
+
+
+def test_a_page_with_many_elements_is_read() -> None:
+    assert not rendering_differs("a " * 998, f"<p>{'<b>a</b> ' * 998}</p>")
+    assert rendering_differs("a " * 998, f"<p>{'<b>a</b> ' * 997}b</p>")
 
 
 @given(st.text(max_size=200), st.text(max_size=200))

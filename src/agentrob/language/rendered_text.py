@@ -37,7 +37,7 @@ def rendering_differs(raw: str, html: str) -> bool:
 
     Links are ignored. Returns True when in doubt; never raises.
     """
-    if len(html) > MAX_HTML:
+    if len(html) > MAX_HTML or html.count("<") > 2 * MAX_ELEMENTS:  # a begin and an end of each
         return True
     page = _Page()
     try:

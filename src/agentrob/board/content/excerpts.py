@@ -17,8 +17,8 @@ from agentrob.board.search.search import terms
 from agentrob.language.messages.catalog import say
 from agentrob.language.registry import known
 
-#: Characters of HTML that an excerpt is made from, and that are searched for words around a hit.
-EXCERPT_FROM, AROUND_FROM = 3_000, 8_000
+#: Characters of HTML that an excerpt is made from, in which a hit is looked for, and that are shown around it.
+EXCERPT_FROM, SEARCHED, AROUND_FROM = 3_000, 131_072, 8_000
 #: The most characters of an excerpt. One that does not end with a sentence is cut, unless less than this would remain.
 LENGTH, LEAST = 140, 50
 #: Replaces the text of a post that has none.
@@ -64,13 +64,14 @@ def excerpt(html: str) -> str:
 def around(html: str, query: str, length: int = 200) -> tuple[tuple[str, bool], ...]:
     """The part of a post with the words of a query, in pieces, each with whether it is such a word.
 
-    The excerpt of the post if its words are only in its title, in tables, in code or in the details of a report.
+    The excerpt of the post if its words are only in its title, in tables, in code, in the details of a report or beyond
+    `SEARCHED` characters.
     """
     words = sorted(terms(query), key=len, reverse=True)
     if not words:
         return ((excerpt(html), False),)
     parts = report_parts(html)
-    html = parts.lead + parts.rest
+    html = (parts.lead + parts.rest)[:SEARCHED]
     pattern = re.compile("|".join(map(_beginning, words)), re.IGNORECASE)
     begin = _window(html, words)
     window = html[begin : begin + AROUND_FROM]
