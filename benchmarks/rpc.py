@@ -34,9 +34,9 @@ from typing import Any
 from agentrob.config.load import Config
 from agentrob.model import Direction, Op, Plan, Primitive
 from agentrob.process.child import Child, terminate_all
-from agentrob.process.dds_domain import PrivateDomain
 from agentrob.robots.driver.client import run_plan
 from agentrob.robots.unitree import sdk
+from agentrob.sim.domains import PrivateDomain
 from agentrob.sim.services.dds import REQUESTS, RESPONSES, Node  # before any type of the SDK
 from agentrob.wiring import app
 

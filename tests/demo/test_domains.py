@@ -8,8 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from agentrob.errors import RobotBusy
-from agentrob.process import dds_domain, host_lock
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.process import host_lock
+from agentrob.sim import domains
+from agentrob.sim.domains import PrivateDomain
 
 
 def test_concurrent_programs_get_different_domains_until_they_release_them() -> None:
@@ -24,7 +25,7 @@ def test_concurrent_programs_get_different_domains_until_they_release_them() -> 
 
 @pytest.mark.parametrize("who", ["world/lo", "driver/lo", "domain/lo"])
 def test_a_domain_in_use_is_not_chosen(monkeypatch: pytest.MonkeyPatch, who: str) -> None:
-    monkeypatch.setattr(dds_domain, "DOMAINS", range(231, 233))  # beyond the valid DDS domains: unused
+    monkeypatch.setattr(domains, "DOMAINS", range(231, 233))  # beyond the valid DDS domains: unused
     with host_lock.HostLock(f"{who}/231", "the test"), contextlib.closing(PrivateDomain()) as domain:
         assert domain.number == 232
         with pytest.raises(RobotBusy, match="all DDS domains from 231 to 232 are in use"):

@@ -11,7 +11,7 @@ import pytest
 from agentrob.config.load import Config, load
 from agentrob.demo.run import Demo, DemoSettings
 from agentrob.errors import ConfigError
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from tests.demo.running import AGENTROB
 
 MIND = """

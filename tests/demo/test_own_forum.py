@@ -15,7 +15,7 @@ import pytest
 
 from agentrob.config.load import Config
 from agentrob.model import Post
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from agentrob.wiring import app
 from tests.host_numbers import free_port
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.process.child import Child, terminate_all
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 
 MODEL = "so101"

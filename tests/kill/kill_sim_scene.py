@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from agentrob.config.robots import RobotConfig
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from tests.kill.kill_process import KillableProcess, agentrob
 from tests.kill.kill_scene import KillScene
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from tests.demo.running import AGENTROB
 from tests.host_numbers import free_port
 from tests.terminal import Terminal

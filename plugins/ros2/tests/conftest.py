@@ -10,9 +10,9 @@ from agentrob_ros2.base import Ros2Sim
 from agentrob_ros2.simulator import Simulator
 
 from agentrob.config.robots import RobotConfig
-from agentrob.process.dds_domain import PrivateDomain
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
+from agentrob.sim.domains import PrivateDomain
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from agentrob.config.robots import RobotConfig
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 
 PYTHON = Path(__file__).parents[3] / ".venv-ros2/bin/python"
 LIMIT_S = 60.0

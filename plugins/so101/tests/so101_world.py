@@ -15,7 +15,7 @@ from agentrob_so101.world import CUBE_AT_M, Faults
 
 from agentrob.config.robots import RobotConfig
 from agentrob.process.child import Child, terminate_all
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 
 LIMIT_S = 60.0
 

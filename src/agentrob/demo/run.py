@@ -31,8 +31,8 @@ from agentrob.demo.ports import choose_port
 from agentrob.errors import ConfigError
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process.child import Child, ChildError, terminate_all
-from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
+from agentrob.sim.domains import PrivateDomain
 from agentrob.wiring.running_demo import demo_folder, running_demo
 
 #: Handle of each robot, and its kind.

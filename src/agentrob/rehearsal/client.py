@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import importlib.util
-import os
-import signal
 import sys
 from collections.abc import Sequence
 
@@ -15,6 +12,7 @@ from pydantic import ValidationError
 
 from agentrob.model import Capabilities
 from agentrob.model.operations.built_in import BUILT_IN
+from agentrob.process.run import run_process
 from agentrob.rehearsal.geometry import geometry_preview
 from agentrob.rehearsal.preview import Missing, Preview, PreviewRequest, read_preview, write_request
 
@@ -27,8 +25,6 @@ PACKAGES = ("mujoco", "onnxruntime")
 #: A preview that takes longer is ended, and made by geometry instead.
 LIMIT_S = 120.0
 COMMAND = (sys.executable, "-m", "agentrob.rehearsal.child")
-#: What the process gets of our environment: no token or key is among it.
-_ENVIRONMENT = ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")
 _log = structlog.get_logger()
 
 
@@ -69,31 +65,9 @@ class ChildFailed(Exception):
 
 async def _simulated(request: PreviewRequest, command: Sequence[str], limit_s: float) -> Preview:
     """The preview of a process of low priority. Raises `TimeoutError`, `ChildFailed` and `ValidationError`."""
-    pipe = asyncio.subprocess.PIPE
-    environment = {name: os.environ[name] for name in _ENVIRONMENT if name in os.environ}
     # One thread: the other cores are for robots, and for people who wait. No GL: nothing is drawn.
-    environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disable"}
-    child = await asyncio.create_subprocess_exec(
-        *command, stdin=pipe, stdout=pipe, stderr=pipe, env=environment, process_group=0
-    )
-    try:
-        async with asyncio.timeout(limit_s):
-            preview, said = await child.communicate(write_request(request))
-    finally:
-        if child.returncode is None:
-            await asyncio.shield(_killed(child))
-    if child.returncode:
-        lines = said.decode(errors="replace").strip().splitlines()
-        raise ChildFailed(lines[-1] if lines else f"it ended with {child.returncode} and said nothing")
-    return await asyncio.to_thread(read_preview, preview)
-
-
-async def _killed(child: asyncio.subprocess.Process) -> None:
-    """End the process and the one that it forked, and close its pipes."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(child.pid, signal.SIGKILL)
-    assert child.stdin is not None
-    child.stdin.close()
-    await child.communicate()
-    with contextlib.suppress(OSError):
-        await child.stdin.wait_closed()
+    env = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disable"}
+    done = await run_process(command, write_request(request), limit_s=limit_s, env=env)
+    if done.returncode:
+        raise ChildFailed(done.last_words or f"it ended with {done.returncode} and said nothing")
+    return await asyncio.to_thread(read_preview, done.output)

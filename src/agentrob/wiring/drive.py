@@ -39,8 +39,8 @@ from agentrob.model import (
 from agentrob.plugins import find
 from agentrob.process import host_lock
 from agentrob.process.child import Child, terminate_all
-from agentrob.process.dds_domain import PrivateDomain
 from agentrob.process.signals import sigterm_interrupts
+from agentrob.sim.domains import PrivateDomain
 from agentrob.wiring import app, simulators
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from agentrob.process.dds_domain import PrivateDomain
+from agentrob.sim.domains import PrivateDomain
 from tests.sim.served_world import start_world
 
 pytestmark = pytest.mark.sim

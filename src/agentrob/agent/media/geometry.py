@@ -6,8 +6,6 @@ It comes from a simulated world, or it is made from the installed models of the 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import os
 import sys
 
 import httpx2
@@ -15,6 +13,7 @@ import structlog
 
 from agentrob.errors import ForumError, SimError
 from agentrob.forums.protocol import PosePages
+from agentrob.process.run import run_process
 from agentrob.process.tls import tls
 
 #: The demo's robots have 250 to 350 kB.
@@ -71,25 +70,10 @@ class Geometry:
 
     async def _made(self) -> bytes:
         """Make it from the installed models. Raises `SimError` if they are not installed."""
-        process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "agentrob.sim.shape", self._kind, stdin=-3, stdout=-1, stderr=-1, env=_environment()
-        )
         try:
-            async with asyncio.timeout(MAKE_S):
-                shape, said = await process.communicate()
+            done = await run_process((sys.executable, "-m", "agentrob.sim.shape", self._kind), limit_s=MAKE_S)
         except TimeoutError:
             raise ForumError(f"the shape was not made within {MAKE_S:g} s") from None
-        finally:
-            if process.returncode is None:
-                with contextlib.suppress(ProcessLookupError):
-                    process.kill()
-                await asyncio.shield(process.wait())
-        if process.returncode or not shape.startswith(_GZIP) or len(shape) > MOST_BYTES:
-            lines = said.decode(errors="replace").strip().splitlines()
-            raise SimError(lines[-1][:300] if lines else "the shape could not be made")
-        return shape
-
-
-def _environment() -> dict[str, str]:
-    names = ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")
-    return {name: value for name, value in os.environ.items() if name in names}
+        if done.returncode or not done.output.startswith(_GZIP) or len(done.output) > MOST_BYTES:
+            raise SimError(done.last_words[:300] or "the shape could not be made")
+        return done.output

@@ -10,7 +10,6 @@ import asyncio
 import contextlib
 import json
 import math
-import os
 import sys
 import time
 from collections.abc import Awaitable, Callable, Iterator, Sequence
@@ -26,6 +25,7 @@ from agentrob.agent.media.plot import asked_path, seen_from
 from agentrob.agent.media.track import begins_s, lines, samples, seconds
 from agentrob.config.robots import RecordingConfig, RobotConfig
 from agentrob.model import ActionResult, Op, Outcome, Report
+from agentrob.process.run import run_process
 from agentrob.process.tls import tls
 from agentrob.robots.driver.client import DriverClient
 
@@ -281,15 +281,5 @@ def _asked_of(result: ActionResult) -> tuple[float, str]:
 
 async def _drawn(scene: bytes) -> bytes | None:
     """Run the drawing process and return its output, or None if it fails. It never outlives this call."""
-    environment = {k: v for k, v in os.environ.items() if k in ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")}
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "agentrob.agent.media.animation", stdin=-1, stdout=-1, stderr=-3, env=environment
-    )
-    try:
-        webp, _ = await process.communicate(scene)
-    finally:
-        if process.returncode is None:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            await asyncio.shield(process.wait())
-    return webp if process.returncode == 0 and webp[:4] == b"RIFF" else None
+    done = await run_process((sys.executable, "-m", "agentrob.agent.media.animation"), scene)
+    return done.output if done.returncode == 0 and done.output[:4] == b"RIFF" else None
