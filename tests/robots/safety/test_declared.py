@@ -24,6 +24,7 @@ from agentrob.model import (
     Pose,
     Primitive,
     Quantity,
+    RobotState,
     Unit,
 )
 from agentrob.robots.control.controller import Velocity
@@ -111,7 +112,7 @@ def test_law_8_a_gesture_that_travels_is_caught_by_the_odometry_and_told(make: M
     result = guard.step(STEP, go_on)
     assert result.reason == "travelled"
     assert not result.ok
-    assert "puff is declared as gesture that takes the robot at most 0.3 m from its place" in result.message
+    assert result.message.count("puff is declared as gesture that takes the robot at most 0.3 m from its place") == 1
     pose = guard.state().pose
     assert pose is not None
     if not deaf:
@@ -121,7 +122,38 @@ def test_law_8_a_gesture_that_travels_is_caught_by_the_odometry_and_told(make: M
 def test_law_8_a_look_that_travels_is_caught_too(make: Make) -> None:
     sight = replace(PUFF, action_class=ActionClass.LOOK)
     assert make(operation=sight).step(STEP, go_on).ok
-    assert make(operation=sight, creep_mps=0.4).step(STEP, go_on).reason == "travelled"
+    guard = make(operation=sight, creep_mps=0.4)
+    result = guard.step(STEP, go_on)
+    assert (result.outcome, result.reason) == (Outcome.FAILED, "travelled")
+    assert result.message.count("puff is declared as look that takes the robot at most 0.1 m from its place") == 1
+    pose = guard.state().pose
+    assert pose is not None
+    assert math.hypot(pose.x_m, pose.y_m) < 0.4, "it was ended, not only told"
+
+
+def test_law_8_a_gesture_that_comes_back_has_left_its_place(make: Make) -> None:
+    """It walks 0.6 m away and back to its place, where a gesture may take it 0.3 m."""
+    guard = make(creep_mps=0.4, deaf=True, operation=replace(PUFF, time_limit_s=20.0), seconds=3.0)
+    robot = guard._robot
+    assert isinstance(robot, PuffingRobot)
+
+    def turn_back(state: RobotState) -> None:
+        if state.pose is not None and state.pose.x_m > 0.6:
+            robot.creep_mps = -0.4
+        elif robot.creep_mps < 0 and state.pose is not None and state.pose.x_m < 0.1:
+            robot.creep_mps = 0.0
+
+    result = guard.step(replace(STEP, arguments=(("seconds", 6.0),)), turn_back)
+    pose = guard.state().pose
+    assert pose is not None
+    assert math.hypot(pose.x_m, pose.y_m) < 0.3
+    assert (result.outcome, result.reason) == (Outcome.FAILED, "travelled")
+
+
+def test_law_14_a_look_is_ended_by_whoever_watches_it(make: Make) -> None:
+    guard = make(operation=replace(PUFF, action_class=ActionClass.LOOK))
+    result = guard.step(STEP, lambda _: "lease_lapsed")
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "lease_lapsed")
 
 
 def test_a_look_needs_no_home_and_a_gesture_does(make: Make) -> None:

@@ -96,7 +96,7 @@ def test_law_9_home_is_set_only_by_a_state_younger_than_half_a_second(
         (turn(90), 2.5, True),
         (move(3.1, speed_mps=0.05), None, False),
         (move(3.1, speed_mps=0.05), 100.0, False),
-        (HELLO, 0.5, True),
+        (HELLO, 0.01, True),
     ],
 )
 def test_law_10_a_step_begins_only_if_it_may_end_in_time_and_within_the_limit_of_a_command(
@@ -106,6 +106,13 @@ def test_law_10_a_step_begins_only_if_it_may_end_in_time_and_within_the_limit_of
     result = guard.step(step, go_on, deadline_s)
     assert (result.outcome is not Outcome.REFUSED) is begins, result.message
     assert begins or result.reason == "deadline"
+
+
+def test_law_10_a_turn_needs_no_time_for_a_distance(make: Make) -> None:
+    guard = make()
+    needed_s = 90 / guard.capabilities.limits.turn_dps
+    assert guard.step(turn(90), go_on, needed_s).outcome is Outcome.REFUSED
+    assert guard.step(turn(90), go_on, needed_s + 0.01).outcome is not Outcome.REFUSED
 
 
 def test_what_the_robot_cannot_do_is_refused_with_what_it_can(make: Make) -> None:

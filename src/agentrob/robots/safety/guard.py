@@ -153,6 +153,7 @@ class Guard:
         self._running: Primitive | None = None
         self._stops = 0
         self._sentence = self._lost_home = ""
+        self._gone = ""  # how far the running step took the robot, if farther than declared
         self._start: Pose | None = None  # where the running step began
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
@@ -322,7 +323,7 @@ class Guard:
         refusal = self._blocked(careful) or self._late(careful, deadline_s) or self._hindered(careful)
         if refusal:
             return _refused(primitive, *refusal)
-        self._sentence, self._broken, self._blind = "", "", self._ranges.unknown(careful)
+        self._sentence, self._gone, self._broken, self._blind = "", "", "", self._ranges.unknown(careful)
         self._start = sanitized(self._robot.state()).pose
         self._running = primitive
         self._crash_marker.begin(primitive.op, self._robot.state().mode)
@@ -336,29 +337,31 @@ class Guard:
                 self._room.end()
         self._takeover.own_motion(self._now_s())
         result = self._seen_throughout(as_declared(replace(result, primitive=primitive)))
-        note = (_BLIND if primitive.walks else _UNSEEN) if self._blind and result.reason != "ranges_unknown" else ""
+        note = (_BLIND if primitive.walks else _UNSEEN) if self._blind else ""
         message = " ".join(s for s in (result.message, self._sentence, note) if s)
         return self._after(replace(result, message=message))
 
     def _sense(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """Do a step that only moves a sensor: it needs no home, but the body must stay where it is."""
-        self._start, self._sentence = sanitized(self._robot.state()).pose, ""
-        result = self._robot.step(primitive, lambda state: watch(state) or self._leave(primitive, state))
+        self._start, self._gone = sanitized(self._robot.state()).pose, ""
+        result = self._robot.step(
+            primitive, lambda state: watch(state) or self._leaves(primitive, sanitized(state).pose)
+        )
         result = as_declared(replace(result, primitive=primitive))
         return self._stayed(fail_blank_picture(result) if primitive.operation.picture else result)
 
-    def _leave(self, primitive: Primitive, state: RobotState) -> str | None:
-        sentence = left_its_place(primitive, self._start, sanitized(state).pose)
-        self._sentence = sentence or self._sentence
-        return "travelled" if sentence else None
+    def _leaves(self, primitive: Primitive, pose: Pose | None) -> str | None:
+        """The reason to end a step that took the robot out of the place where it was declared to stay."""
+        self._gone = left_its_place(primitive, self._start, pose) or self._gone
+        return "travelled" if self._gone else None
 
     def _stayed(self, result: ActionResult) -> ActionResult:
         """Law 18: an operation that left the place where it was declared to stay has failed, whatever it says."""
-        gone = left_its_place(result.primitive, self._start, sanitized(self._robot.state()).pose)
-        if gone is None or self._broken:
+        self._leaves(result.primitive, sanitized(self._robot.state()).pose)
+        if not self._gone or self._broken:
             return result
-        log.warning("%s", gone)
-        message = result.message if gone in result.message else f"{result.message} {gone}".strip()
+        log.warning("%s", self._gone)
+        message = f"{result.message} {self._gone}".strip()
         return replace(result, outcome=Outcome.FAILED, reason="travelled", message=message)
 
     def _seen_throughout(self, result: ActionResult) -> ActionResult:
@@ -484,8 +487,8 @@ class Guard:
 
     def _misled(self, primitive: Primitive, state: RobotState, pose: Pose, fence: Fence) -> Refusal | None:
         """Return what is wrong with where the step leads: its own declaration, others, the fence, an obstacle."""
-        if gone := left_its_place(primitive, self._start, pose):
-            return "travelled", gone
+        if reason := self._leaves(primitive, pose):
+            return reason, ""  # the sentence is added when the robot rests
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         goes_its_way = primitive.travel_m > 0 and not primitive.walks
         ahead_m = speed_mps * STOPPING_S if goes_its_way or primitive.op is Op.MOVE else 0.0
