@@ -354,6 +354,7 @@ class RobotAgent:
             if job.task is not None:
                 await asyncio.wait({job.task}, timeout=SHUTDOWN_REPLY_S)
         await self.tasks.cancel_all()
+        await self.live_view.recorder.close()
 
     @property
     def me(self) -> Account | None:

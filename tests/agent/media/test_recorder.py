@@ -211,6 +211,26 @@ async def test_a_drawing_that_takes_too_long_ends_with_the_wait_for_it(
     assert records.file("7").exists(), "the data is kept all the same"
 
 
+async def test_when_the_recorder_is_closed_no_drawing_is_left_not_even_one_that_was_given_up(
+    walked: tuple[ActionResult, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slow = tmp_path / "slow"
+    slow.write_text(f"#!/bin/sh\necho $$ >> {tmp_path}/pids\nexec sleep 60\n")
+    slow.chmod(0o755)
+    monkeypatch.setattr(recorder.sys, "executable", str(slow))
+    monkeypatch.setattr(recorder, "DRAW_S", 0.0)
+    records = Recorder(tmp_path / "recordings", RecordingConfig())
+    for post in ("7", "8"):
+        walk = report(walked)
+        assert await records.animation(replace(walk, command=replace(walk.command, post_id=post))) is None
+    async with asyncio.timeout(60):
+        while not (tmp_path / "pids").exists() or len((tmp_path / "pids").read_text().split()) < 2:  # noqa: ASYNC110
+            await asyncio.sleep(0.01)
+        records.forget("7")
+        await records.close()
+    assert not any(Path(f"/proc/{pid}").exists() for pid in (tmp_path / "pids").read_text().split())
+
+
 async def test_a_disk_that_is_full_costs_only_the_recording(walked: tuple[ActionResult, ...], tmp_path: Path) -> None:
     blocked = tmp_path / "recordings"
     blocked.write_text("a file where the folder should be")

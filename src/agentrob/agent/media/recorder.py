@@ -76,6 +76,7 @@ class Recorder:
         self._films: dict[str, Film] = {}
         self._running: Film | None = None
         self._drawing: dict[str, asyncio.Task[bytes | None]] = {}
+        self._tasks: set[asyncio.Task[bytes | None]] = set()  # also those that were cancelled and have not ended
 
     @property
     def asks_afterwards(self) -> bool:
@@ -129,7 +130,9 @@ class Recorder:
             await asyncio.to_thread(self._keep, report)
             if seconds(report.results) < SHORTEST_S or hurry or self._settings.view == "none":
                 return None
-            self._drawing[post_id] = asyncio.create_task(self._draw(post_id, report.results, film))
+            self._drawing[post_id] = drawing = asyncio.create_task(self._draw(post_id, report.results, film))
+            self._tasks.add(drawing)
+            drawing.add_done_callback(self._tasks.discard)
         except Exception as e:
             _log.warning("recording lost", post=post_id, error=str(e) or type(e).__name__)
         # Pictures of the past take seconds: the report is not delayed for them where they can be added to it.
@@ -144,6 +147,12 @@ class Recorder:
         self._films.pop(post_id, None)
         if (drawing := self._drawing.pop(post_id, None)) is not None:
             drawing.cancel()
+
+    async def close(self) -> None:
+        """End what is being drawn, and wait until its process is gone."""
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
 
     async def _ready(self, post_id: str, limit_s: float, *, last: bool = False) -> bytes | None:
         if (drawing := self._drawing.get(post_id)) is None:
