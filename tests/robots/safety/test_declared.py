@@ -172,6 +172,53 @@ def test_a_move_of_its_own_may_travel_as_far_as_declared_and_not_out_of_the_fenc
     assert fast.reason == "limit_speed_mps"
 
 
+def test_law_8_a_move_of_its_own_that_nears_the_fence_ends_so_that_the_robot_rests_inside(make: Make) -> None:
+    stroll = replace(PUFF, action_class=ActionClass.MOVE, travel_m=3.0, time_limit_s=20.0)
+    fence = {"x_min_m": -0.5, "x_max_m": 0.5, "y_min_m": -0.5, "y_max_m": 0.5}
+    guard = make(operation=stroll, creep_mps=0.4, fence=fence)
+    assert guard.step(STEP, go_on).reason == "fence"
+    pose = guard.state().pose
+    assert pose is not None
+    assert 0.3 < pose.x_m <= 0.5
+
+
+@pytest.mark.parametrize(("creep_mps", "reason"), [(0.25, ""), (0.35, "limit_speed_mps")])
+def test_law_10_a_move_of_its_own_may_be_measured_a_little_faster_than_the_limit(
+    make: Make, creep_mps: float, reason: str
+) -> None:
+    stroll = replace(PUFF, action_class=ActionClass.MOVE, travel_m=3.0, time_limit_s=20.0)
+    assert make(operation=stroll, creep_mps=creep_mps, limits={"speed_mps": 0.2}).step(STEP, go_on).reason == reason
+
+
+@pytest.mark.parametrize("action_class", [ActionClass.MOVE, ActionClass.GESTURE])
+def test_a_robot_that_does_not_tell_its_speed_is_not_taken_for_a_fast_one(
+    make: Make, monkeypatch: pytest.MonkeyPatch, action_class: ActionClass
+) -> None:
+    travel_m = 1.0 if action_class is ActionClass.MOVE else 0.0
+    operation = replace(PUFF, action_class=action_class, travel_m=travel_m, time_limit_s=20.0)
+    guard = make(operation=operation, limits={"speed_mps": 0.2})
+    robot = guard._robot
+    assert isinstance(robot, PuffingRobot)
+    seen = robot._seen
+    monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), velocity_mps=None))
+    result = guard.step(STEP, go_on)
+    assert result.ok, result.message
+
+
+def test_a_gesture_on_its_place_is_not_ended_because_the_body_sways(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make(operation=replace(PUFF, travel_m=0.0), limits={"speed_mps": 0.2})
+    robot = guard._robot
+    assert isinstance(robot, PuffingRobot)
+    seen = robot._seen
+
+    def swaying(state: RobotState) -> None:
+        monkeypatch.setattr(robot, "_seen", lambda: replace(seen(), velocity_mps=(0.5, 0.0)))
+
+    assert guard.step(STEP, swaying).reason not in ("limit_speed_mps", "fence")
+
+
 @pytest.mark.parametrize(("options", "reason"), [({}, ""), ({"obstacles": [[0.7, 0.0, 0.2]]}, "obstacle")])
 def test_law_8_the_free_space_that_it_declares_is_checked(make: Make, options: dict[str, Any], reason: str) -> None:
     roomy = replace(PUFF, free_space_m=0.8)

@@ -312,6 +312,11 @@ def test_law_8_a_walk_that_nears_the_fence_ends_so_that_the_robot_rests_inside(
     assert 0.3 < robot.pose.x_m <= edge_m
 
 
+def test_a_turn_beside_the_fence_is_done(make: Make) -> None:
+    guard = make(fence={"x_min_m": -0.2, "x_max_m": 0.2, "y_min_m": -0.2, "y_max_m": 0.2})
+    assert guard.step(turn(30), go_on).ok
+
+
 def test_a_walk_is_not_ended_because_it_is_measured_faster_than_its_limit(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,6 +74,37 @@ def test_law_18_a_jump_is_the_reason_also_if_the_state_is_lost_after_it(
     assert (result.outcome, result.reason, result.unmeasured) == (Outcome.STOPPED, "odometry_jump", JUMPED)
 
 
+def test_law_18_a_jump_stays_the_reason_if_the_state_is_lost_before_the_next_look(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+
+    def stepped(primitive: Primitive, watch: Watch) -> ActionResult:
+        fake_of(guard).carry(Pose(5.0, 0.0, 0.0))
+        guard.observe()
+        age_states(guard, monkeypatch, 1.0)
+        reason = watch(fake_of(guard).state())
+        return ActionResult(primitive, Outcome.STOPPED, {"distance_m": 0.2}, reason or "")
+
+    monkeypatch.setattr(fake_of(guard), "step", stepped)
+    result = guard.step(move(0.5), go_on)
+    assert (result.reason, result.unmeasured, result.measured) == ("stale_state", JUMPED, {})
+
+
+def test_law_8_a_step_during_which_the_robot_tells_no_position_is_ended_and_says_so(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make()
+    until(lambda: guard.state().homed)
+    seen = fake_of(guard)._seen
+    result = guard.step(
+        HELLO, lambda _: monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None))
+    )
+    assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
+    assert "The robot tells no position: its odometry is missing or not a number." in result.message
+
+
 def test_law_18_a_gesture_during_which_the_odometry_jumps_has_not_left_its_place(make: Make) -> None:
     guard = make()
     until(lambda: guard.state().homed)

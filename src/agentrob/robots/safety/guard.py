@@ -491,7 +491,7 @@ class Guard:
             return reason, ""  # the sentence is added when the robot rests
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         goes_its_way = primitive.travel_m > 0 and not primitive.walks
-        ahead_m = speed_mps * STOPPING_S if goes_its_way or primitive.op is Op.MOVE else 0.0
+        ahead_m = speed_mps * STOPPING_S if primitive.op is Op.MOVE else 0.0
         limit_mps = self.capabilities.limits.speed_mps
         if goes_its_way and speed_mps > limit_mps + _FASTER_MPS:
             return "limit_speed_mps", f"It went at {speed_mps:.2f} m/s, and {limit_mps:g} m/s are allowed."
