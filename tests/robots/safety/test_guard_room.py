@@ -174,3 +174,12 @@ def test_law_11_a_closed_guard_reports_to_its_room_no_more(in_room: InRoom) -> N
     guard.close()
     reporting.join(60)
     assert not reporting.is_alive()
+
+
+def test_law_11_after_a_jump_of_the_odometry_the_place_in_the_room_is_unknown(in_room: InRoom) -> None:
+    guard, room = in_room("ann", simulated=False, home_on_start=False)
+    set_home(guard)
+    assert room.framed
+    fake_of(guard).carry(Pose(5.0, 0.0, 0.0))
+    until(lambda: not room.framed)
+    assert not guard.state().homed
