@@ -56,6 +56,34 @@ def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
     assert guard.step(move(0.3), go_on).ok
 
 
+def test_law_12_the_robot_is_locked_before_it_is_stopped_and_the_lock_is_written_down(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guard = make()
+    until(lambda: guard._takeover._mode == "idle")
+    monkeypatch.setattr(guard, "halt", lambda *_: None)  # as if the stop, or the disk, took long
+    fake_of(guard).faults.mode = "damping"
+    until(lambda: guard.state().halted)
+
+
+def test_law_12_a_takeover_does_not_change_who_locked_the_robot(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard = make()
+    until(lambda: guard._takeover._mode == "idle")
+    guard.halt("bob", "smoke")
+    seen, update = list[str](), guard._takeover.update
+
+    def noted(now_s: float, state: RobotState, **ours: bool) -> str | None:
+        seen.append(state.mode)
+        return update(now_s, state, **ours)
+
+    monkeypatch.setattr(guard._takeover, "update", noted)
+    fake_of(guard).faults.mode = "damping"
+    until(lambda: seen.count("damping") > 2)  # then the guard has done what it does about the first of them
+    lock = guard.state().lock
+    assert lock is not None
+    assert (lock.by, lock.why) == ("bob", "smoke")
+
+
 def test_law_12_damping_during_a_gesture_is_a_halt(make: Make) -> None:
     guard = make({"time_scale": 1})
     until(lambda: guard.state().homed)
