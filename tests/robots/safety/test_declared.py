@@ -41,6 +41,8 @@ PUFF = Operation(
 )  # fmt: skip
 STEP = Primitive("puff", arguments=(("seconds", 3.0),))
 Make = Callable[..., Guard]
+#: What a test may change of a `PuffingRobot`.
+DOING = ("creep_mps", "seconds", "told", "deaf", "drifts_mps")
 
 
 class PuffingRobot(FakeRobot):
@@ -51,6 +53,7 @@ class PuffingRobot(FakeRobot):
     seconds: float | None = None  # instead of those that were asked for
     told: dict[str, float] | None = None  # instead of what was measured
     deaf = False  # whether it ignores the watch
+    drifts_mps = 0.0  # how fast it walks when nobody watches it any more
 
     @classmethod
     def describe(cls, settings: RobotConfig) -> Capabilities:
@@ -68,6 +71,10 @@ class PuffingRobot(FakeRobot):
             return None if self.deaf else reason
 
         result = run_for(self, primitive, creeping, seconds, lambda: None, self.rest)
+        for _ in range(50 if self.drifts_mps else 0):
+            self.command(Velocity(self.drifts_mps))
+            self.wait_until(self.now_s() + 0.05)
+        self.rest()
         return result if self.told is None else replace(result, measured=self.told)
 
 
@@ -76,7 +83,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
     made: list[Guard] = []
 
     def make(operation: Operation = PUFF, options: dict[str, Any] | None = None, **given: Any) -> Guard:
-        doing = {name: given.pop(name) for name in ("creep_mps", "seconds", "told", "deaf") if name in given}
+        doing = {name: given.pop(name) for name in DOING if name in given}
         kind = type("Robot", (PuffingRobot,), {"operation": operation, **doing})
         facts = {"model": "fake", "simulated": True, "home_on_start": True, **given}
         config = RobotConfig(options={"time_scale": math.inf, **(options or {})}, **facts)
@@ -147,6 +154,11 @@ def test_law_8_a_gesture_that_comes_back_has_left_its_place(make: Make) -> None:
     pose = guard.state().pose
     assert pose is not None
     assert math.hypot(pose.x_m, pose.y_m) < 0.3
+    assert (result.outcome, result.reason) == (Outcome.FAILED, "travelled")
+
+
+def test_law_18_a_gesture_that_leaves_its_place_after_the_last_look_has_failed(make: Make) -> None:
+    result = make(drifts_mps=0.3).step(STEP, go_on)
     assert (result.outcome, result.reason) == (Outcome.FAILED, "travelled")
 
 
