@@ -14,11 +14,12 @@ from agentrob.process.run import Completed, run_process
 #: Starts another process, says both ids, and waits.
 FAMILY = """
 import os, subprocess, sys
-child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
 sys.stderr.write(f"{os.getpid()} {child.pid}")
 open(sys.argv[1], "w").write(f"{os.getpid()} {child.pid}")
 os.rename(sys.argv[1], sys.argv[2])
-child.wait()
+if sys.argv[3] == "waits":
+    child.wait()
 """
 
 
@@ -52,10 +53,11 @@ async def test_it_gets_no_secrets(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("how", ["cancelled", "too long"])
-async def test_nothing_outlives_the_call(tmp_path: Path, how: str) -> None:
+@pytest.mark.parametrize("parent", ["waits", "ends"])
+async def test_nothing_outlives_the_call(tmp_path: Path, how: str, parent: str) -> None:
     said = tmp_path / "said"
     running = asyncio.create_task(
-        run_process(python(FAMILY, tmp_path / "new", said), limit_s=4.0 if how == "too long" else None)
+        run_process(python(FAMILY, tmp_path / "new", said, parent), limit_s=4.0 if how == "too long" else None)
     )
     async with asyncio.timeout(60):
         while how == "cancelled" and not said.exists():  # noqa: ASYNC110 (another process)

@@ -37,9 +37,9 @@ async def run_process(
     try:
         async with asyncio.timeout(limit_s):
             output, errors = await child.communicate(given)
-    finally:
-        if child.returncode is None:
-            await asyncio.shield(_killed(child))
+    except BaseException:  # it may have ended and left others, which hold its pipes
+        await asyncio.shield(_killed(child))
+        raise
     assert child.returncode is not None
     lines = errors.decode(errors="replace").strip().splitlines()
     return Completed(child.returncode, output, lines[-1] if lines else "")

@@ -138,6 +138,17 @@ def test_law_8_a_look_that_travels_is_caught_too(make: Make) -> None:
     assert math.hypot(pose.x_m, pose.y_m) < 0.4, "it was ended, not only told"
 
 
+def test_law_8_a_look_that_travels_is_caught_after_a_jump_of_the_odometry_too(make: Make) -> None:
+    guard = make(operation=replace(PUFF, action_class=ActionClass.LOOK), creep_mps=0.4)
+    robot = guard._robot
+    assert isinstance(robot, PuffingRobot)
+    guard.observe()
+    robot.carry(Pose(5.0, 0.0, 0.0))
+    guard.observe()
+    assert guard._broken
+    assert guard.step(STEP, go_on).reason == "travelled"
+
+
 def test_law_8_a_gesture_that_comes_back_has_left_its_place(make: Make) -> None:
     """It walks 0.6 m away and back to its place, where a gesture may take it 0.3 m."""
     guard = make(creep_mps=0.4, deaf=True, operation=replace(PUFF, time_limit_s=20.0), seconds=3.0)

@@ -343,7 +343,8 @@ class Guard:
 
     def _sense(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """Do a step that only moves a sensor: it needs no home, but the body must stay where it is."""
-        self._start, self._gone = sanitized(self._robot.state()).pose, ""
+        self._gone = self._broken = ""
+        self._start = sanitized(self._robot.state()).pose
         result = self._robot.step(
             primitive, lambda state: watch(state) or self._leaves(primitive, sanitized(state).pose)
         )
