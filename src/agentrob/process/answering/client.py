@@ -11,8 +11,9 @@ from typing import Any
 
 from agentrob.process.answering.server import TooSlow
 
-#: Seconds after which a child that does not answer is killed; this includes its start.
-ANSWER_S = 15.0
+#: Seconds after which a child that does not answer is killed, and after which one that was started for the question is:
+#: its start takes seconds of processor time, and longer on a busy machine.
+ANSWER_S, START_S = 15.0, 60.0
 
 
 class LineProcess:
@@ -28,10 +29,11 @@ class LineProcess:
 
     def ask(self, question: dict[str, Any]) -> dict[str, Any]:
         """Raises `TooSlow`, also if the child says so, and `OSError` if it cannot be started."""
+        limit_s = START_S if self._child is None else ANSWER_S
         child = self._child = self._child or self._started()
         assert child.stdin is not None
         assert child.stdout is not None
-        killing = threading.Timer(ANSWER_S, child.kill)
+        killing = threading.Timer(limit_s, child.kill)
         killing.daemon = True
         killing.start()
         line = b""
