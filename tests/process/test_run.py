@@ -42,14 +42,14 @@ async def test_it_returns_what_the_process_wrote_and_how_it_ended() -> None:
 async def test_a_large_input_and_output_do_not_block_each_other() -> None:
     source = "import sys; sys.stdout.buffer.write(sys.stdin.buffer.read() * 2)"
     done = await run_process(python(source), b"x" * 3_000_000)
-    assert (done.returncode, len(done.output), done.last_words) == (0, 6_000_000, "")
+    assert (done.returncode, len(done.stdout), done.last_error_line) == (0, 6_000_000, "")
 
 
 async def test_it_gets_no_secrets(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("AGENTROB_TOKEN", "secret")
     source = "import os; print(os.environ.get('AGENTROB_TOKEN'), os.environ['PATH'], os.environ['MUJOCO_GL'])"
     done = await run_process(python(source), env={"MUJOCO_GL": "disable"})
-    assert done.output.decode().split() == ["None", os.environ["PATH"], "disable"]
+    assert done.stdout.decode().split() == ["None", os.environ["PATH"], "disable"]
 
 
 @pytest.mark.parametrize("how", ["cancelled", "too long"])

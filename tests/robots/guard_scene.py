@@ -5,6 +5,9 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
 
 from agentrob.errors import RobotError
 from agentrob.model import Direction, Op, Primitive
@@ -22,6 +25,12 @@ def fake_of(guard: Guard) -> FakeRobot:
     robot = guard._robot
     assert isinstance(robot, FakeRobot)
     return robot
+
+
+def age_states(guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float) -> None:
+    """Let every state be this old from now on."""
+    seen = fake_of(guard)._seen
+    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), age_s=age_s))
 
 
 def move(distance_m: float, direction: Direction = F, speed_mps: float | None = None) -> Primitive:

@@ -9,6 +9,7 @@ import pytest
 
 from agentrob.board.command_reading import DraftCommand, ReadableRobot
 from agentrob.model import Account, ActionClass, Capabilities, Direction, Limits, Op, Plan, Primitive, RobotRights, Role
+from agentrob.process.answering import client
 from agentrob.process.answering.server import TooSlow
 from agentrob.wiring.command_reader import ReaderProcess, read
 
@@ -144,6 +145,15 @@ def test_the_process_reads_as_this_process_does(process: ReaderProcess) -> None:
     for text in ("@quadruped walk forward 1 m, then wave", "@humanoid wave", "@quadruped \ud83d 走", "", "@nobody hi"):
         draft = DraftCommand(text.encode("utf-8", "replace").decode(), ALICE, (DOG, SLOW))
         assert process.read(draft) == read(draft)
+
+
+def test_a_process_that_has_just_been_started_has_longer_to_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(client, "ANSWER_S", 0.01)
+    started = ReaderProcess()
+    try:
+        assert started.read(DraftCommand("@quadruped wave", ALICE, (DOG,))).robots[0].outcome == "would"
+    finally:
+        started.close()
 
 
 def test_a_closed_process_reads_nothing(process: ReaderProcess) -> None:

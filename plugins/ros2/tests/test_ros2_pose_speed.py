@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import pytest
-from agentrob_ros2.pose_speed import LATEST_S, PoseSpeed
+from agentrob_ros2.pose_speed import MAX_DELAY_S, PoseSpeed
 from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.model import Pose
 
 SENT_EVERY_S = 0.02
-DELAYS = st.lists(st.floats(0.0, LATEST_S), min_size=12, max_size=60)
+DELAYS = st.lists(st.floats(0.0, MAX_DELAY_S), min_size=12, max_size=60)
 
 
 def walked(speed_mps: float, seconds: float) -> Pose:

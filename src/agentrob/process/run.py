@@ -1,4 +1,4 @@
-"""Run a Python module in a process of its own, which gets no secrets and never outlives the call."""
+"""Run a command in a process of its own, which gets no secrets and never outlives the call."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _ENVIRONMENT = ("PATH", "PYTHONPATH", "VIRTUAL_ENV", "LANG", "HOME")
 
 
 class Completed(NamedTuple):
-    """The exit code of a process, its output, and the last line that it wrote to standard error."""
+    """The exit code of a process, its standard output, and the last line of its standard error."""
 
     returncode: int
-    output: bytes
-    last_words: str
+    stdout: bytes
+    last_error_line: str
 
 
 async def run_process(
-    command: Sequence[str], given: bytes = b"", *, limit_s: float | None = None, env: Mapping[str, str] | None = None
+    command: Sequence[str], stdin: bytes = b"", *, limit_s: float | None = None, env: Mapping[str, str] | None = None
 ) -> Completed:
-    """Run a command on some input until it ends; `env` is added to its environment.
+    """Run a command with this standard input until it ends; `env` is added to its environment.
 
     If this call is cancelled, or `limit_s` seconds are over, the process and those that it started are killed. Raises
     `TimeoutError`, and `OSError` if it cannot be started.
@@ -36,13 +36,13 @@ async def run_process(
     )
     try:
         async with asyncio.timeout(limit_s):
-            output, errors = await child.communicate(given)
-    except BaseException:  # it may have ended and left others, which hold its pipes
+            stdout, stderr = await child.communicate(stdin)
+    except BaseException:  # it may have ended, and its own children hold its pipes
         await asyncio.shield(_killed(child))
         raise
     assert child.returncode is not None
-    lines = errors.decode(errors="replace").strip().splitlines()
-    return Completed(child.returncode, output, lines[-1] if lines else "")
+    lines = stderr.decode(errors="replace").strip().splitlines()
+    return Completed(child.returncode, stdout, lines[-1] if lines else "")
 
 
 async def _killed(child: asyncio.subprocess.Process) -> None:

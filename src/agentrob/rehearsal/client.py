@@ -69,5 +69,5 @@ async def _simulated(request: PreviewRequest, command: Sequence[str], limit_s: f
     env = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disable"}
     done = await run_process(command, write_request(request), limit_s=limit_s, env=env)
     if done.returncode:
-        raise ChildFailed(done.last_words or f"it ended with {done.returncode} and said nothing")
-    return await asyncio.to_thread(read_preview, done.output)
+        raise ChildFailed(done.last_error_line or f"it ended with {done.returncode} and said nothing")
+    return await asyncio.to_thread(read_preview, done.stdout)

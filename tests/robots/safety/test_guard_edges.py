@@ -18,16 +18,10 @@ from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
 from agentrob.robots.safety.fence import Fence
 from agentrob.robots.safety.guard import Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
-from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
+from tests.robots.guard_scene import ExternalController, Make, age_states, can_set_home, fake_of, move, turn, until
 
 #: Needs no range readings, which an old state does not bring.
 HELLO = Primitive(Op.HELLO)
-
-
-def age_states(guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float) -> None:
-    """Let every state be this old from now on."""
-    seen = fake_of(guard)._seen
-    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), age_s=age_s))
 
 
 @pytest.fixture

@@ -18,14 +18,9 @@ from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.guard import Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.safety.takeover import OURS_S
-from tests.robots.guard_scene import Make, fake_of, move, until
+from tests.robots.guard_scene import Make, age_states, fake_of, move, until
 
 HELLO = Primitive(Op.HELLO)
-
-
-def age_states(guard: Guard, monkeypatch: pytest.MonkeyPatch, age_s: float) -> None:
-    seen = fake_of(guard)._seen
-    monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), age_s=age_s))
 
 
 def after_its_step(guard: Guard, monkeypatch: pytest.MonkeyPatch, happens: Callable[[], None]) -> None:

@@ -9,9 +9,9 @@ from agentrob.robots.control.controller import rotate, wrap
 
 #: Speed is taken from poses that lie at least this far apart, in seconds.
 SPEED_OVER_S = 0.1
-#: Stamps count if they lie at most this much further apart than the arrivals: no message is later than that and still
-#: used, so the clock of the stamps was set.
-LATEST_S = 0.5
+#: Stamps count if they lie at most this much further apart than the arrivals, in seconds. A larger difference means
+#: that the sender's clock was set.
+MAX_DELAY_S = 0.5
 
 
 class _Sample(NamedTuple):
@@ -56,4 +56,4 @@ class PoseSpeed:
 
 def _seconds_between(last: _Sample, came_s: float, stamp_s: float) -> float:
     arrivals_s, stamps_s = came_s - last.came_s, stamp_s - last.stamp_s
-    return stamps_s if last.stamp_s > 0.0 and 0.0 < stamps_s <= arrivals_s + LATEST_S else arrivals_s
+    return stamps_s if last.stamp_s > 0.0 and 0.0 < stamps_s <= arrivals_s + MAX_DELAY_S else arrivals_s

@@ -251,7 +251,7 @@ class Run:
             return CommandState.REFUSED
         return CommandState.FAILED
 
-    def _status_of_lost(self, lost: LeaseLost) -> tuple[CommandState, str]:
+    def _status_of_lost_lease(self, lost: LeaseLost) -> tuple[CommandState, str]:
         """Return the final state and the message of a command whose lease was lost between two steps."""
         if lost.why in BY_PEOPLE:
             return CommandState.STOPPED, ""
@@ -274,7 +274,7 @@ class Run:
                 self.status = await work()
         except LeaseLost as e:  # a stop came after the command was accepted, perhaps not through the forum
             self.stopped_by = e.by
-            self.status, self.message = self._status_of_lost(e)
+            self.status, self.message = self._status_of_lost_lease(e)
         except RobotError as e:
             self.message = str(e)
         except Exception:

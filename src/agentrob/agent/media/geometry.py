@@ -74,6 +74,6 @@ class Geometry:
             done = await run_process((sys.executable, "-m", "agentrob.sim.shape", self._kind), limit_s=MAKE_S)
         except TimeoutError:
             raise ForumError(f"the shape was not made within {MAKE_S:g} s") from None
-        if done.returncode or not done.output.startswith(_GZIP) or len(done.output) > MOST_BYTES:
-            raise SimError(done.last_words[:300] or "the shape could not be made")
-        return done.output
+        if done.returncode or not done.stdout.startswith(_GZIP) or len(done.stdout) > MOST_BYTES:
+            raise SimError(done.last_error_line[:300] or "the shape could not be made")
+        return done.stdout

@@ -291,4 +291,4 @@ def _asked_of(result: ActionResult) -> tuple[float, str]:
 async def _drawn(scene: bytes) -> bytes | None:
     """Run the drawing process and return its output, or None if it fails. It never outlives this call."""
     done = await run_process((sys.executable, "-m", "agentrob.agent.media.animation"), scene)
-    return done.output if done.returncode == 0 and done.output[:4] == b"RIFF" else None
+    return done.stdout if done.returncode == 0 and done.stdout[:4] == b"RIFF" else None

@@ -11,8 +11,8 @@ from typing import Any
 
 from agentrob.process.answering.server import TooSlow
 
-#: Seconds after which a child that does not answer is killed, and after which one that was started for the question is:
-#: its start takes seconds of processor time, and longer on a busy machine.
+#: A child is killed if it does not answer within `ANSWER_S`, or within `START_S` if it was started for this question:
+#: its imports take seconds, and longer on a busy machine.
 ANSWER_S, START_S = 15.0, 60.0
 
 

@@ -153,7 +153,7 @@ class Guard:
         self._running: Primitive | None = None
         self._stops = 0
         self._sentence = self._lost_home = ""
-        self._gone = ""  # how far the running step took the robot, if farther than declared
+        self._travelled = ""  # a sentence, once the running step took the robot farther than declared
         self._start: Pose | None = None  # where the running step began
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
@@ -323,7 +323,7 @@ class Guard:
         refusal = self._blocked(careful) or self._late(careful, deadline_s) or self._hindered(careful)
         if refusal:
             return _refused(primitive, *refusal)
-        self._sentence, self._gone, self._broken, self._blind = "", "", "", self._ranges.unknown(careful)
+        self._sentence, self._travelled, self._broken, self._blind = "", "", "", self._ranges.unknown(careful)
         self._start = sanitized(self._robot.state()).pose
         self._running = primitive
         self._crash_marker.begin(primitive.op, self._robot.state().mode)
@@ -343,26 +343,26 @@ class Guard:
 
     def _sense(self, primitive: Primitive, watch: Watch) -> ActionResult:
         """Do a step that only moves a sensor: it needs no home, but the body must stay where it is."""
-        self._gone = self._broken = ""
+        self._travelled = self._broken = ""
         self._start = sanitized(self._robot.state()).pose
         result = self._robot.step(
-            primitive, lambda state: watch(state) or self._leaves(primitive, sanitized(state).pose)
+            primitive, lambda state: watch(state) or self._check_travel(primitive, sanitized(state).pose)
         )
         result = as_declared(replace(result, primitive=primitive))
         return self._stayed(fail_blank_picture(result) if primitive.operation.picture else result)
 
-    def _leaves(self, primitive: Primitive, pose: Pose | None) -> str | None:
-        """The reason to end a step that took the robot out of the place where it was declared to stay."""
-        self._gone = left_its_place(primitive, self._start, pose) or self._gone
-        return "travelled" if self._gone else None
+    def _check_travel(self, primitive: Primitive, pose: Pose | None) -> str | None:
+        """Return the reason to end a step that took the robot farther than its operation declares."""
+        self._travelled = left_its_place(primitive, self._start, pose) or self._travelled
+        return "travelled" if self._travelled else None
 
     def _stayed(self, result: ActionResult) -> ActionResult:
         """Law 18: an operation that left the place where it was declared to stay has failed, whatever it says."""
-        self._leaves(result.primitive, sanitized(self._robot.state()).pose)
-        if not self._gone or self._broken:
+        self._check_travel(result.primitive, sanitized(self._robot.state()).pose)
+        if not self._travelled or self._broken:
             return result
-        log.warning("%s", self._gone)
-        message = f"{result.message} {self._gone}".strip()
+        log.warning("%s", self._travelled)
+        message = f"{result.message} {self._travelled}".strip()
         return replace(result, outcome=Outcome.FAILED, reason="travelled", message=message)
 
     def _seen_throughout(self, result: ActionResult) -> ActionResult:
@@ -488,7 +488,7 @@ class Guard:
 
     def _misled(self, primitive: Primitive, state: RobotState, pose: Pose, fence: Fence) -> Refusal | None:
         """Return what is wrong with where the step leads: its own declaration, others, the fence, an obstacle."""
-        if reason := self._leaves(primitive, pose):
+        if reason := self._check_travel(primitive, pose):
             return reason, ""  # the sentence is added when the robot rests
         speed_mps = math.hypot(*state.velocity_mps) if state.velocity_mps else (primitive.speed_mps or 0.0)
         goes_its_way = primitive.travel_m > 0 and not primitive.walks
