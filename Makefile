@@ -16,6 +16,9 @@ ARGS ?=
 # Tests wait for processes and simulated worlds more than half of the time, so four workers keep two cores busy; worlds run
 # on at most two of them at a time (tests/file_scheduler.py).
 WORKERS ?= 4
+# Processes to which AgentRob gives a low priority, such as those of previews, would wait for minutes beside four busy
+# workers. At this priority all have about the same, and the machine remains usable.
+PYTEST := nice -n 18 $(BIN)/pytest
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
 # Files with tests that `make test` runs at a smaller size (tests/sizes.py).
@@ -40,21 +43,21 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
-	$(BIN)/pytest -q -n $(WORKERS) --dist loadfile -m "not slow" $(ARGS)
+	$(PYTEST) -q -n $(WORKERS) --dist loadfile -m "not slow" $(ARGS)
 
 test-plugins: setup-dev
-	$(BIN)/pytest -q plugins -m "not slow" $(ARGS)
+	$(PYTEST) -q plugins -m "not slow" $(ARGS)
 
 test-slice: setup-slow
 	@$(BIN)/python -m tests.slices $(SLICE)
-	$(BIN)/pytest -q --slice $(SLICE) -m "slow and sim" $(ARGS) $(OR_NONE)
-	$(BIN)/pytest -q -n 2 --dist worksteal --slice $(SLICE) -m "slow and not sim" $(ARGS) $(OR_NONE)
+	$(PYTEST) -q --slice $(SLICE) -m "slow and sim" $(ARGS) $(OR_NONE)
+	$(PYTEST) -q -n 2 --dist worksteal --slice $(SLICE) -m "slow and not sim" $(ARGS) $(OR_NONE)
 
 test-long: export AGENTROB_TEST_SIZE := full
 test-long: setup-slow
-	$(BIN)/pytest -q -n 2 --dist worksteal --files-with slow -m "slow and not sim" $(ARGS)
-	$(BIN)/pytest -q --files-with slow -m "slow and sim" $(ARGS)
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim" $(SIZED) $(ARGS)
+	$(PYTEST) -q -n 2 --dist worksteal --files-with slow -m "slow and not sim" $(ARGS)
+	$(PYTEST) -q --files-with slow -m "slow and sim" $(ARGS)
+	$(PYTEST) -q -n 2 --dist worksteal -m "not slow and not sim" $(SIZED) $(ARGS)
 
 setup-slow: setup-dev
 	@scripts/system-packages render browser postgres peers reachy
@@ -77,7 +80,7 @@ check: setup-dev
 	@$(MAKE) --no-print-directory -j 2 --output-sync=target lint quick
 
 quick: setup-dev
-	$(BIN)/pytest -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(QUICK) $(ARGS)
+	$(PYTEST) -q -n 2 --dist worksteal -m "not slow and not sim and not browser" $(QUICK) $(ARGS)
 
 format: setup-dev
 	$(BIN)/ruff format .
