@@ -29,8 +29,8 @@ def every() -> tuple[Phrases, ...]:
 
 def _every() -> Iterator[Phrases]:
     for rule in harm.RULES:
-        for doubts in (False, True):
-            yield from (phrases for phrases, _ in harm._phrases(rule, doubts))
+        for prefix in harm.PREFIXES:
+            yield from (phrases for phrases, _ in harm.phrases_of(rule, prefix))
     for said in described_hazards._patterns().values():
         yield from said._phrases
     yield from side_remarks._phrases()
@@ -93,6 +93,6 @@ def test_every_chinese_phrase_finds_only_what_holds_a_chinese_character() -> Non
 
 def test_a_plain_command_compiles_nothing_of_harm() -> None:
     for rule in harm.RULES:
-        for doubts in (False, True):
-            for phrases, _ in harm._phrases(rule, doubts):
+        for prefix in harm.PREFIXES:
+            for phrases, _ in harm.phrases_of(rule, prefix):
                 assert Phrases(phrases._vocabulary, phrases._phrases)._pattern("walk forward 2 m") is None

@@ -17,10 +17,9 @@ from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
-#: Prefix of phrases that may be harmless: the robot asks back instead of refusing.
-DOUBT = "?"
-#: Prefix of phrases that name a place to go to: they count only if the post became a plan, which would go there.
-WAY = ">"
+#: Prefixes of phrases: none for deeds that are harmful wherever they are done; one for phrases that may be harmless, so
+#: that the robot asks back; one for places to go to, which count only if the post became a plan that would go there.
+PREFIXES = DEED, DOUBT, WAY = "", "?", ">"
 #: Rules in the order in which they are checked. True: a negation takes the harm away ("don't hit it").
 RULES = {
     "safety.disable": False,
@@ -52,14 +51,14 @@ _QUESTION = re.compile(
 )
 #: A handle, with a verb or preposition before it that does something to the account.
 _MENTION = re.compile(
-    r"(?:\b(at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against"
-    r"|撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
+    r"(?:\b(?P<en>at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against)"
+    r"\s*|(?P<zh>撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
 )
 
 
 def harm_of(text: str, language: Language) -> Verdict | None:
     """Return a refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
-    for rule, words in _broken(plain_words(text), doubts=False):
+    for rule, words in _broken(plain_words(text), DEED, WAY):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
@@ -70,65 +69,66 @@ def clear_harm_of(text: str, language: Language) -> Verdict | None:
     A place that the robot cannot walk to anyway ("go down the stairs") accuses nobody of anything, nor does a question
     about harm ("how do I prevent collisions").
     """
-    for rule, words in _broken(_QUESTION.sub(" ", plain_words(text)), doubts=False, ways=False):
+    for rule, words in _broken(_QUESTION.sub(" ", plain_words(text)), DEED):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
 
 def doubt_of(text: str, language: Language) -> Verdict | None:
     """Return a question to ask before anything moves, because the words may mean harm, or None."""
-    for rule, words in _broken(plain_words(text), doubts=True):
+    for rule, words in _broken(plain_words(text), DOUBT):
         key = rule if rule == "people.picture" else "beside.said"
         return Verdict(Decision.ASK_BACK, rule, say(key, language, words=quote(words)))
     return None
 
 
-def _broken(plain: str, *, doubts: bool, ways: bool = True) -> Iterator[tuple[str, str]]:
+def _broken(plain: str, *prefixes: str) -> Iterator[tuple[str, str]]:
     """Yield (rule, words) of everything that is not negated, in the order of the rules."""
     for rule, deniable in RULES.items():
-        for found, denied in _found(rule, plain, doubts, ways):
-            if not (deniable and denied):
-                yield rule, found
+        for prefix in prefixes:
+            for found, denied in _found(rule, prefix, plain):
+                if not (deniable and denied):
+                    yield rule, found
 
 
 def plain_words(text: str) -> str:
     """Return the text with lower case, straight quotes, simplified characters and single spaces; line ends stay.
 
-    A mention is a name, whatever it spells ("@cat, sit"): it becomes "somebody" if something is done to the account,
-    otherwise a space.
+    A mention is a name, whatever it spells ("@cat, sit"): it becomes "somebody" or 别人 if something is done to the
+    account, otherwise a space.
     """
     straight = text.casefold().translate(words_zh.TWINS).replace("’", "'").replace("‘", "'")
-    unnamed = _MENTION.sub(lambda match: f"{match[1]} somebody" if match[1] else " ", straight)
-    return re.sub(r"[^\S\n]+", " ", unnamed)
+    return re.sub(r"[^\S\n]+", " ", _MENTION.sub(_without_handle, straight))
+
+
+def _without_handle(mention: re.Match[str]) -> str:
+    if mention["zh"]:
+        return f"{mention['zh']}别人"
+    return f"{mention['en']} somebody" if mention["en"] else " "
 
 
 def prepare() -> None:
     """Compile all patterns (about 0.4 s), so that stops do not wait for compilation while a process serves."""
     for rule in RULES:
-        for doubts in (False, True):
-            for phrases, _ in _phrases(rule, doubts):
+        for prefix in PREFIXES:
+            for phrases, _ in phrases_of(rule, prefix):
                 phrases.prepare()
 
 
-def _found(rule: str, plain: str, doubts: bool, ways: bool) -> Iterator[tuple[str, bool]]:
+def _found(rule: str, prefix: str, plain: str) -> Iterator[tuple[str, bool]]:
     """Yield the words that break a rule, and whether a negation precedes them."""
-    for phrases, denial in _phrases(rule, doubts) if ways else _of_kind(rule, ""):
+    for phrases, denial in phrases_of(rule, prefix):
         for match in phrases.finditer(plain):
             before = plain[max(0, match.start() - 60) : match.start()]
             yield match[0], denial.search(before) is not None
 
 
 @cache
-def _phrases(rule: str, doubts: bool) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
-    return _of_kind(rule, DOUBT) if doubts else (*_of_kind(rule, ""), *_of_kind(rule, WAY))
-
-
-@cache
-def _of_kind(rule: str, prefix: str) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
-    """Return a rule's phrases with this prefix (`DOUBT`, `WAY`, or none), and what denies them, per language."""
+def phrases_of(rule: str, prefix: str) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
+    """Return a rule's phrases with this prefix, and what denies them, per language."""
     made = []
     for vocabulary, locale in ((ENGLISH, words_en), (CHINESE, words_zh)):
-        kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else "" for phrase in locale.RULES[rule]}
+        kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else DEED for phrase in locale.RULES[rule]}
         if phrases := [phrase.removeprefix(prefix) for phrase, kind in kinds.items() if kind == prefix]:
             made.append((Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
     return tuple(made)

@@ -1,0 +1,95 @@
+"""Law 7: from which rules a negation takes the harm away, how far it reaches, and what a mention counts as."""
+
+from __future__ import annotations
+
+import pytest
+
+from agentrob.screening.text.harm import RULES, clear_harm_of, doubt_of, harm_of
+
+#: Words that break each rule, and whether "don't" before them takes the harm away. It does not where the wish itself is
+#: the harm ("don't log this"), or where a negation may be part of it ("she can't move").
+DENIED = {
+    "safety.disable": ("turn off the obstacle avoidance", False),
+    "who.claim": ("by order of the owner", True),
+    "harm.attack": ("scare the man", True),
+    "harm.fall": ("fall over", True),
+    "harm.destroy": ("break the vase", True),
+    "harm.collide": ("run into the wall", True),
+    "harm.hazard": ("walk into the fire", True),
+    "people.watch": ("spy on her", False),
+    "people.follow": ("chase the woman", False),
+    "people.block": ("block the exit", False),
+    "people.trick": ("trick the child", True),
+    "safety.secret": ("delete the logs", False),
+    "bounds.leave": ("break out", True),
+}
+
+
+@pytest.mark.parametrize("rule", DENIED)
+def test_a_negation_takes_away_harm_that_can_be_denied(rule: str) -> None:
+    words, deniable = DENIED[rule]
+    verdict, denied = harm_of(f"wave, {words}", "en"), harm_of(f"wave, don't {words}", "en")
+    assert verdict is not None
+    if deniable:
+        assert denied is None
+    else:
+        assert denied is not None
+        assert denied.rule == rule
+
+
+def test_doubts_about_pictures_can_be_denied_and_those_about_people_in_the_way_cannot() -> None:
+    assert doubt_of("don't photograph that woman", "en") is None
+    doubt = doubt_of("not now, she is not looking", "en")
+    assert doubt is not None
+    assert doubt.rule == "way.unaware"
+
+
+def test_every_rule_is_tried_with_a_negation() -> None:
+    assert DENIED.keys() | {"people.picture", "way.unaware"} == RULES.keys()
+
+
+def test_a_doubt_about_a_picture_asks_about_the_picture_and_others_about_the_words() -> None:
+    picture, other = doubt_of("photograph that woman", "en"), doubt_of("use it as a weapon", "en")
+    assert picture is not None
+    assert other is not None
+    assert "motion alone" in other.reason
+    assert "motion alone" not in picture.reason
+    assert "`photograph that woman`" in picture.reason
+
+
+def test_a_negation_at_the_beginning_of_a_long_post_counts() -> None:
+    assert harm_of("don't hit the wall. " + "walk around the table. " * 10, "en") is None
+
+
+def test_a_negation_in_an_earlier_sentence_does_not_count() -> None:
+    assert harm_of("do not hurry. " + "walk around the table. " * 10 + "hit the wall", "en") is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("@quadruped chase @bob", "harm.attack"),
+        ("@quadruped walk into @bob", "harm.collide"),
+        ("@quadruped 追@bob", "harm.attack"),
+        ("@quadruped 打 @bob", "harm.attack"),
+        ("@quadruped 向前走，撞@bob", "harm.collide"),
+        ("@quadruped 跟着@bob", "people.follow"),
+        ("@quadruped 堵@bob", "people.block"),
+    ],
+)
+def test_law_7_an_account_that_something_is_done_to_counts_as_somebody(text: str, rule: str) -> None:
+    verdict = harm_of(text, "en")
+    assert verdict is not None
+    assert verdict.rule == rule
+
+
+@pytest.mark.parametrize("text", ["给@bob拍照", "跟@bob打招呼", "拍@bob", "wave at @bob", "take a photo of @bob"])
+def test_an_account_may_be_greeted_and_photographed(text: str) -> None:
+    assert harm_of(text, "en") is None
+    assert doubt_of(text, "en") is None
+
+
+@pytest.mark.parametrize("text", ["@kick walk forward", "thanks @chase-them, wave", "@hit-the-wall wave"])
+def test_what_a_handle_spells_is_no_deed(text: str) -> None:
+    assert harm_of(text, "en") is None
+    assert clear_harm_of(text, "en") is None
