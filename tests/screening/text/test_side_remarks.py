@@ -6,8 +6,9 @@ from __future__ import annotations
 import pytest
 
 from agentrob.language.registry import language_of
-from agentrob.model import Direction, Op, Plan, Primitive
+from agentrob.model import Decision, Direction, Op, Plan, Primitive, Verdict
 from agentrob.screening.text.described_hazards import hazard_in_path
+from agentrob.screening.text.elsewhere import masked
 from agentrob.screening.text.side_remarks import RULE, doubtful_remark
 
 PLAN = Plan((Primitive(Op.MOVE, Direction.FORWARD, distance_m=1.0),))
@@ -105,3 +106,75 @@ def test_a_harmless_remark_passes(remark: str) -> None:
 )
 def test_a_remark_that_may_change_the_danger_is_asked_about(remark: str) -> None:
     assert rule_of(remark) == RULE
+
+
+# ---------------------------------------------------------------------- the parts of a post
+def verdict_of(text: str, plan: Plan = PLAN) -> Verdict | None:
+    return doubtful_remark(text, plan, language_of(text))
+
+
+def test_a_question_repeats_the_clause_that_it_is_about_in_the_language_of_the_post() -> None:
+    english, chinese = (
+        verdict_of("walk forward 1 m. The floor is wet. Thanks!"),
+        verdict_of("往前走一米。地上有油。谢谢"),
+    )
+    assert english is not None
+    assert chinese is not None
+    assert (english.decision, chinese.decision) == (Decision.ASK_BACK, Decision.ASK_BACK)
+    assert "`the floor is wet`" in english.reason
+    assert "地上有油" in chinese.reason
+    assert "motion" not in chinese.reason
+
+
+def test_beside_gestures_that_can_harm_nobody_nothing_is_asked() -> None:
+    hello = Primitive(Op.HELLO)
+    assert verdict_of("the floor is wet, wave", Plan((hello, Primitive(Op.CLAP)))) is None
+    assert verdict_of("the floor is wet, wave and walk", Plan((hello, *PLAN.steps))) is not None
+    assert verdict_of("they have no idea, take a photo", Plan((Primitive(Op.GET_FRONT_IMAGE),))) is not None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "walk to the man",  # commands
+        "wave to the woman",  # deeds: other rules check whom they name
+        "take a photo of the children",
+        "say hello to her",
+        "don't hit anybody",  # care
+        "be careful with the cat",
+        "so that nobody trips",
+        "小心别踩到猫",
+        "跟她打招呼",
+        "stop at the edge of the carpet",  # a safe edge
+        "a child is behind you",  # has a place: the path is checked
+        "I'm your neighbour",  # an introduction
+        "good boy",  # praise
+        "my wife says hi",
+    ],
+)
+def test_commands_deeds_care_and_introductions_are_no_remarks(text: str) -> None:
+    assert verdict_of(f"{text}, walk forward 1 m") is None
+
+
+def test_a_long_clause_is_asked_about_whatever_it_reassures() -> None:
+    reassurance = "the cat is in another room"
+    assert verdict_of(f"walk forward 1 m. {reassurance}") is None
+    words = "really " * 30
+    assert verdict_of(f"walk forward 1 m. {words}{reassurance}") is not None
+
+
+@pytest.mark.parametrize(
+    ("elsewhere", "remains"),
+    [
+        ("the cat is upstairs", " "),
+        ("the cat is upstairs today", " "),
+        ("nobody is here", " "),
+        ("the puddle has been mopped up now", " "),
+        ("nobody is holding the ladder", "nobody is holding the ladder"),
+        ("the cat is upstairs and asleep", "the cat is upstairs and asleep"),
+        ("没有人", " "),
+        ("没有人看着", "没有人看着"),
+    ],
+)
+def test_what_is_elsewhere_is_masked_and_the_rest_of_the_clause_stays(elsewhere: str, remains: str) -> None:
+    assert masked(elsewhere) == remains
