@@ -7,7 +7,8 @@ import math
 import pytest
 
 from agentrob.language.registry import language_of
-from agentrob.model import Decision, Direction, Op, Plan, Primitive
+from agentrob.model import ActionClass, Decision, Direction, Op, Plan, Primitive
+from agentrob.model.operations.declaration import Operation
 from agentrob.screening.text.described_hazards import UNKNOWN, clauses, first_hazard_met, hazard_in_path, placed
 
 FORWARD, BACKWARD, LEFT, RIGHT = Direction.FORWARD, Direction.BACKWARD, Direction.LEFT, Direction.RIGHT
@@ -79,18 +80,52 @@ def test_law_7_a_turn_changes_which_way_is_ahead() -> None:
     assert met(text, turn(LEFT, 90)) is None
 
 
-def test_law_7_moves_are_added_up() -> None:
-    text = "there is a child 2 m in front of you"
-    assert met(text, *[move(FORWARD, 0.6)] * 2) is None
-    assert met(text, *[move(FORWARD, 0.6)] * 3) == "way.somebody"
-    assert met(text, move(BACKWARD, 1), move(FORWARD, 2)) is None
-    assert met(text, move(FORWARD, 1.8), move(BACKWARD, 1.8)) == "way.somebody"
+@pytest.mark.parametrize(
+    ("where", "towards", "away"),
+    [
+        ("in front of you", FORWARD, BACKWARD),
+        ("behind you", BACKWARD, FORWARD),
+        ("on your left", LEFT, RIGHT),
+        ("on your right", RIGHT, LEFT),
+    ],
+)
+def test_law_7_moves_are_added_up(where: str, towards: Direction, away: Direction) -> None:
+    text = f"there is a child 2 m {where}"
+    assert met(text, move(towards, 0.3)) is None
+    assert met(text, *[move(towards, 0.6)] * 2) is None
+    assert met(text, *[move(towards, 0.6)] * 3) == "way.somebody"
+    assert met(text, move(away, 1), move(towards, 2.5)) is None
+    assert met(text, move(towards, 1.8), move(away, 1.8)) == "way.somebody"
 
 
-def test_a_move_without_a_finite_distance_leads_nowhere() -> None:
+def test_law_7_a_walk_across_meets_what_lies_between_its_ends() -> None:
+    steps = move(LEFT, 2), move(FORWARD, 2), move(RIGHT, 4)
+    assert met("there is a child 1 m in front of you", *steps[:2]) is None
+    assert met("there is a child 1 m in front of you", *steps) == "way.somebody"
+
+
+def test_a_step_without_a_finite_amount_leads_nowhere() -> None:
     text = "there is a child 2 m in front of you"
     assert met(text, move(FORWARD, math.inf)) is None
     assert met(text, Primitive(Op.MOVE, FORWARD)) is None
+    assert met(text, Primitive(Op.MOVE, distance_m=3)) is None
+    assert met(text, Primitive(Op.TURN, LEFT), move(FORWARD, 1)) is None
+
+
+def own(travel_m: float) -> Primitive:
+    """An operation that a robot declares, and that leaves its place."""
+    return Primitive("roam", declared=Operation("roam", ActionClass.MOVE, travel_m=travel_m))
+
+
+def test_law_7_an_operation_that_leaves_its_place_may_go_any_way() -> None:
+    near, far = "there is a child 1.3 m {}", "there is a child 1.4 m {}"
+    for where in ("in front of you", "behind you", "on your left"):
+        assert met(near.format(where), own(1.0)) == "way.somebody"
+        assert met(far.format(where), own(1.0)) is None
+    assert met(near.format("behind you"), own(0.2), own(1.0)) == "way.somebody"
+    assert met("there is a child behind you", own(0.1)) == "way.somebody"
+    assert met("there is a child behind you", own(0.0)) is None
+    assert met(far.format("in front of you"), own(0.1), move(FORWARD, 1)) is None
 
 
 # ---------------------------------------------------------------------- where the robot stands
@@ -106,7 +141,7 @@ def test_law_7_a_robot_on_a_table_does_not_walk_off_it() -> None:
     assert met("you are on a table", move(FORWARD, 0.1)) == "way.drop"
     assert met("you are on a table", turn(LEFT, 90)) is None
     assert met("you are on a table", Primitive(Op.HELLO)) is None
-    assert met("you are on a table", Primitive(Op.BACKFLIP)) == "way.drop"
+    assert met("you are on a table", Primitive(Op.HELLO), Primitive(Op.BACKFLIP)) == "way.drop"
     assert met("the table you are on is only 2 m", move(FORWARD, 1.6)) is None
     assert met("the table you are on is only 2 m", move(BACKWARD, 1.7)) == "way.drop"
     assert met("the table you are on is only 2 m", move(LEFT, 1.2), move(FORWARD, 1.2)) == "way.drop"
@@ -136,6 +171,11 @@ def test_an_unknown_place_without_a_verb_says_nothing() -> None:
 def test_a_hazard_and_its_place_in_two_clauses_belong_together() -> None:
     assert met("There is a child. It is right in front of you.", move(FORWARD, 1)) == "way.somebody"
     assert met("There is a robot. It is 5 m in front of you. There is a child.", move(FORWARD, 1)) is None
+    # A clause that names its own hazard, or that has been placed, does not lend its place to the next one.
+    assert met("There is a child. A wall is 0.5 m in front of you.", move(FORWARD, 1)) == "way.thing"
+    assert met("A child is behind you. A contraption is right in front of you.", move(FORWARD, 1)) == UNKNOWN
+    assert met("On your left: flowers. A contraption is right in front of you.", move(FORWARD, 1)) == UNKNOWN
+    assert met("There is a wall. A contraption is in front of you.", move(FORWARD, 1)) == UNKNOWN
 
 
 def test_law_7_after_a_motion_a_hazard_is_where_the_robot_may_be_by_then() -> None:
@@ -147,6 +187,15 @@ def test_law_7_after_a_motion_a_hazard_is_where_the_robot_may_be_by_then() -> No
     assert met(text, move(BACKWARD, 2), move(FORWARD, 1.1)) is None
 
 
+def test_a_distance_that_is_said_counts_also_for_what_is_close() -> None:
+    assert met("a child is 2 m directly in front of you", move(FORWARD, 1.6)) is None
+
+
+def test_what_is_away_but_no_hazard_or_not_away_is_in_nobody_s_way() -> None:
+    assert met("the kitchen is 2 m away", move(FORWARD, 3)) is None
+    assert met("a child with 2 m of rope", move(FORWARD, 3)) is None
+
+
 def test_a_size_is_no_distance() -> None:
     assert met("there is a hole in front of you, 2 m deep", move(FORWARD, 1)) == "way.drop"
     assert met("there is a 2 m deep hole in front of you", move(FORWARD, 1)) == "way.drop"
@@ -156,6 +205,7 @@ def test_a_size_is_no_distance() -> None:
 def test_a_distance_that_the_plan_walks_may_be_a_command() -> None:
     # 前面五米 may be read as "five metres ahead" or as "walk five metres".
     assert met("前面五米是墙", move(FORWARD, 5)) == UNKNOWN
+    assert met("前面五米是墙", move(FORWARD, 5), turn(LEFT, 90)) == UNKNOWN
     assert met("前面五米是墙", move(FORWARD, 6)) == "way.thing"
 
 
@@ -175,8 +225,9 @@ def test_what_is_absent_or_only_looked_at_is_in_nobody_s_way(text: str) -> None:
     assert met(text, move(FORWARD, 1)) is None
 
 
-def test_a_picture_of_somebody_before_a_distance_is_a_hazard() -> None:
-    assert met("look, there is a child in front of you, 1 m away", move(FORWARD, 1)) == "way.somebody"
+def test_law_7_what_is_greeted_before_a_walk_is_in_its_way() -> None:
+    assert met("hello, say hi to the child in front of you, walk forward 1 m", move(FORWARD, 1)) == "way.somebody"
+    assert met("walk forward 1 m, say hi to the child in front of you", move(FORWARD, 1)) is None
 
 
 # ---------------------------------------------------------------------- clauses
