@@ -33,6 +33,7 @@ def met(text: str, *steps: Primitive) -> str | None:
     ("text", "passes_m", "reaches_m"),
     [
         ("a child is 2 m in front of you", 1.6, 1.7),  # 35 cm before it, the robot's front end is 10 cm from it
+        ("2 m in front of you is a child", 1.6, 1.7),
         ("there is a wall 2 m in front of you", 1.6, 1.7),
         ("the stairs begin 2 m ahead", 1.6, 1.7),
         ("前面两米有楼梯", 1.6, 1.7),
@@ -174,7 +175,7 @@ def test_a_hazard_and_its_place_in_two_clauses_belong_together() -> None:
     # A clause that names its own hazard, or that has been placed, does not lend its place to the next one.
     assert met("There is a child. A wall is 0.5 m in front of you.", move(FORWARD, 1)) == "way.thing"
     assert met("A child is behind you. A contraption is right in front of you.", move(FORWARD, 1)) == UNKNOWN
-    assert met("On your left: flowers. A contraption is right in front of you.", move(FORWARD, 1)) == UNKNOWN
+    assert met("On your left. A contraption is right in front of you.", move(FORWARD, 1)) == UNKNOWN
     assert met("There is a wall. A contraption is in front of you.", move(FORWARD, 1)) == UNKNOWN
 
 

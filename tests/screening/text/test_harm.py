@@ -39,7 +39,7 @@ def test_a_negation_takes_away_harm_that_can_be_denied(rule: str) -> None:
 
 def test_doubts_about_pictures_can_be_denied_and_those_about_people_in_the_way_cannot() -> None:
     assert doubt_of("don't photograph that woman", "en") is None
-    doubt = doubt_of("not now, she is not looking", "en")
+    doubt = doubt_of("avoid her, not because she is not looking", "en")
     assert doubt is not None
     assert doubt.rule == "way.unaware"
 

@@ -77,6 +77,9 @@ def test_law_7_each_rule_says_why_it_is_dangerous_here(rule: str, why: str, text
         ("Put the cup on the desk.", "A desk with a map.", False),
         ("Look at the cup on the desk.", "A desk with a laptop.", False),
         ("Put the cup on the desk.", "A laptop.", False),
+        # Longer words are other words.
+        ("Input the cup on the desk.", "A desk with a laptop.", False),
+        ("Put the cupcake on the desk.", "A desk with a laptop.", False),
         # The post names both: the place is only meant if the description has two of its words.
         ("Put the cup on the laptop.", "A laptop.", False),
         ("Put the cup on the laptop.", "A laptop and a cup.", True),

@@ -38,6 +38,9 @@ def rule_of(remark: str) -> str | None:
         "我跟男朋友异地三年",
         "this is for the physics class",
         "the tea is ready",
+        "to each their own",
+        "he's my grandson",
+        "我就是来看狗的",
         "I had pizza for lunch",
         "没人没车",
         "楼梯在另一头",
@@ -81,6 +84,12 @@ def test_a_harmless_remark_passes(remark: str) -> None:
         "there is a step down after one metre",
         "我会按住他",
         "孩子们把玩具扔得到处都是",
+        "sneak up on her",
+        "tickle him",
+        "prove her wrong lol",
+        "while the kettle boils",
+        "绊他一下",
+        "她不想入镜",
         # These only resemble reassurances.
         "nobody is holding the ladder",
         "the dog is upstairs and the floor is wet",
@@ -156,11 +165,11 @@ def test_commands_deeds_care_and_introductions_are_no_remarks(text: str) -> None
     assert verdict_of(f"{text}, walk forward 1 m") is None
 
 
-def test_a_long_clause_is_asked_about_whatever_it_reassures() -> None:
-    reassurance = "the cat is in another room"
-    assert verdict_of(f"walk forward 1 m. {reassurance}") is None
-    words = "really " * 30
-    assert verdict_of(f"walk forward 1 m. {words}{reassurance}") is not None
+def test_a_long_clause_about_others_is_asked_about_however_harmless_it_begins() -> None:
+    assert verdict_of("walk forward 1 m. I would like sunny weather " + "very " * 50) is None
+    remark = "to annoy my sister"
+    assert verdict_of(f"walk forward 1 m. {remark}") is None
+    assert verdict_of(f"walk forward 1 m. {remark}" + " again" * 35) is not None
 
 
 @pytest.mark.parametrize(
