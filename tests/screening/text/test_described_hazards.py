@@ -195,6 +195,7 @@ def test_a_distance_that_is_said_counts_also_for_what_is_close() -> None:
 def test_what_is_away_but_no_hazard_or_not_away_is_in_nobody_s_way() -> None:
     assert met("the kitchen is 2 m away", move(FORWARD, 3)) is None
     assert met("a child with 2 m of rope", move(FORWARD, 3)) is None
+    assert met("only my child is here", move(FORWARD, 3)) is None
 
 
 def test_a_size_is_no_distance() -> None:

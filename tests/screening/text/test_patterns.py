@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.screening.text import described_hazards, harm, side_remarks
-from agentrob.screening.text.patterns import Phrases, compiled
+from agentrob.screening.text.patterns import Phrases, Vocabulary, compiled
 
 TEXTS = [
     harm.plain_words(json.loads(line)["text"])
@@ -96,3 +96,85 @@ def test_a_plain_command_compiles_nothing_of_harm() -> None:
         for prefix in harm.PREFIXES:
             for phrases, _ in harm.phrases_of(rule, prefix):
                 assert Phrases(phrases._vocabulary, phrases._phrases)._pattern("walk forward 2 m") is None
+
+
+# ---------------------------------------------------------------------- the notation
+GROUPS = {
+    "verb": "chase|run|hit|eat|help|go|id|back up|put",
+    "thing": "stair|staircase|ball",
+    "ordered": "ab|a(?:bc)?",
+    "nested": "<thing>|wall",
+}
+
+
+def found(phrase: str, text: str, *, words: bool = True) -> list[str]:
+    """Return what a phrase matches, which is the same before and after it is prepared."""
+    phrases = Phrases(Vocabulary(GROUPS, words=words), [phrase])
+    assert not phrases.prepared
+    first = [match[0] for match in phrases.finditer(text)]
+    phrases.prepare()
+    assert phrases.prepared
+    assert [match[0] for match in phrases.finditer(text)] == first
+    return first
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "chase chases chased chasing",
+        "run runs running",
+        "hit hits hitting",
+        "put putting",
+        "eat eats eating",
+        "help helps helped helping",
+        "go goes going",
+        "id ids",
+    ],
+)
+def test_a_verb_is_found_in_its_english_forms(text: str) -> None:
+    assert found("<verb+>", text) == text.split()
+
+
+def test_a_particle_stays_behind_the_form() -> None:
+    assert found("<verb+>", "back up, backs up, backed up, backing up") == [
+        "back up",
+        "backs up",
+        "backed up",
+        "backing up",
+    ]
+
+
+@pytest.mark.parametrize("text", ["eatting", "helpping", "goging", "rerun", "chaser", "backuping", "idding"])
+def test_what_is_no_form_of_a_verb_is_not_found(text: str) -> None:
+    assert found("<verb+>", text) == []
+
+
+def test_a_group_without_a_plus_has_its_words_only() -> None:
+    assert found("<thing>", "a ball, balls, a stair") == ["ball", "stair"]
+    assert found("<nested>", "a wall and a ball") == ["wall", "ball"]
+
+
+def test_the_longest_word_of_a_group_comes_first_unless_it_has_expressions() -> None:
+    assert found("<thing>", "staircase", words=False) == ["staircase"]
+    assert found("<ordered>", "abc", words=False) == ["ab"]
+
+
+def test_a_bar_within_brackets_does_not_separate_alternatives() -> None:
+    phrases = Phrases(Vocabulary(GROUPS, words=True), ["a (?:b|c)|d[|]e|f", "g|h"])
+    assert phrases.alternatives == ("a (?:b|c)", "d[|]e", "f", "g", "h")
+    assert [match[0] for match in phrases.finditer("a c, d|e, f, h")] == ["a c", "d|e", "f", "h"]
+
+
+def test_a_gap_stays_within_its_sentence_and_ends_at_a_negation() -> None:
+    assert found("<verb+>~ <thing>", "run to the stair") == ["run to the stair"]
+    assert found("<verb+>~ <thing>", "run. a stair") == []
+    assert found("<verb+>~ <thing>", "run but never to the stair") == []
+    assert found("<verb+>… <thing>", "run a bit and then see the stair") == []
+    assert found("<verb+>… <thing>", "run straight to the stair") == ["run straight to the stair"]
+
+
+def test_phrases_are_replaced_where_they_are_found() -> None:
+    phrases = Phrases(Vocabulary(GROUPS, words=True), ["<thing>"])
+    assert phrases.sub("#", "a ball and a wall") == "a # and a wall"
+    assert phrases.search("a wall") is None
+    assert phrases.sub("#", "a wall") == "a wall"
