@@ -100,7 +100,7 @@ def test_a_plain_command_compiles_nothing_of_harm() -> None:
 
 # ---------------------------------------------------------------------- the notation
 GROUPS = {
-    "verb": "chase|run|hit|eat|help|go|id|back up|put",
+    "verb": "chase|run|hit|eat|help|go|id|back up|put|fix|attempt",
     "thing": "stair|staircase|ball",
     "ordered": "ab|a(?:bc)?",
     "nested": "<thing>|wall",
@@ -144,7 +144,9 @@ def test_a_particle_stays_behind_the_form() -> None:
     ]
 
 
-@pytest.mark.parametrize("text", ["eatting", "helpping", "goging", "rerun", "chaser", "backuping", "idding"])
+@pytest.mark.parametrize(
+    "text", ["eatting", "helpping", "fixxing", "attemptting", "goging", "rerun", "chaser", "backuping", "idding"]
+)
 def test_what_is_no_form_of_a_verb_is_not_found(text: str) -> None:
     assert found("<verb+>", text) == []
 
