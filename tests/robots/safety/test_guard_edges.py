@@ -165,6 +165,22 @@ def test_law_9_no_home_is_set_while_somebody_moves_the_robot(make: Make) -> None
             guard.home("owner")
 
 
+def test_law_9_no_home_is_set_during_a_gesture_even_if_the_body_stays_in_its_place(make: Make) -> None:
+    guard, refusals = make(home_on_start=False), list[str]()
+    until(lambda: can_set_home(guard))  # it has been still for a while
+    home = guard.home("owner")
+    assert home == guard.state().pose
+
+    def set_home(_: object) -> None:
+        with pytest.raises(RobotError) as error:
+            guard.home("owner")
+        refusals.append(str(error.value))
+
+    assert guard.step(HELLO, set_home).ok
+    assert refusals
+    assert all("while the robot moves" in refusal for refusal in refusals)
+
+
 def test_law_17_a_release_returns_the_lock_that_it_removed(make: Make) -> None:
     guard = make()
     guard.halt("bob", "smoke")

@@ -69,6 +69,16 @@ def test_law_11_a_home_that_is_set_again_in_the_same_place_changes_nothing(in_ro
     assert room.framed
 
 
+def test_law_11_a_home_is_in_the_same_place_wherever_the_odometry_begins(in_room: InRoom) -> None:
+    guard, room = in_room("ann", home_on_start=False)
+    for n in range(1, 6):  # each less than a jump
+        fake_of(guard).carry(Pose(0.15 * n, 0.15 * n, 0.0))
+        guard.observe()
+    set_home(guard)
+    set_home(guard)
+    assert room.framed
+
+
 @pytest.mark.parametrize("simulated", [True, False])
 def test_law_11_back_at_its_first_home_only_a_simulated_robot_is_known_to_be_there(
     in_room: InRoom, simulated: bool
@@ -93,13 +103,17 @@ def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(
 ) -> None:
     monkeypatch.setattr("agentrob.robots.zones.member.KEEP_S", 1000.0)  # so that only leaving gives the room back
     ann, _ = in_room("ann", error_m=None)  # it always takes the whole room
-    bob, _ = in_room("bob", error_m=None)
+    bob, member = in_room("bob", error_m=None)
     for guard in (ann, bob):
         homed(guard)
     assert ann.enter_room([move(0.3)]) is None
-    hindrance = bob.enter_room([move(0.3)])
+    asked = list[object]()
+    with monkeypatch.context() as patched:
+        patched.setattr(member, "admit", lambda steps, admit=member.admit: asked.append(steps) or admit(steps))
+        hindrance = bob.enter_room([move(0.3)])
     assert hindrance is not None
     assert (hindrance.reason, hindrance.robot) == ("room_busy", "ann")
+    assert len(asked) == 1, "it waits for its own rest only, not for others"
     refused = bob.step(move(0.3), go_on)
     assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "room_busy")
     ann.leave_room()
