@@ -69,6 +69,18 @@ def test_law_11_a_home_that_is_set_again_in_the_same_place_changes_nothing(in_ro
     assert room.framed
 
 
+@pytest.mark.parametrize(("moved_m", "same"), [(0.08, True), (0.12, False)])
+def test_law_11_homes_ten_centimetres_apart_are_in_different_places(
+    in_room: InRoom, moved_m: float, same: bool
+) -> None:
+    guard, room = in_room("ann", simulated=False, home_on_start=False)
+    set_home(guard)
+    fake_of(guard).carry(Pose(moved_m, 0.0, 0.0))
+    guard.observe()
+    set_home(guard)
+    assert room.framed is same
+
+
 def test_law_11_a_home_is_in_the_same_place_wherever_the_odometry_begins(in_room: InRoom) -> None:
     guard, room = in_room("ann", home_on_start=False)
     for n in range(1, 6):  # each less than a jump
