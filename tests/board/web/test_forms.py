@@ -11,6 +11,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from agentrob.board.admin import local_admin
+from agentrob.board.web.forms import title_of
 from agentrob.errors import BoardError
 from tests.board.web.forum_site import CARD, PASSWORD, Site, running_site
 
@@ -27,6 +28,19 @@ def topic(site: Site) -> str:
     """Post a new topic as alice; return its id."""
     body = {"board_id": "robots", "title": "A walk", "body": "@quadruped walk"}
     return str(site.api("alice").post("/topics", json=body).json()["topic"]["id"])
+
+
+@pytest.mark.parametrize(
+    ("command", "title"),
+    [
+        ("@quadruped walk forward 1 m", "Walk forward 1 m"),
+        ("@quadruped and @humanoid: wave", "Wave"),
+        ("@quadruped向前走两米", "向前走两米"),
+        ("@quadruped", "@quadruped"),
+    ],
+)
+def test_the_title_of_a_command_is_what_it_says_to_the_robots(command: str, title: str) -> None:
+    assert title_of(command) == title
 
 
 # -------------------------------------------------------------------- signing in

@@ -83,6 +83,15 @@ def test_law_7_an_account_that_something_is_done_to_counts_as_somebody(text: str
     assert verdict.rule == rule
 
 
+@pytest.mark.parametrize(
+    "text", ["@quadruped撞墙", "@quadruped冲过去撞墙，往前走两米", "跟@bob一起撞墙", "拍@bob再撞墙"]
+)
+def test_law_7_chinese_words_behind_a_handle_do_not_belong_to_it(text: str) -> None:
+    verdict = harm_of(text, "zh")
+    assert verdict is not None
+    assert verdict.rule == "harm.collide"
+
+
 @pytest.mark.parametrize("text", ["给@bob拍照", "跟@bob打招呼", "拍@bob", "wave at @bob", "take a photo of @bob"])
 def test_an_account_may_be_greeted_and_photographed(text: str) -> None:
     assert harm_of(text, "en") is None

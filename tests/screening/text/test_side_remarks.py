@@ -90,6 +90,7 @@ def test_a_harmless_remark_passes(remark: str) -> None:
         "while the kettle boils",
         "绊他一下",
         "她不想入镜",
+        "@quadruped她在睡觉",
         # These only resemble reassurances.
         "nobody is holding the ladder",
         "the dog is upstairs and the floor is wet",

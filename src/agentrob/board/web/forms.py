@@ -48,7 +48,7 @@ Line = Annotated[str, AfterValidator(str.strip)]
 Checkbox = Annotated[bool, BeforeValidator(lambda sent: sent is not False)]
 
 #: The names at the beginning of a command.
-_CALLING = re.compile(r"\A(?:[@＠][\w-]+[\s,;:，：、]*(?:(?:and\b|&|和|与)\s*)?)+")
+_CALLING = re.compile(r"\A(?:[@＠][A-Za-z][A-Za-z0-9_-]*[\s,;:，：、]*(?:(?:and\b|&|和|与)\s*)?)+")
 _CLASSES = {"photo": "Photos", "gesture": "Gestures", "move": "Walking and turning", "risky": "Flips"}
 _CHOICES: dict[str, Any] = {
     "all_roles": tuple(Role),

@@ -49,10 +49,10 @@ _QUESTION = re.compile(
     r"|(?:如何|怎么样?才?能?|怎样|为什么|为何|什么是|是否|有没有办法)[^，。！？；,.!?;\n]*"
     r"|(?<![^，。！？；,.!?;\n])[^，。！？；,.!?;\n]*(?:是什么|什么意思|怎么办|怎么回事)(?=[，。！？；,.!?;\n]|$)"
 )
-#: A handle, with a verb or preposition before it that does something to the account.
+#: A handle, with a verb or preposition before it that does something to the account. Chinese may follow it at once.
 _MENTION = re.compile(
-    r"(?:\b(?P<en>at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite|against)"
-    r"\s*|(?P<zh>撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][\w-]*"
+    r"(?:\b(?P<en>at|into|onto|over|behind|after|of|follow|chase|hit|kick|push|ram|scare|block|watch|track|attack|bite"
+    r"|against)\s*|(?P<zh>撞|跟着|跟踪|踢|推|追|堵|挡|拍|吓|咬|打)\s*)?@[a-z][a-z0-9_-]*"
 )
 
 
