@@ -174,6 +174,8 @@ class Scene:
     folder: Path
     settings: RobotConfig
     mind: Mind = field(default_factory=RulesMind)
+    #: How long to wait for what a test expects.
+    limit_s: float = 60.0
     _keys: Iterator[int] = field(default_factory=lambda: iter(range(10**6)))
 
     @property
@@ -194,14 +196,14 @@ class Scene:
         """Return the robot's replies to a post."""
         return [p for p in self.world.posts.values() if p.reply_to == post.id and p.author.name == ROBOT]
 
-    async def until(self, condition: Callable[[], Any], limit_s: float = 60.0) -> Any:
+    async def until(self, condition: Callable[[], Any], limit_s: float | None = None) -> Any:
         """Wait until a condition on the forum holds, and return its value."""
-        async with asyncio.timeout(limit_s):
+        async with asyncio.timeout(self.limit_s if limit_s is None else limit_s):
             while not (found := condition()):
                 await self.world.wait(0.05)
         return found
 
-    async def final(self, post: Post, limit_s: float = 60.0) -> Post:
+    async def final(self, post: Post, limit_s: float | None = None) -> Post:
         """Wait for the robot's final reply to a post."""
         return await self.until(
             lambda: next((p for p in self.replies(post) if p.card and p.card.state in FINAL), None), limit_s

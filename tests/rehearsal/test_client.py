@@ -22,9 +22,9 @@ from tests.rehearsal.rehearsed import request, walk
 HANGS = "import sys, pathlib, os, time; pathlib.Path(sys.argv[1]).write_text(str(os.getpid())); time.sleep(1000)"
 
 
-async def preview_of(asked: PreviewRequest, *command: str, **more: Any):
+async def preview_of(asked: PreviewRequest, *command: str):
     given = {"command": command} if command else {}
-    return await rehearse(asked, Go2.describe(asked.settings), **given, **more)
+    return await rehearse(asked, Go2.describe(asked.settings), **given)
 
 
 def runs(pid: int) -> bool:
@@ -56,7 +56,9 @@ async def test_a_process_that_fails_leaves_a_preview_by_geometry(code: str, miss
 
 async def test_a_process_that_is_too_slow_is_ended(tmp_path: Path) -> None:
     told = tmp_path / "pid"
-    found = await preview_of(request(walk(0.5)), sys.executable, "-c", HANGS, str(told), limit_s=2.0)
+    soon = RehearsalConfig(world="room", limit_s=2.0)
+    asked = request(walk(0.5), settings={"rehearsal": soon})
+    found = await preview_of(asked, sys.executable, "-c", HANGS, str(told))
     assert (found.basis, found.missing) == (Basis.GEOMETRY, Missing.SLOW)
     assert not told.exists() or not runs(int(told.read_text()))
 

@@ -156,10 +156,11 @@ class ApprovalConfig(Section):
 class RehearsalConfig(Section):
     """Where previews are simulated ("preview walk 3 m"). `world` is the name of a shipped world or the path of a world
     file that describes the robot's surroundings, in the frame of its `map`; without one, a preview is made of geometry
-    and limits alone.
+    and limits alone. So is one whose simulation takes longer than `limit_s`.
     """
 
     world: str = ""
+    limit_s: Annotated[float, Field(gt=0, le=3600)] = 120.0
 
 
 class RobotConfig(WithMetrics):

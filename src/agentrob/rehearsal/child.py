@@ -5,6 +5,7 @@ It has the lowest priority, opens no network, and knows neither the robot's driv
 
 from __future__ import annotations
 
+import math
 import os
 import resource
 import sys
@@ -14,15 +15,14 @@ from agentrob.rehearsal.preview import read_request, write_preview
 
 #: Lower priority than every other process of AgentRob, but not so low that a busy machine forgets who waits for it.
 NICE = 10
-#: Seconds of processor time after which the kernel ends it: also when nobody waits for it any more.
-PROCESSOR_S = 60
 
 
 def main() -> int:
     """Write the preview; 1 with one line on standard error if there is none."""
     os.nice(NICE)
-    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_S, PROCESSOR_S + 1))
     request = read_request(sys.stdin.buffer.read())
+    most_s = math.ceil(request.settings.rehearsal.limit_s)
+    resource.setrlimit(resource.RLIMIT_CPU, (most_s, most_s + 1))  # it also ends when nobody waits for it any more
     try:
         from agentrob.rehearsal.runs import simulate
         from agentrob.rehearsal.side_by_side import usable_processes

@@ -22,8 +22,6 @@ BODIES = ("go2", "g1")
 STANDING = frozenset({"idle", "walking", "gesture", "locked", "unknown"})
 #: What the extra `sim` installs, as far as a preview needs it.
 PACKAGES = ("mujoco", "onnxruntime")
-#: A preview that takes longer is ended, and made by geometry instead.
-LIMIT_S = 120.0
 COMMAND = (sys.executable, "-m", "agentrob.rehearsal.child")
 _log = structlog.get_logger()
 
@@ -43,14 +41,13 @@ def not_simulated(request: PreviewRequest) -> Missing | None:
     return None if request.mode in STANDING else Missing.POSTURE
 
 
-async def rehearse(
-    request: PreviewRequest, capabilities: Capabilities, command: Sequence[str] = COMMAND, limit_s: float = LIMIT_S
-) -> Preview:
-    """Return the preview of a plan. Never raises because of the process that simulates it; a cancellation ends it."""
+async def rehearse(request: PreviewRequest, capabilities: Capabilities, command: Sequence[str] = COMMAND) -> Preview:
+    """Return the preview of a plan, made by geometry if the simulation takes longer than the settings allow. Never
+    raises because of the process that simulates it; a cancellation ends it."""
     missing = not_simulated(request)
     if missing is None:
         try:
-            return await _simulated(request, command, limit_s)
+            return await _simulated(request, command)
         except TimeoutError:
             missing = Missing.SLOW
         except (OSError, ValidationError, ChildFailed) as e:
@@ -63,11 +60,11 @@ class ChildFailed(Exception):
     """The process ended without a preview; the last line that it wrote."""
 
 
-async def _simulated(request: PreviewRequest, command: Sequence[str], limit_s: float) -> Preview:
+async def _simulated(request: PreviewRequest, command: Sequence[str]) -> Preview:
     """The preview of a process of low priority. Raises `TimeoutError`, `ChildFailed` and `ValidationError`."""
     # One thread: the other cores are for robots, and for people who wait. No GL: nothing is drawn.
     env = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disable"}
-    done = await run_process(command, write_request(request), limit_s=limit_s, env=env)
+    done = await run_process(command, write_request(request), limit_s=request.settings.rehearsal.limit_s, env=env)
     if done.returncode:
         raise ChildFailed(done.last_error_line or f"it ended with {done.returncode} and said nothing")
     return await asyncio.to_thread(read_preview, done.stdout)

@@ -27,6 +27,8 @@ from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_sett
 
 DRAWS = True
 PREVIEW = f"@{ROBOT} preview walk forward 1 metre, turn left and wave"
+#: How long a preview may take here, where other tests use the processors.
+PATIENT_S = 300.0
 #: Several seconds of processor time.
 LONG = f"@{ROBOT} preview walk forward 2 m, walk backward 2 m, walk forward 2 m"
 
@@ -82,8 +84,9 @@ async def _at_home(driver: Driver) -> None:
 
 def simulated(driver: Driver, folder: Path, **more: Any) -> Scene:
     """A scene whose agent takes the fake robot for a Go2 in the shipped room."""
-    scene = make_scene(driver, folder, model="go2", rehearsal={"world": "room"}, **more)
+    scene = make_scene(driver, folder, model="go2", rehearsal={"world": "room", "limit_s": PATIENT_S}, **more)
     scene.person("carol", Role.MODERATOR)
+    scene.limit_s = PATIENT_S
     return scene
 
 
@@ -179,7 +182,7 @@ async def test_previews_of_one_robot_are_made_one_at_a_time(driver: Driver, tmp_
 
     async with scene.agent():
         posts = [await scene.post("alice", f"@{ROBOT} preview walk {way} 0.3 m") for way in ("forward", "backward")]
-        await scene.until(ended, 120.0)
+        await scene.until(ended)
     assert most == 1
 
 
@@ -241,7 +244,7 @@ async def test_an_approval_that_comes_before_the_preview_is_bound_to_the_post_al
         post = await scene.post("alice", LONG.replace("preview ", ""))
         await scene.until(rehearsing)
         await scene.post("carol", f"@{ROBOT} approve", topic=post.topic_id)
-        final = await scene.final(post, 120.0)
+        final = await scene.final(post)
         assert final.card.state == "done", final.raw
         record = json.loads((scene.folder / f"agents/{ROBOT}/records/{post.id}.json").read_text())
         assert record["approval"]["preview"] == ""
