@@ -2,7 +2,7 @@
 #   make demo               start a forum, a simulated Go2 and its agent; prints the address to open
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               the tests that every change must pass
-#   make test WORKERS=6     with six workers instead of four, for a machine with more cores or nothing else to do
+#   make test WORKERS=6     with six workers instead of three, for a machine with more cores or nothing else to do
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
 #   make test-plugins   the quick tests of the packages in plugins/, which `make test` runs too
 #   make test-long          all slow tests, and all floods of generated posts, at their full size: kill points, live
@@ -13,11 +13,11 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for processes and simulated worlds more than half of the time, so four workers keep two cores busy; worlds run
-# on at most two of them at a time (tests/file_scheduler.py).
-WORKERS ?= 4
-# Processes to which AgentRob gives a low priority, such as those of previews, would wait for minutes beside four busy
-# workers. At this priority all have about the same, and the machine remains usable.
+# Tests wait for processes and simulated worlds much of the time, so three workers keep two cores busy. Beside four, worlds
+# fall behind the clock on a slow machine; they run on at most two workers at a time (tests/file_scheduler.py).
+WORKERS ?= 3
+# At a low priority, because AgentRob gives one to some of its processes, such as those of previews: beside tests of normal
+# priority they would wait for minutes.
 PYTEST := nice -n 18 $(BIN)/pytest
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)

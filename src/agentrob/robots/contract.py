@@ -35,8 +35,6 @@ LEFT = Primitive(Op.TURN, Direction.LEFT, degrees=30)
 RIGHT = Primitive(Op.TURN, Direction.RIGHT, degrees=30)
 #: Timeout of a step that hangs, long enough for a busy machine.
 LIMIT_S = 60.0
-#: How often a step is tried that ends because the robot's states come late.
-TRIES = 3
 
 
 def go_on(_: RobotState) -> str | None:
@@ -53,18 +51,6 @@ def complete(result: ActionResult, primitive: Primitive) -> None:
     seconds = [point[0] for point in result.path]
     assert seconds == sorted(seconds)
     assert all(math.isfinite(value) for point in result.path for value in point)
-
-
-def step_of(robot: Robot, primitive: Primitive) -> ActionResult:
-    """Let a robot take a step. A machine that is too busy brings its states late, which must end the step: then it gets
-    two more tries."""
-    for _ in range(TRIES):
-        fresh(robot)
-        result = robot.step(primitive, go_on)
-        complete(result, primitive)
-        if result.reason != "stale_state":
-            break
-    return result
 
 
 class RobotContract:
@@ -97,7 +83,9 @@ class RobotContract:
     def test_a_move_is_done_and_measured(self, robot: Robot) -> None:
         if not can(robot, FORWARD):
             return
-        result = step_of(robot, FORWARD)
+        fresh(robot)
+        result = robot.step(FORWARD, go_on)
+        complete(result, FORWARD)
         assert result.outcome is Outcome.DONE, result.message
         assert abs(result.measured["distance_m"] - 0.4) <= 0.06
         assert {"sideways_m", "heading_deg"} <= set(result.measured)
@@ -107,8 +95,10 @@ class RobotContract:
         assert abs(math.hypot(x_end - x, y_end - y) - 0.4) < 0.1
 
     def test_a_turn_is_done_and_measured_either_way(self, robot: Robot) -> None:
+        fresh(robot)
         for primitive in filter(partial(can, robot), (LEFT, RIGHT)):
-            result = step_of(robot, primitive)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
             assert abs(result.measured["degrees"] - 30) <= 4.5
             assert "drift_m" in result.measured
@@ -183,11 +173,14 @@ class RobotContract:
         assert stopped.confirmed, stopped.message
         assert not stopped.was_moving
         again = FORWARD if can(robot, FORWARD) else motion_of(robot)
-        assert step_of(robot, again).outcome is Outcome.DONE
+        assert robot.step(again, go_on).outcome is Outcome.DONE
 
     def test_a_gesture_ends_and_says_how(self, robot: Robot) -> None:
+        fresh(robot)
         if Op.HELLO in robot.capabilities.ops:
-            result = step_of(robot, Primitive(Op.HELLO))
+            primitive = Primitive(Op.HELLO)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
 
     def test_its_own_operations_are_understood_and_take_no_words_that_mean_something_else(self, robot: Robot) -> None:
@@ -195,7 +188,9 @@ class RobotContract:
 
     def test_each_of_its_own_operations_is_done_and_measured_as_declared(self, robot: Robot) -> None:
         for operation in own_operations(robot):
-            start, result = fresh(robot), step_of(robot, example_of(operation))
+            start, primitive = fresh(robot), example_of(operation)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
             assert as_declared(result).outcome is Outcome.DONE, as_declared(result).message
             assert {quantity.name for quantity in operation.measured} <= set(result.measured)
@@ -212,7 +207,9 @@ class RobotContract:
 
     def test_a_picture_is_a_jpeg(self, robot: Robot) -> None:
         if Op.GET_FRONT_IMAGE in robot.capabilities.ops:
-            result = step_of(robot, Primitive(Op.GET_FRONT_IMAGE))
+            primitive = Primitive(Op.GET_FRONT_IMAGE)
+            result = robot.step(primitive, go_on)
+            complete(result, primitive)
             assert result.outcome is Outcome.DONE, result.message
             assert result.image is not None
             assert result.image.startswith(b"\xff\xd8")

@@ -29,10 +29,10 @@ def sdk(served):
 
 
 def test_it_is_ready_after_a_few_seconds_of_work(served):
-    """Processor time, not waiting time: the machine may be busy with other tests. On a slow one it took 5.3 s."""
+    """Processor time, not waiting time: the machine may be busy with other tests."""
     assert served.ready["ready"] is True
     assert served.ready["domains"] == {"go2": served.domain}
-    assert served.cpu_until_ready_s < 8.0
+    assert served.cpu_until_ready_s < 4.0
 
 
 def test_the_sdk_gets_true_codes(sdk):
@@ -152,7 +152,7 @@ def test_it_ends_at_a_signal_and_leaves_the_domain_free(tmp_path, number):
     own = PrivateDomain()  # which no other test can take in between
     world = start_world(tmp_path, environment={"MUJOCO_GL": "off"}, domains=[own.number])
     assert world.ready["camera"] == "ray"
-    assert world.end(number) < 3.0  # 1.1 s beside much other work
+    assert world.end(number) < 1.0
     assert world.process.returncode == 0
     assert world.process.communicate()[1] == ""
     port = world.url.rsplit(":", 1)[1]
