@@ -157,7 +157,7 @@ def replay(page: Page, answer: Locator, robot: str) -> None:
 #: Remember that the map has shown the plan: on a busy machine the command may end before the test looks.
 NOTE_PLAN = """(selector) => {
     const plan = document.querySelector(selector);
-    const look = () => { window.planShown ||= /\\d/.test(plan.getAttribute("points")); };
+    const look = () => { if (/\\d/.test(plan.getAttribute("points"))) document.body.dataset.planShown = "yes"; };
     new MutationObserver(look).observe(plan, {attributes: true});
     look();
 }"""
@@ -186,7 +186,7 @@ def test_a_first_visit_from_an_example_to_a_stop_and_again(page: Page, demo: Run
     answer = page.locator("article.by-robot").first
     expect(answer.locator(".stop.moves")).to_be_visible(timeout=MOTION_MS)
     wait_until_moved(page, name, begun, 0.1)
-    page.wait_for_function("window.planShown", timeout=MOTION_MS)
+    expect(page.locator("body")).to_have_attribute("data-plan-shown", "yes", timeout=MOTION_MS)
     page.keyboard.press("Escape")
     wait_for(answer, "stopped")
     expect(answer.locator(".body").first).to_contain_text("Stopped")
