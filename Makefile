@@ -2,7 +2,7 @@
 #   make demo               start a forum, a simulated Go2 and its agent; prints the address to open
 #   make demo ARGS='--post "@quadruped wave" --json'
 #   make test               the tests that every change must pass
-#   make test WORKERS=6     with six workers instead of three, for a machine with more cores or nothing else to do
+#   make test WORKERS=6     with six workers instead of four, for a machine with more cores
 #   make test-slice SLICE=3/12   a slice of the slow tests; `.ci/run` runs one for each commit, chosen by its hash
 #   make test-plugins   the quick tests of the packages in plugins/, which `make test` runs too
 #   make test-long          all slow tests, and all floods of generated posts, at their full size: kill points, live
@@ -13,9 +13,13 @@
 SHELL := /bin/sh
 BIN := .venv/bin
 ARGS ?=
-# Tests wait for processes and simulated worlds much of the time, so three workers keep two cores busy. Beside four, worlds
-# fall behind the clock on a slow machine; they run on at most two workers at a time (tests/file_scheduler.py).
-WORKERS ?= 3
+# Tests wait for processes much of the time, so four workers keep two cores busy.
+WORKERS ?= 4
+# A simulated world must keep pace with the clock. Beside other tests it falls behind on a slow machine, so tests that need
+# a world run by themselves, two at a time.
+WORLDS ?= 2
+# Give a worker whole files, so that a module's board, driver or world starts once, and the longest files first.
+BY_FILE := --dist loadfile --no-loadscope-reorder
 # At a low priority, because AgentRob gives one to some of its processes, such as those of previews: beside tests of normal
 # priority they would wait for minutes.
 PYTEST := nice -n 18 $(BIN)/pytest
@@ -24,7 +28,7 @@ QUICK := $(addprefix tests/,house language screening minds evals semantic proces
 # Files with tests that `make test` runs at a smaller size (tests/sizes.py).
 SIZED = $(shell grep -rl --include='test_*.py' 'tests.sizes import' tests)
 SLICE ?= 1/12
-# A slice may contain no tests of one kind; pytest then exits with 5.
+# There may be no tests of one kind; pytest then exits with 5.
 OR_NONE := || [ $$? = 5 ]
 # Tests start hundreds of Python processes; without compiled files each would compile all of its imports.
 unexport PYTHONDONTWRITEBYTECODE
@@ -43,7 +47,8 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
-	$(PYTEST) -q -n $(WORKERS) --dist loadfile -m "not slow" $(ARGS)
+	$(PYTEST) -q -n $(WORLDS) $(BY_FILE) --files-with sim -m "sim and not slow" $(ARGS) $(OR_NONE)
+	$(PYTEST) -q -n $(WORKERS) $(BY_FILE) -m "not sim and not slow" $(ARGS) $(OR_NONE)
 
 test-plugins: setup-dev
 	$(PYTEST) -q plugins -m "not slow" $(ARGS)

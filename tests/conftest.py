@@ -16,7 +16,6 @@ import pytest
 from hypothesis import settings
 
 from tests.databases import database, postgres
-from tests.file_scheduler import pytest_xdist_make_scheduler
 from tests.host_numbers import take
 from tests.slices import pytest_addoption, pytest_collection_modifyitems, pytest_ignore_collect
 
@@ -26,7 +25,6 @@ __all__ = [
     "pytest_addoption",
     "pytest_collection_modifyitems",
     "pytest_ignore_collect",
-    "pytest_xdist_make_scheduler",
 ]
 
 #: For fake robots. Higher domains are for tests that use real DDS (see host_numbers.py).

@@ -21,10 +21,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-#: The seconds assumed for a file that `durations.toml` does not list.
-DEFAULT_S = 30.0
-#: The tables of `durations.toml`.
+#: The tables of `durations.toml`, and the seconds assumed for a file that they do not list.
 SLOW, FAST = "slow", "fast"
+DEFAULT_S, FAST_DEFAULT_S = 30.0, 5.0
 #: The files of the collected tests that have a marker, by marker.
 MARKED_FILES = pytest.StashKey[dict[str, set[str]]]()
 
@@ -105,8 +104,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         chosen = set(files_of(text))
         config.hook.pytest_deselected(items=[item for item in items if slow.get(item) not in chosen])
         items[:] = [item for item in items if slow.get(item) in chosen]
-    # Start the longest tests first; otherwise one process would still run the last one when the others have finished.
-    items.sort(key=lambda item: item.get_closest_marker("browser") is None)
+    # Start the longest files first; otherwise one process would still run the last one when the others have finished.
+    seconds = durations(FAST)
+    items.sort(key=lambda item: -seconds.get(str(item.path.relative_to(ROOT)), FAST_DEFAULT_S))
 
 
 def main() -> None:
