@@ -7,9 +7,12 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
+from sqlalchemy import create_engine, inspect
 
 from agentrob.agent.store import versions
 from agentrob.agent.store.journals import Journals, make_journals
+from agentrob.agent.store.old_journals import OLD_ENGINE, create_tables
+from agentrob.agent.store.schema import METADATA
 from agentrob.errors import JournalError
 from agentrob.model import CommandState
 from tests.agent.store.journal_store import JournalStore, database_of
@@ -98,10 +101,20 @@ async def test_law_6_the_journal_of_version_0_1_gets_the_current_version(tmp_pat
     journals = make_journals(database_of(tmp_path), tmp_path)
     journal = await journals.open(REX)
     assert stored(tmp_path) == [str(versions.VERSION)]
+    assert [claim.command.post_id for claim in await journal.open_claims()] == ["1", "2"], "in the order of its claims"
     assert await journal.move("1", says("again")) == CommandState.INTERRUPTED
     assert await journal.move("2", says("moved")) == "moved"
     await journal.close()
     await journals.close()
+
+
+def test_the_tables_of_the_workflow_engine_of_version_0_1_are_dropped(tmp_path: Path) -> None:
+    engine = create_engine(f"sqlite:///{write_old_journal(tmp_path, REX, command('1'))}")
+    with engine.begin() as db:
+        assert set(OLD_ENGINE) & set(inspect(db).get_table_names()), "it had some of them"
+        create_tables(db, REX)
+        assert set(inspect(db).get_table_names()) == set(METADATA.tables)
+    engine.dispose()
 
 
 @pytest.mark.slow
