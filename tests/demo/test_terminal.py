@@ -5,16 +5,20 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import signal
 import socket
 import sqlite3
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx2
 import pytest
 
 from agentrob.demo import ports, terminal
 from agentrob.demo.errors import DemoError
+from agentrob.demo.run import Demo, DemoSettings
+from agentrob.process.child import Child
 from agentrob.process.listen import is_free
 from tests.demo.running import AGENTROB, START_S
 from tests.terminal import Terminal
@@ -129,3 +133,17 @@ def test_ctrl_c_while_it_starts_ends_everything_and_it_starts_again(tmp_path: Pa
         assert "Traceback" not in demo.said
         assert "Ctrl-C" not in demo.said, "it had started already"
         assert processes_of(data) == []
+
+
+@pytest.mark.sim
+def test_ctrl_c_while_a_process_is_started_ends_it_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Interrupted(Child):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("agentrob.demo.run.Child", Interrupted)
+    demo = Demo(DemoSettings(tmp_path / "data", port=0))
+    with pytest.raises(KeyboardInterrupt), demo:
+        demo.start()
+    assert [(child.name, child.alive) for child in demo.children] == [("world", False)]

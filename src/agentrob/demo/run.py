@@ -31,7 +31,7 @@ from agentrob.demo.ports import choose_port
 from agentrob.errors import ConfigError
 from agentrob.model import AccountKind, CommandState, Role
 from agentrob.process.child import Child, ChildError, terminate_all
-from agentrob.process.signals import sigterm_interrupts
+from agentrob.process.signals import delayed_signals, sigterm_interrupts
 from agentrob.sim.domains import PrivateDomain
 from agentrob.wiring.running_demo import demo_folder, running_demo
 
@@ -184,8 +184,9 @@ class Demo:
 
     def _child(self, name: str, *args: str, env: dict[str, str] | None = None, ready_lines: int = 1) -> Child:
         own = {"AGENTROB_DATA": str(self.data), "AGENTROB_RUNTIME": str(self.runtime), **(env or {})}
-        child = Child(name, args, self.data / "log" / f"{name}.log", own, ready_lines)
-        self.children.append(child)
+        with delayed_signals():
+            child = Child(name, args, self.data / "log" / f"{name}.log", own, ready_lines)
+            self.children.append(child)
         return child
 
     def _hold_data(self) -> None:

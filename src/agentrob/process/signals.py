@@ -1,4 +1,4 @@
-"""Turns signals that end a process into an event, or into KeyboardInterrupt."""
+"""Turns signals that end a process into an event or into KeyboardInterrupt, or delays them."""
 
 from __future__ import annotations
 
@@ -22,6 +22,31 @@ def sigterm_interrupts() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def delayed_signals() -> Iterator[None]:
+    """Call the handlers of Ctrl-C, SIGTERM and SIGHUP only after this block.
+
+    An interrupt within `Popen` would leave a process that nobody ends. That process would inherit a mask of blocked
+    signals, so the handlers are replaced for the time of the block. Only the main thread runs handlers, so in other
+    threads this does nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    handlers = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
+    came: list[int] = []
+    try:
+        for number in handlers:
+            signal.signal(number, lambda number, _: came.append(number))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in came:
+            signal.raise_signal(late)
 
 
 def event_at_termination() -> threading.Event:

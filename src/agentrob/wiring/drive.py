@@ -39,7 +39,7 @@ from agentrob.model import (
 from agentrob.plugins import find
 from agentrob.process import host_lock
 from agentrob.process.child import Child, terminate_all
-from agentrob.process.signals import sigterm_interrupts
+from agentrob.process.signals import delayed_signals, sigterm_interrupts
 from agentrob.sim.domains import PrivateDomain
 from agentrob.wiring import app, simulators
 
@@ -303,14 +303,16 @@ def _driver(name: str, settings: RobotConfig, config: Config) -> Iterator[Driver
         try:
             if settings.simulated and simulators.world_lock(settings) not in host_lock.held("world/"):
                 for command in simulation_of(settings):
-                    children.append(Child("world", command, work / "world.log"))
+                    with delayed_signals():
+                        children.append(Child("world", command, work / "world.log"))
                     children[0].wait_ready()
             # the same data folder as always: a halt that is kept there holds for us too
             own = Config(data=str(config.data_dir.absolute()), robots={name: settings})
             own.write(work / "agentrob.toml")
             arguments = ["driver", name, "--config", str(work / "agentrob.toml")]
-            driver = Child("driver", arguments, work / "driver.log", {"AGENTROB_RUNTIME": folder})
-            children.append(driver)
+            with delayed_signals():
+                driver = Child("driver", arguments, work / "driver.log", {"AGENTROB_RUNTIME": folder})
+                children.append(driver)
             yield DriverClient(name, Path(driver.wait_ready()["socket"]))
         finally:
             terminate_all(children)
