@@ -7,7 +7,19 @@ import sys
 
 import pytest
 
-from tests.slices import DEFAULT_S, MARKED_FILES, ROOT, durations, files_of, files_with, parse, slow_files, split
+from tests.slices import (
+    DEFAULT_S,
+    FAST,
+    FAST_DEFAULT_S,
+    MARKED_FILES,
+    ROOT,
+    durations,
+    files_of,
+    files_with,
+    parse,
+    slow_files,
+    split,
+)
 
 COUNT = 12
 #: Seconds of one slice in one process; `.ci/run` uses two, except for tests that need a simulated world.
@@ -36,6 +48,16 @@ def test_no_slice_takes_longer_than_the_limit() -> None:
 
 def test_the_durations_name_files_that_exist() -> None:
     assert set(durations()) <= set(slow_files())
+    assert [file for file in durations(FAST) if not (ROOT / file).is_file()] == []
+
+
+def test_the_longest_files_are_collected_first() -> None:
+    quick, slow = "tests/process/test_listen.py", "tests/wiring/test_drive.py"
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider", quick, slow]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=True)
+    files = [line.partition("::")[0] for line in done.stdout.splitlines() if "::" in line]
+    assert durations(FAST)[slow] > FAST_DEFAULT_S
+    assert list(dict.fromkeys(files)) == [slow, quick]
 
 
 def test_a_new_file_counts_with_the_default() -> None:
