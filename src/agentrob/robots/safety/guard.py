@@ -372,12 +372,17 @@ class Guard:
         return unmeasured(result, self._broken) if self._broken and result.measured else result
 
     def _after(self, result: ActionResult) -> ActionResult:
-        """Add the robot's state after the step to the result: a fallen robot has not succeeded."""
+        """Add the robot's state after the step to the result: a fallen robot has not succeeded.
+
+        A body that falls turns faster than one that walks, so its fall can be noticed as a jump of the odometry first.
+        """
         result = self._stayed(result)
         state = sanitized(self._robot.state())
-        if result.ok and state.upright is False:
+        if state.upright is False and result.reason != "fallen":
+            outcome = Outcome.FAILED if result.ok else result.outcome
+            reason = "fallen" if result.ok or result.reason == JUMPED else result.reason
             message = f"{result.message} But now the robot lies: it fell, or did not get up."
-            return replace(result, outcome=Outcome.FAILED, reason="fallen", message=message.strip())
+            return replace(result, outcome=outcome, reason=reason, message=message.strip())
         low = _low_battery(state, self._settings)
         return replace(result, message=f"{result.message} {low}".strip()) if low else result
 
