@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from agentrob.agent.store.journal import Journal, NotBegun
+from agentrob.agent.store.journals import SqliteJournals
 from agentrob.agent.store.rows import ApprovalDecision
 from agentrob.errors import IllegalTransition, JournalError, JournalHeld
 from agentrob.model import CommandState, Direction, EndReason, Op, Plan, Primitive
@@ -429,6 +430,34 @@ async def test_law_6_an_unreadable_journal_is_not_passed_over(tmp_path: Path) ->
         await open_journal(tmp_path, REX)
     path.unlink()
     await (await open_journal(tmp_path, REX)).close()
+
+
+async def test_an_opening_that_fails_lets_go_of_the_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fails(_: Journal) -> None:
+        raise JournalError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Journal, "begin", fails)
+        with pytest.raises(JournalError, match="the disk is full"):
+            await open_journal(tmp_path, REX)
+    await (await open_journal(tmp_path, REX)).close()
+
+
+async def test_a_write_that_fails_changes_nothing_and_the_next_one_succeeds(tmp_path: Path) -> None:
+    journal = await open_journal(tmp_path, REX)
+    with pytest.raises(UnicodeEncodeError):
+        await journal.put_all(a="1", b="\ud800")  # no database stores half a character
+    await journal.put("b", "2")
+    assert (await journal.get("a"), await journal.get("b")) == (None, "2")
+    await journal.close()
+
+
+async def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "agents").write_text("a file")
+    journals = SqliteJournals(tmp_path)
+    with pytest.raises(JournalError, match=r"journal\.sqlite cannot be opened"):
+        await journals.open(REX)
+    await journals.close()
 
 
 async def test_law_6_motion_rows_name_the_holder_that_wrote_them(tmp_path: Path, database: str) -> None:
