@@ -42,7 +42,17 @@ import pytest
 from instruments.mutations import Mutant, mutants_of
 
 ROOT = Path(__file__).parents[1]
-_STORE = ("rows", "contract", "schedules", "journal", "same_on_both", "retention", "transactions", "versions")
+_STORE = (
+    "rows",
+    "records",
+    "contract",
+    "schedules",
+    "journal",
+    "same_on_both",
+    "retention",
+    "transactions",
+    "versions",
+)
 #: The test files of each room or file.
 TESTS = {
     "src/agentrob/robots/safety": ("tests/robots/safety",),

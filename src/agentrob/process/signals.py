@@ -37,15 +37,15 @@ def delayed_signals() -> Iterator[None]:
         return
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     handlers = {number: handler for number in numbers if callable(handler := signal.getsignal(number))}
-    came: list[int] = []
+    pending: list[int] = []
     try:
         for number in handlers:
-            signal.signal(number, lambda number, _: came.append(number))
+            signal.signal(number, lambda number, _: pending.append(number))
         yield
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        for late in came:
+        for late in pending:
             signal.raise_signal(late)
 
 

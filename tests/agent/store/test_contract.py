@@ -432,7 +432,9 @@ async def test_law_6_an_unreadable_journal_is_not_passed_over(tmp_path: Path) ->
     await (await open_journal(tmp_path, REX)).close()
 
 
-async def test_an_opening_that_fails_lets_go_of_the_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_journal_that_cannot_be_opened_releases_the_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def fails(_: Journal) -> None:
         raise JournalError("the disk is full")
 

@@ -40,9 +40,9 @@ def posted(at: datetime) -> Claim:
     return Claim(Command("1", "1", "h", ALICE, "quadruped", "wave", "en", at, "trace"), new=False, waited_s=1.0)
 
 
-def approved(at: datetime, asked_at: datetime | None = None) -> ApprovalRequest:
+def approved(at: datetime) -> ApprovalRequest:
     decision = ApprovalDecision(True, ALICE, "2", "h", at)
-    return ApprovalRequest(asked_at or before(3000), before(2000), decision)
+    return ApprovalRequest(before(3000), before(2000), decision)
 
 
 def why_not(claim: Claim, watermark_at: datetime = LONG_AGO, stopped_at: datetime = LONG_AGO) -> EndReason | None:

@@ -61,7 +61,7 @@ def test_law_18_a_robot_that_lies_afterwards_has_done_nothing_well(make: Make) -
 
 
 @pytest.mark.parametrize(("faults", "reason"), [({"jump_m": 1.0}, "fallen"), ({"frozen": True}, "stalled")])
-def test_law_18_a_step_that_ended_otherwise_says_that_the_robot_lies_and_a_fall_explains_a_jump(
+def test_law_18_any_step_reports_a_robot_that_is_down_and_a_fall_explains_a_jump(
     make: Make, monkeypatch: pytest.MonkeyPatch, faults: dict[str, float | bool], reason: str
 ) -> None:
     guard = make({"faults": {**faults, "after_m": 0.2}})
@@ -76,7 +76,7 @@ def test_law_18_a_step_that_ended_otherwise_says_that_the_robot_lies_and_a_fall_
     monkeypatch.setattr(fake, "step", falls)
     result = guard.step(move(0.5), keep_going)
     assert (result.ok, result.reason) == (False, reason), result.message
-    assert "now the robot lies" in result.message
+    assert "The robot is now down" in result.message
 
 
 def test_a_robot_without_an_attitude_is_not_stood_up(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:

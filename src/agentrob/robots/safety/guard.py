@@ -381,7 +381,7 @@ class Guard:
         if state.upright is False and result.reason != "fallen":
             outcome = Outcome.FAILED if result.ok else result.outcome
             reason = "fallen" if result.ok or result.reason == JUMPED else result.reason
-            message = f"{result.message} But now the robot lies: it fell, or did not get up."
+            message = f"{result.message} The robot is now down: it fell, or did not get up."
             return replace(result, outcome=outcome, reason=reason, message=message.strip())
         low = _low_battery(state, self._settings)
         return replace(result, message=f"{result.message} {low}".strip()) if low else result
