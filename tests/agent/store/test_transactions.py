@@ -175,7 +175,7 @@ async def test_the_error_of_a_statement_is_told_at_once(database: Database, rows
 async def test_a_broken_connection_is_told_after_a_while(
     database: Database, rows: Transactions, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(transactions, "RETRY_S", 0.05)
+    monkeypatch.setattr(transactions, "RETRY_S", 1.0)
     database.always = CONNECTING
     with pytest.raises(JournalError, match="the journal cannot be used: no connection"):
         await rows.write(write_down)
