@@ -96,11 +96,11 @@ def test_the_dialogue_leads_to_a_robot_that_has_walked_and_its_undo_commands_wor
     units = sorted(path.name for path in (machine.folder / "config/systemd/user").iterdir())
     assert units == [f"agentrob-{name}.service" for name in ("agent-rex", "board", "driver-rex", "world-rex")]
     assert len(machine.pids()) == 4
-    for line in said.splitlines():
-        if line.startswith("   undo: systemctl"):
-            subprocess.run(shlex.split(line.split(": ", 1)[1]), env=machine.environment, check=True, timeout=60)
-        if line.startswith("   undo: rm "):
-            subprocess.run(shlex.split(line.split(": ", 1)[1]), check=True, timeout=60, cwd=machine.folder)
+    assert "Undo them from the last to the first." in said
+    steps = re.split(r"^\d\. ", said, flags=re.MULTILINE)[1:]
+    for step in reversed(steps):
+        for command in re.findall(r"^   undo: (.*)", step, flags=re.MULTILINE):
+            subprocess.run(shlex.split(command), env=machine.environment, check=True, timeout=60, cwd=machine.folder)
     assert not config.exists()
     assert not tokens.exists()
     assert not (machine.folder / "data/board").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import math
 import time
 from dataclasses import replace
 from typing import Any
@@ -14,8 +15,10 @@ from PIL import Image
 from agentrob.errors import RobotError
 from agentrob.model import ActionResult, Op, Outcome, Primitive
 from agentrob.robots.control.picture_check import picture_problem
+from agentrob.robots.fake import FakeRobot
 from agentrob.robots.protocol import Watch
-from tests.robots.guard_scene import Make, fake_of, move, turn, until
+from agentrob.robots.safety.guard import Guard
+from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn, until
 
 STAND, HELLO, PHOTO = Primitive(Op.STAND), Primitive(Op.HELLO), Primitive(Op.GET_FRONT_IMAGE)
 
@@ -34,20 +37,47 @@ def test_law_8_a_robot_that_lies_does_nothing_but_stand_up(make: Make, primitive
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "fallen"), result.message
 
 
-def test_a_robot_that_lies_gets_up_when_it_is_asked_and_goes_on(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
-    guard = make()
-    assert guard.step(move(0.1), keep_going).ok
+def gets_up(guard: Guard, monkeypatch: pytest.MonkeyPatch) -> FakeRobot:
+    """Let the robot stand up when it is asked to, turned by 170° at once, as a body that rolls over may be."""
     fake = fake_of(guard)
-    fake.faults.fallen = True
     plain = fake.step
 
-    def rises(primitive: Primitive, watch: Watch) -> ActionResult:
+    def step(primitive: Primitive, watch: Watch) -> ActionResult:
+        if primitive.op is Op.STAND and fake.faults.fallen:
+            here = fake.state().pose
+            assert here is not None
+            fake.carry(replace(here, yaw_rad=here.yaw_rad + math.radians(170)))
         result = plain(primitive, watch)
         fake.faults.fallen = fake.faults.fallen and primitive.op is not Op.STAND
         return result
 
-    monkeypatch.setattr(fake, "step", rises)
+    monkeypatch.setattr(fake, "step", step)
+    return fake
+
+
+def test_a_robot_that_lies_gets_up_when_it_is_asked_and_goes_on(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    guard = make()
+    assert guard.step(move(0.1), keep_going).ok
+    gets_up(guard, monkeypatch).faults.fallen = True
     assert guard.step(STAND, keep_going).ok
+    assert guard.step(move(0.1), keep_going).ok
+
+
+def test_law_9_a_fall_voids_home_and_a_robot_that_lies_may_stand_up_without_one(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Home can only be set where the robot stands, so standing up cannot need it: nobody could ever move it again."""
+    guard = make(home_on_start=False)
+    until(lambda: can_set_home(guard))
+    fake = gets_up(guard, monkeypatch)
+    fake.faults.fallen = True
+    until(lambda: not guard.state().homed)
+    assert guard.step(HELLO, keep_going).reason == "fallen"
+    assert guard.step(STAND, keep_going).ok
+    for primitive in (STAND, move(0.1)):
+        result = guard.step(primitive, keep_going)
+        assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed"), result.message
+    until(lambda: can_set_home(guard))
     assert guard.step(move(0.1), keep_going).ok
 
 

@@ -7,8 +7,8 @@ Covered, before a step and 20 times a second while it runs:
   change are unknown: then at most 0.2 m/s, and only with the owner's consent, and the result says so; readings that are
   lost on the way end a step that is faster, and every step without that consent;
 - state older than 0.5 s, the deadline, a halt, which holds until the owner releases it, also across restarts;
-- a fall: the step ends, and the robot stays down until it is asked to stand up; nothing else is done meanwhile, and a
-  step that ends lying is never called done;
+- a fall: the step ends, home is void, and the robot stays down until it is asked to stand up, which needs no home;
+  nothing else is done meanwhile, and a step that ends lying is never called done;
 - a battery below the owner's level: no step begins; one under way is ended in order, and its result says so;
 - a position that is NaN or infinite: treated as missing;
 - an odometry that jumps or comes back after a long silence: home is void, no motion until the robot is homed again
@@ -154,6 +154,7 @@ class Guard:
         self._stops = 0
         self._sentence = self._lost_home = ""
         self._travelled = ""  # a sentence, once the running step took the robot farther than declared
+        self._getting_up = False  # whether the running step makes a robot stand up that lay when it began
         self._start: Pose | None = None  # where the running step began
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
@@ -317,7 +318,10 @@ class Guard:
             deadline_s = min(deadline_s, seconds_allowed(primitive.declared, primitive))
         until_s = self._now_s() + deadline_s
         self._prepare(primitive)
-        if refusal := self._unfit(primitive) or self._misplaced(primitive):
+        if refusal := self._unfit(primitive):
+            return _refused(primitive, *refusal)
+        self._getting_up = primitive.op is Op.STAND and sanitized(self._robot.state()).upright is False
+        if refusal := self._misplaced(primitive):
             return _refused(primitive, *refusal)
         careful = self._careful(primitive)
         refusal = self._blocked(careful) or self._late(careful, deadline_s) or self._hindered(careful)
@@ -411,6 +415,8 @@ class Guard:
         return None
 
     def _misplaced(self, primitive: Primitive) -> Refusal | None:
+        if self._getting_up:  # a fall voids home, and it can only be set where the robot stands
+            return None
         if self._fence is None:
             ignored = " " + _HOMES_NOT if self._settings.home_on_start and not self._settings.simulated else ""
             return (
@@ -464,7 +470,9 @@ class Guard:
     def _prepare(self, primitive: Primitive) -> None:
         """Wait briefly for data that is still missing because the driver or the robot has just started."""
         end_s = self._now_s() + PREPARE_S
-        while self._now_s() < end_s and sanitized(self._robot.state()).age_s < PREPARE_S:
+        while self._now_s() < end_s and (state := sanitized(self._robot.state())).age_s < PREPARE_S:
+            if state.upright is False:  # it can only stand up, which needs neither
+                return
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
             if seen and (self._fence is not None or not self._homes_itself):
                 return
@@ -485,13 +493,13 @@ class Guard:
             return "stale_state", _unseen(state) or f"The robot's state was {_age(state)}."
         if fallen := _fallen(state, primitive):
             return fallen
-        if self._fence is None:
+        if self._fence is None and not self._getting_up:
             return "odometry_jump", self._lost_home
         if self._now_s() >= until_s:
             return "deadline", "The time for this step was over."
         return self._misled(primitive, state, state.pose, self._fence)
 
-    def _misled(self, primitive: Primitive, state: RobotState, pose: Pose, fence: Fence) -> Refusal | None:
+    def _misled(self, primitive: Primitive, state: RobotState, pose: Pose, fence: Fence | None) -> Refusal | None:
         """Return what is wrong with where the step leads: its own declaration, others, the fence, an obstacle."""
         if reason := self._check_travel(primitive, pose):
             return reason, ""  # the sentence is added when the robot rests
@@ -505,7 +513,7 @@ class Guard:
             return hindrance.reason, hindrance.sentence
         velocity_mps = state.velocity_mps or (0.0, 0.0)
         rest = onward(pose, velocity_mps, STOPPING_S) if goes_its_way else ahead(pose, primitive, ahead_m)
-        if not (outside_m := fence.outside_m(*rest)) <= 0:
+        if fence is not None and not (outside_m := fence.outside_m(*rest)) <= 0:
             return "fence", f"It would have come to rest {outside_m:.2f} m outside its fence."
         if self._ranges.unknown(primitive):
             slow = (primitive.speed_mps or math.inf) <= BLIND_MPS
@@ -530,8 +538,9 @@ class Guard:
             asked_s = self._now_s()
             state, now_s = sanitized(self._robot.state()), self._now_s()
             self._ranges.update(now_s, state)  # an old state too: what was seen before it must not stay
-            why = self._odometry.update(now_s, state, asked_s)
-            self._broken = JUMPED if why else self._broken
+            jumped = self._odometry.update(now_s, state, asked_s)
+            self._broken = JUMPED if jumped else self._broken
+            why = jumped or ("the robot fell" if state.upright is False else "")
             if why and self._fence is not None:
                 self._fence, self._lost_home = None, f"Home is void: {why}."
                 log.warning("%s", self._lost_home)
