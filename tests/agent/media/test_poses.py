@@ -114,6 +114,44 @@ async def test_a_slow_forum_gets_the_newest_pose_and_the_others_are_dropped(driv
         assert len(pages.frames) < sampled
 
 
+class SlowDriver:
+    """Each posture waits until `gives` is raised."""
+
+    def __init__(self) -> None:
+        self.gives = asyncio.Semaphore(0)
+
+    async def posture(self, *, joints: bool = True) -> Posture:
+        await self.gives.acquire()
+        return Posture(0.0, Pose(0, 0, 0))
+
+
+async def test_the_plan_of_a_command_is_sent_although_a_pose_from_before_it_was_sent_after_it_began(
+    tmp_path: Path,
+) -> None:
+    pages, driver = Pages(), SlowDriver()
+    stream = PoseSampler(pages, driver, "rex", RoomMap("rex", ROOM), PoseFiles(tmp_path), shaped=lambda: True)
+    running = asyncio.create_task(stream.run())
+    stream.watch()
+    pages.slow.clear()
+    driver.gives.release()
+    await until(lambda: stream._newest is not None)
+    await until(lambda: not stream._fresh.is_set())  # the first pose is on its way to the forum
+    driver.gives.release()
+    await until(stream._fresh.is_set)
+    with stream.recording("7", [WALK]):
+        pages.slow.set()
+        await until(lambda: len(pages.frames) == 2)
+        assert not any("plan" in frame for frame in pages.frames)
+        driver.gives.release()
+        await until(lambda: len(pages.frames) == 3)
+        assert len(pages.frames[-1]["plan"]) > 1
+        driver.gives.release()
+        await until(lambda: len(pages.frames) == 4)
+        assert "plan" not in pages.frames[-1], "once is enough"
+    running.cancel()
+    await asyncio.gather(running, return_exceptions=True)
+
+
 async def test_a_forum_that_fails_ends_the_sending_until_it_is_told_of_viewers_again(
     drivers: Drivers, tmp_path: Path
 ) -> None:

@@ -208,9 +208,11 @@ class PoseSampler:
                 continue
             log, begun_s, watches = self._running, time.monotonic(), self._watches
             try:
-                seen = await pages.publish_pose(self._robot, self._frame(self._newest, log))
+                frame = self._frame(self._newest, log)
+                seen = await pages.publish_pose(self._robot, frame)
                 if watches == self._watches:  # else somebody came meanwhile, who needs the planned path too
-                    self._watched, self._sent, self._body = seen.viewers > 0, log, seen.viewers > 0 and seen.body
+                    self._watched, self._body = seen.viewers > 0, seen.viewers > 0 and seen.body
+                    self._sent = log if "plan" in frame else self._sent  # a command that just began has no plan yet
                 await asyncio.sleep(max(0.0, seen.every_s - (time.monotonic() - begun_s)))
             except ForumError as e:
                 if not isinstance(e, ForumUnoffered):

@@ -1,6 +1,7 @@
 """Where robots are, in memory, for the viewers of live maps: each pose is encoded once and sent to all of them.
 
-A viewer that reads slowly misses poses; nothing is queued for it.
+A viewer that reads slowly misses poses, since newer ones follow; nothing is queued for it. The planned path of a
+command comes once, so each viewer gets it with the next message that it reads.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ class RobotPoses:
     frame: Mapping[str, Any] = field(default_factory=dict)
     plan: Sequence[Point] = ()
     trail: list[Point] = field(default_factory=list)
+    paths_shared: int = 0
     message: bytes = b""
     with_body: bytes = b""
     viewers: int = 0
@@ -80,9 +82,10 @@ class RobotPoses:
         self.message = _message(told)
         self.with_body = _message(told | {"body": frame["body"]}) if frame.get("body") else self.message
 
-    def path_message(self) -> bytes:
-        """The planned path and the measured one so far, as a message."""
-        return _message({"robot": self.name, "plan": list(self.plan), "trail": self.trail})
+    @property
+    def path(self) -> dict[str, Any]:
+        """The planned path and the measured one so far."""
+        return {"plan": list(self.plan), "trail": self.trail}
 
 
 class _Channel:
@@ -96,28 +99,27 @@ class _Channel:
         self.task: asyncio.Task[None] | None = None
 
     def now(self) -> bytes:
-        """What a new viewer gets: the paths, and the poses that are not old."""
+        """The poses that are not old, for a new viewer."""
         fresh_s = time.monotonic() - SHOWING_S
-        poses = (self._pose(robot) for robot in self.robots if robot.pose_s > fresh_s)
-        return b"".join((*(robot.path_message() for robot in self.robots if robot.poses), *poses))
+        return b"".join(self._pose(robot) for robot in self.robots if robot.pose_s > fresh_s)
+
+    def paths(self, seen: dict[str, int]) -> bytes:
+        """The paths that a viewer has not got yet; `seen` counts those that it got, by robot, and is updated."""
+        new = [robot for robot in self.robots if robot.poses and robot.paths != seen.get(robot.name)]
+        seen.update((robot.name, robot.paths) for robot in new)
+        return b"".join(_message({"robot": robot.name, **robot.path}) for robot in new)
 
     def _pose(self, robot: RobotPoses) -> bytes:
         return robot.with_body if self.body else robot.message
 
     async def run(self) -> None:
-        seen = [(robot.poses, robot.paths) for robot in self.robots]
+        seen = [robot.poses for robot in self.robots]
         while True:
             await self.changed.wait()
             self.changed.clear()
-            parts = []
-            for n, robot in enumerate(self.robots):
-                poses, paths = seen[n]
-                if robot.paths != paths:
-                    parts.append(robot.path_message())
-                if robot.poses != poses:
-                    parts.append(self._pose(robot))
-                seen[n] = robot.poses, robot.paths
-            if message := b"".join(parts):
+            new = [robot for robot, poses in zip(self.robots, seen, strict=True) if robot.poses != poses]
+            seen = [robot.poses for robot in self.robots]
+            if message := b"".join(map(self._pose, new)):
                 waiters, self.waiters = self.waiters, set()
                 for waiter in waiters:
                     if not waiter.done():
@@ -161,7 +163,11 @@ class PoseTracker:
 
     def shared(self, name: str) -> str:
         """The newest pose for other processes, short enough for a notification."""
-        frame = dict(self.robot(name).frame)
+        robot = self.robot(name)
+        frame = {key: part for key, part in robot.frame.items() if key not in ("plan", "trail")}
+        if robot.paths != robot.paths_shared:  # it may have come with an older pose
+            robot.paths_shared = robot.paths
+            frame |= robot.path
         text = json.dumps(frame, separators=(",", ":"))
         if len(text) > MOST_SHARED:
             text = json.dumps({**frame, "plan": [], "trail": []}, separators=(",", ":"))
@@ -246,7 +252,8 @@ class PoseStream(Response):
 
     async def _send(self, send: Send, channel: _Channel) -> None:
         await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
-        await streams.part(send, b"retry: 2000\n\n" + channel.now())
+        seen: dict[str, int] = {}
+        await streams.part(send, b"retry: 2000\n\n" + channel.paths(seen) + channel.now())
         loop = asyncio.get_running_loop()
         while True:
             waiter: asyncio.Future[bytes] = loop.create_future()
@@ -255,7 +262,7 @@ class PoseStream(Response):
                 message = await waiter
             finally:
                 channel.waiters.discard(waiter)
-            await streams.part(send, message)
+            await streams.part(send, channel.paths(seen) + message)
 
 
 def _message(data: Mapping[str, Any]) -> bytes:
