@@ -92,6 +92,37 @@ def test_law_7_chinese_words_behind_a_handle_do_not_belong_to_it(text: str) -> N
     assert verdict.rule == "harm.collide"
 
 
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("请hit那个人", "harm.collide"),
+        ("去kick那个box", "harm.attack"),
+        ("追那个kid", "harm.attack"),
+        ("把他 push 倒", "harm.attack"),
+        ("chasing那只cat", "harm.attack"),
+        ("please 打 him", "harm.attack"),
+        ("follow那个人", "people.follow"),
+        ("往前冲，crash到墙上", "harm.collide"),
+    ],
+)
+def test_law_7_a_sentence_of_both_languages_is_screened(text: str, rule: str) -> None:
+    verdict = harm_of(text, "zh")
+    assert verdict is not None
+    assert verdict.rule == rule
+
+
+@pytest.mark.parametrize(
+    "text", ["别hit那个人", "don't 打 him", "对着wall拍照", "你好boy，前进两米", "看看那只cat", "@kick前进"]
+)
+def test_a_sentence_of_both_languages_may_deny_harm_or_name_people_and_things(text: str) -> None:
+    assert harm_of(text, "zh") is None
+
+
+@pytest.mark.parametrize("text", ["追那只猫", "追这群孩子", "踢那几个人", "往那两个人冲过去", "吓一下那个小孩"])
+def test_law_7_measure_words_stand_between_the_verb_and_whom_it_harms(text: str) -> None:
+    assert harm_of(text, "zh") is not None
+
+
 @pytest.mark.parametrize("text", ["给@bob拍照", "跟@bob打招呼", "拍@bob", "wave at @bob", "take a photo of @bob"])
 def test_an_account_may_be_greeted_and_photographed(text: str) -> None:
     assert harm_of(text, "en") is None

@@ -30,7 +30,7 @@ def every() -> tuple[Phrases, ...]:
 def _every() -> Iterator[Phrases]:
     for rule in harm.RULES:
         for prefix in harm.PREFIXES:
-            yield from (phrases for phrases, _ in harm.phrases_of(rule, prefix))
+            yield from (phrases for _, phrases, _ in harm.phrases_of(rule, prefix))
     for said in described_hazards._patterns().values():
         yield from said._phrases
     yield from side_remarks._phrases()
@@ -94,7 +94,7 @@ def test_every_chinese_phrase_finds_only_what_holds_a_chinese_character() -> Non
 def test_a_plain_command_compiles_nothing_of_harm() -> None:
     for rule in harm.RULES:
         for prefix in harm.PREFIXES:
-            for phrases, _ in harm.phrases_of(rule, prefix):
+            for _, phrases, _ in harm.phrases_of(rule, prefix):
                 assert Phrases(phrases._vocabulary, phrases._phrases)._pattern("walk forward 2 m") is None
 
 

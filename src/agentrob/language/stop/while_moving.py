@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 
 from agentrob.language.addressing import only_joint
+from agentrob.language.locales.zh_loan_words import in_chinese
 from agentrob.language.registry import known
 from agentrob.language.stop import words_en as en
 from agentrob.language.stop import words_zh as zh
@@ -91,7 +92,7 @@ def _stops(clause: str, end: str) -> bool:
     words = _WORD.findall(clause)
     shouted = any(mark in end for mark in "!！")
     return bool(words and _stops_en(words, clause, shouted)) or any(
-        _stops_zh(run, shouted) for run in _HAN_RUN.findall(clause)
+        _stops_zh(run, shouted) for said in {clause, in_chinese(clause)} for run in _HAN_RUN.findall(said)
     )
 
 

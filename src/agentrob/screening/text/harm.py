@@ -2,7 +2,7 @@
 
 Words are the weakest protection: somebody who wants to do harm can phrase it differently. Limits, the mandate and the
 guard hold whatever the words are. These rules catch the plain cases, so that the answer can name the reason. The words
-are in `words.en` and `words.zh`; every text is checked against all languages.
+are in `words.en` and `words.zh`; every text is checked against all languages, also a sentence of both.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
+from agentrob.language.locales.zh_loan_words import in_chinese
 from agentrob.language.messages.catalog import quote, say
 from agentrob.model import Decision, Language, Verdict
 from agentrob.screening.text.patterns import Phrases, Vocabulary
@@ -84,9 +85,10 @@ def doubt_of(text: str, language: Language) -> Verdict | None:
 
 def _broken(plain: str, *prefixes: str) -> Iterator[tuple[str, str]]:
     """Yield (rule, words) of everything that is not negated, in the order of the rules."""
+    chinese = in_chinese(plain)
     for rule, deniable in RULES.items():
         for prefix in prefixes:
-            for found, denied in _found(rule, prefix, plain):
+            for found, denied in _found(rule, prefix, plain, chinese):
                 if not (deniable and denied):
                     yield rule, found
 
@@ -111,24 +113,25 @@ def prepare() -> None:
     """Compile all patterns (about 0.4 s), so that stops do not wait for compilation while a process serves."""
     for rule in RULES:
         for prefix in PREFIXES:
-            for phrases, _ in phrases_of(rule, prefix):
+            for _, phrases, _ in phrases_of(rule, prefix):
                 phrases.prepare()
 
 
-def _found(rule: str, prefix: str, plain: str) -> Iterator[tuple[str, bool]]:
+def _found(rule: str, prefix: str, plain: str, chinese: str) -> Iterator[tuple[str, bool]]:
     """Yield the words that break a rule, and whether a negation precedes them."""
-    for phrases, denial in phrases_of(rule, prefix):
-        for match in phrases.finditer(plain):
-            before = plain[max(0, match.start() - 60) : match.start()]
+    for vocabulary, phrases, denial in phrases_of(rule, prefix):
+        text = chinese if vocabulary is CHINESE else plain
+        for match in phrases.finditer(text):
+            before = text[max(0, match.start() - 60) : match.start()]
             yield match[0], denial.search(before) is not None
 
 
 @cache
-def phrases_of(rule: str, prefix: str) -> tuple[tuple[Phrases, re.Pattern[str]], ...]:
+def phrases_of(rule: str, prefix: str) -> tuple[tuple[Vocabulary, Phrases, re.Pattern[str]], ...]:
     """Return a rule's phrases with this prefix, and what denies them, per language."""
     made = []
     for vocabulary, locale in ((ENGLISH, words_en), (CHINESE, words_zh)):
         kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else DEED for phrase in locale.RULES[rule]}
         if phrases := [phrase.removeprefix(prefix) for phrase, kind in kinds.items() if kind == prefix]:
-            made.append((Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
+            made.append((vocabulary, Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
     return tuple(made)
