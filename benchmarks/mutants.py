@@ -64,9 +64,10 @@ TESTS = {
     "src/agentrob/robots/safety/crash_marker.py": ("tests/robots/safety", "tests/robots/driver/test_restart.py"),
     "src/agentrob/screening": ("tests/screening",),
     "src/agentrob/agent/store": tuple(f"tests/agent/store/test_{name}.py" for name in _STORE),
+    "src/agentrob/agent/store/session_locks.py": ("tests/agent/store/test_session_locks.py",),
 }
-#: PostgreSQL's part, which only slow tests execute, and modules that hold no rule.
-WITHOUT = ("session_locks.py", "__init__.py", "en.py", "zh.py")
+#: Modules that hold no rule.
+WITHOUT = ("__init__.py", "en.py", "zh.py")
 #: A test may take this long with a mutant: so many times what it takes without, and so many seconds more.
 TIMES, MORE_S = 4.0, 30.0
 #: Tests that take less than this are fast, those beyond the last one slow.
