@@ -111,10 +111,24 @@ def test_law_7_a_sentence_of_both_languages_is_screened(text: str, rule: str) ->
     assert verdict.rule == rule
 
 
-@pytest.mark.parametrize(
-    "text", ["别hit那个人", "don't 打 him", "对着wall拍照", "你好boy，前进两米", "看看那只cat", "@kick前进"]
-)
+@pytest.mark.parametrize("text", ["别hit那个人", "对着wall拍照", "你好boy，前进两米", "看看那只cat", "@kick前进"])
 def test_a_sentence_of_both_languages_may_deny_harm_or_name_people_and_things(text: str) -> None:
+    assert harm_of(text, "zh") is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "别忘了撞他", "千万别忘记踢他", "不要怕撞他", "不要犹豫直接踢他", "别客气踢他", "别手软打他", "别停下来撞他",
+        "别等了撞他", "别光站着去撞他", "don't worry 撞那个人", "never mind 撞他", "don't hesitate 踢他",
+    ],
+)  # fmt: skip
+def test_law_7_not_to_forget_or_to_hesitate_denies_no_harm(text: str) -> None:
+    assert harm_of(text, "zh") is not None
+
+
+@pytest.mark.parametrize("text", ["不要撞到他", "小心别撞到那个人", "千万不要踢他", "注意不要吓到孩子", "避免撞墙"])
+def test_harm_that_is_denied_in_chinese_is_none(text: str) -> None:
     assert harm_of(text, "zh") is None
 
 

@@ -10,7 +10,6 @@ import re
 _HAN = "[\u3400-\u9fff]"
 #: What the Chinese rules say for these English words.
 _LOAN_WORDS = {
-    "别": "don't dont never",
     "打": "beat beating punch punching slap slapping",
     "踢": "kick kicks kicking",
     "推": "push pushes pushing shove shoving",

@@ -67,7 +67,7 @@ GROUPS = {
 
 RULES: dict[str, tuple[str, ...]] = {
     "harm.collide": (
-        "(?<!碰)撞(?!到了|了|见|上了|伤了|球|击球|针|色|钟的|衫)|碾|轧|压(?:过|扁|坏|倒|死|上)|碰(?:倒|翻|碎|撞(?!检测|保护|传感|避))"
+        "(?<!碰)撞(?!到了|了|见|不坏|上了|伤了|球|击球|针|色|钟的|衫)|碾|轧|压(?:过|扁|坏|倒|死|上)|碰(?:倒|翻|碎|撞(?!检测|保护|传感|避))"
         "|顶(?:开"
         "|翻|倒|上|住|一下)|拱(?:开|翻|他|她)|蹭(?:上|到|他|她|<somebody>)",
         "冲(?:向|着|到|进|过去|撞|上)(?:<somebody>|<some>?(?:<solid>)|人群)|(?:朝|往|向|对着|对准|直冲"
@@ -245,7 +245,9 @@ RULES: dict[str, tuple[str, ...]] = {
 #: Rules in which a "not" before the words takes their harm away: 不要撞墙.
 DENIED = (
     r"(?:不要|别(?!人|管)|小心|避免|不许|不能|不会|注意|不准|勿|防止|千万别|不可以|不可|切勿|以免|免得|当心|不得"
-    r"|没有|没)[^，。；！？\n然再就而后但]{0,12}$"
+    r"|没有|没)"
+    # "Don't forget to", "don't hesitate to" deny nothing.
+    r"(?:(?!忘|担心|怕|停|犹豫|迟疑|客气|手软|心软|留情|等|光|只|愣|磨蹭|拖)[^，。；！？\n然再就而后但]){0,12}$"
 )
 #: Who or what is where, for `agentrob.screening.text.described_hazards`.
 PLACES: dict[str, tuple[str, ...]] = {
