@@ -96,7 +96,7 @@ def test_the_dialogue_leads_to_a_robot_that_has_walked_and_its_undo_commands_wor
     units = sorted(path.name for path in (machine.folder / "config/systemd/user").iterdir())
     assert units == [f"agentrob-{name}.service" for name in ("agent-rex", "board", "driver-rex", "world-rex")]
     assert len(machine.pids()) == 4
-    assert "Undo them from the last to the first." in said
+    assert "Undo the steps in reverse order." in said
     steps = re.split(r"^\d\. ", said, flags=re.MULTILINE)[1:]
     for step in reversed(steps):
         for command in re.findall(r"^   undo: (.*)", step, flags=re.MULTILINE):

@@ -1,4 +1,4 @@
-"""Run the steps of `agentrob init`; each says what it did and how to undo it, from the last step to the first.
+"""Run the steps of `agentrob init`; each says what it did and how to undo it, in reverse order.
 
 The forum is created first, then the robot with its account and token, then the processes are started, and at last the
 robot gets its home and walks. A step that fails ends the command; those before it are done.
@@ -50,7 +50,7 @@ def set_up(answers: Answers, say: Callable[[str], None]) -> None:
     config = _configuration(answers)
     if answers.services is not Services.NONE:
         check_address(answers.listen)
-    say("Each step says how to undo it. Undo them from the last to the first.")
+    say("Each step prints the commands that undo it. Undo the steps in reverse order.")
     numbered = _Steps(say)
     numbered.show("Forum", _forum(answers, config))
     tokens = config.data_dir / "agents.env"

@@ -123,12 +123,12 @@ def test_a_sentence_of_both_languages_may_deny_harm_or_name_people_and_things(te
         "别等了撞他", "别光站着去撞他", "don't worry 撞那个人", "never mind 撞他", "don't hesitate 踢他",
     ],
 )  # fmt: skip
-def test_law_7_not_to_forget_or_to_hesitate_denies_no_harm(text: str) -> None:
+def test_law_7_do_not_forget_and_do_not_hesitate_negate_no_harm(text: str) -> None:
     assert harm_of(text, "zh") is not None
 
 
 @pytest.mark.parametrize("text", ["不要撞到他", "小心别撞到那个人", "千万不要踢他", "注意不要吓到孩子", "避免撞墙"])
-def test_harm_that_is_denied_in_chinese_is_none(text: str) -> None:
+def test_negated_harm_is_allowed_in_chinese(text: str) -> None:
     assert harm_of(text, "zh") is None
 
 

@@ -1,6 +1,6 @@
-"""English words of harm within Chinese sentences ("追那个kid", "要crash了"), in Chinese for the rules about danger.
+"""English words for harm in Chinese sentences ("追那个kid", "要crash了"), translated for the rules about danger.
 
-Those rules know sentences of one language; a sentence of both would pass between them.
+Each rule matches one language, so a sentence that mixes both would match neither.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 
 _HAN = "[\u3400-\u9fff]"
-#: What the Chinese rules say for these English words.
+#: The English words by the Chinese word that the rules match.
 _LOAN_WORDS = {
     "打": "beat beating punch punching slap slapping",
     "踢": "kick kicks kicking",
@@ -39,9 +39,9 @@ _WORD = re.compile(rf"(?<![a-z0-9_@'./-])(?:{'|'.join(_CHINESE)})(?![a-z0-9_'./-
 
 
 def in_chinese(text: str) -> str:
-    """Return a text with its English words of harm in Chinese; unchanged if it has no Chinese character.
+    """Translate the English words for harm in a text that has Chinese characters; return any other text unchanged.
 
-    `text` is in lower case. Spaces beside these words go, as Chinese has none.
+    `text` is in lower case. Drop the spaces beside these words, because the rules expect none.
     """
     if not re.search(_HAN, text):
         return text

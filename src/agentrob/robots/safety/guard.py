@@ -154,7 +154,7 @@ class Guard:
         self._stops = 0
         self._sentence = self._lost_home = ""
         self._travelled = ""  # a sentence, once the running step took the robot farther than declared
-        self._getting_up = False  # whether the running step makes a robot stand up that lay when it began
+        self._getting_up = False  # whether the running step makes a fallen robot stand up
         self._start: Pose | None = None  # where the running step began
         self._blind = False  # whether the running step goes, or went, without the range readings that it needs
         self._broken = ""  # why the running step is not measured: its odometry was lost, or jumped
@@ -318,10 +318,8 @@ class Guard:
             deadline_s = min(deadline_s, seconds_allowed(primitive.declared, primitive))
         until_s = self._now_s() + deadline_s
         self._prepare(primitive)
-        if refusal := self._unfit(primitive):
-            return _refused(primitive, *refusal)
         self._getting_up = primitive.op is Op.STAND and sanitized(self._robot.state()).upright is False
-        if refusal := self._misplaced(primitive):
+        if refusal := self._unfit(primitive) or self._misplaced(primitive):
             return _refused(primitive, *refusal)
         careful = self._careful(primitive)
         refusal = self._blocked(careful) or self._late(careful, deadline_s) or self._hindered(careful)
@@ -415,7 +413,7 @@ class Guard:
         return None
 
     def _misplaced(self, primitive: Primitive) -> Refusal | None:
-        if self._getting_up:  # a fall voids home, and it can only be set where the robot stands
+        if self._getting_up:  # a fall voids home, which can only be set while the robot stands
             return None
         if self._fence is None:
             ignored = " " + _HOMES_NOT if self._settings.home_on_start and not self._settings.simulated else ""

@@ -2,7 +2,7 @@
 
 Words are the weakest protection: somebody who wants to do harm can phrase it differently. Limits, the mandate and the
 guard hold whatever the words are. These rules catch the plain cases, so that the answer can name the reason. The words
-are in `words.en` and `words.zh`; every text is checked against all languages, also a sentence of both.
+are in `words.en` and `words.zh`; every text is checked against all languages, and so is a sentence that mixes them.
 """
 
 from __future__ import annotations

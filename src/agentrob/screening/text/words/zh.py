@@ -246,7 +246,7 @@ RULES: dict[str, tuple[str, ...]] = {
 DENIED = (
     r"(?:不要|别(?!人|管)|小心|避免|不许|不能|不会|注意|不准|勿|防止|千万别|不可以|不可|切勿|以免|免得|当心|不得"
     r"|没有|没)"
-    # "Don't forget to", "don't hesitate to" deny nothing.
+    # "Don't forget to" and "don't hesitate to" do not negate the harm.
     r"(?:(?!忘|担心|怕|停|犹豫|迟疑|客气|手软|心软|留情|等|光|只|愣|磨蹭|拖)[^，。；！？\n然再就而后但]){0,12}$"
 )
 #: Who or what is where, for `agentrob.screening.text.described_hazards`.
