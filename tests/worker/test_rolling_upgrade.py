@@ -86,6 +86,8 @@ async def test_law_6_a_journal_of_version_0_1_with_a_motion_pending_is_continued
         with workers.running("--all", "--name", "new"):
             assert await op.final(moving) == ["interrupted"]
             assert await op.final(waiting) == ["done"], await op.told(waiting)
+            # it writes down that it has answered a moment after the answer
+            assert "ended" in (await asyncio.to_thread(list, app.drain_workers(["new"])))[-1]
     assert steps(workers) == ["done"]
     journals = make_journals(database_of(workers.folder), workers.folder)
     journal = await journals.open(ROBOT)
