@@ -3,7 +3,8 @@
     python benchmarks/instruments/robot_host.py --robots 50 --first 0 --runtime DIR --data DIR --ledger FILE
 
 A driver is a process of its own elsewhere; two hundred of them would take 12 GB. The drivers, their sockets and their
-API are the real ones.
+API are the real ones, but they share one server and one thread that observes the robots, since with a server and a
+thread each, most of the processor time goes to waking them.
 """
 
 from __future__ import annotations
@@ -13,17 +14,21 @@ import contextlib
 import json
 import os
 import signal
+import socket
 import threading
 import time
 from pathlib import Path
 
+from starlette.types import ASGIApp, Receive, Scope, Send
+
 from agentrob.config.robots import RobotConfig
 from agentrob.model import ActionResult, Primitive, StopResult
-from agentrob.robots.driver.api import DriverServer
+from agentrob.process.http_server import HttpServer
+from agentrob.robots.driver.api import app
 from agentrob.robots.driver.driver import Driver
 from agentrob.robots.driver.process import listening, make_robot
 from agentrob.robots.safety.crash_marker import CrashMarker
-from agentrob.robots.safety.guard import Guard
+from agentrob.robots.safety.guard import OBSERVE_HZ, Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
 
 
@@ -65,6 +70,23 @@ class LedgerDriver(Driver):
         os.write(self._ledger, (json.dumps(line) + "\n").encode())  # one write of a line to a file opened to append
 
 
+class ByPath:
+    """Hands each request to the driver whose Unix socket it came in at."""
+
+    def __init__(self, drivers: dict[str, ASGIApp]) -> None:
+        self._drivers = drivers
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await self._drivers[scope["server"][0]](scope, receive, send)
+
+
+def observe(drivers: list[LedgerDriver], ended: threading.Event) -> None:
+    """Do for all robots what the thread of each guard does for its own."""
+    while not ended.wait(1 / OBSERVE_HZ):
+        for driver in drivers:
+            driver.guard.observe()
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robots", type=int, default=50)
@@ -74,22 +96,33 @@ def main() -> None:
         parser.add_argument(f"--{folder}", type=Path, required=True)
     options = parser.parse_args()
     ended = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: ended.set())
+    for ending in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(ending, lambda *_: ended.set())
     settings = robot_settings(options.time_scale)
     ledger = os.open(options.ledger, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
     folder = options.data / "drivers"
+    drivers: list[LedgerDriver] = []
+    served: dict[str, ASGIApp] = {}
+    listeners: list[socket.socket] = []
     with contextlib.ExitStack() as stack:
         for number in range(options.first, options.first + options.robots):
             name = robot_name(number)
             marks = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
-            driver = LedgerDriver(name, Guard(make_robot(settings), settings, *marks), ledger)
-            driver.guard.settle()
-            stack.callback(driver.close)
-            listener = stack.enter_context(listening(options.runtime / f"{name}.sock"))
-            stack.enter_context(DriverServer(driver, listener))
+            clock = SimulatedTime(time.monotonic, threading.Event().wait)
+            guard = Guard(make_robot(settings), settings, *marks, simulated_time=clock)
+            drivers.append(LedgerDriver(name, guard, ledger))
+            guard.settle()
+            stack.callback(drivers[-1].close)
+            listeners.append(stack.enter_context(listening(options.runtime / f"{name}.sock")))
+            served[listeners[-1].getsockname()] = app(drivers[-1])
+        threading.Thread(target=observe, args=(drivers, ended), daemon=True).start()
+        server = HttpServer(ByPath(served), handle_signals=False, lifespan="off", ws="none")
+        serving = threading.Thread(target=server.run, args=(listeners,), daemon=True)
+        serving.start()
         print(json.dumps({"ready": "robots", "robots": options.robots}), flush=True)
         ended.wait()
+        server.should_exit = True
+        serving.join(1.0)
 
 
 if __name__ == "__main__":
