@@ -537,8 +537,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     with contextlib.ExitStack() as stack:
         folder = options.keep or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="agentrob-fleet-")))
         folder.mkdir(exist_ok=True)
-        # When one of several workers is dead, the others have room for all robots.
-        room = math.ceil(options.robots / max(1, options.workers - 1))
+        # When one of several workers is dead, several others have room for its robots.
+        room = math.ceil(1.5 * options.robots / max(1, options.workers - 1))
         database = stack.enter_context(postgres(folder)) if options.postgres else None
         fleet = Fleet(folder, options.robots, options.workers, room, database)
         stack.callback(fleet.end)

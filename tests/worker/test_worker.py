@@ -21,12 +21,14 @@ LIMIT_S = 30.0
 class StubAgent:
     """Serves until its test makes it fail."""
 
-    def __init__(self, robot: str) -> None:
+    def __init__(self, robot: str, get_ready: asyncio.Event) -> None:
         self.robot = robot
         self.failing: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._get_ready = get_ready
         self.closed = False
 
     async def run(self, on_ready: Callable[[], None] = lambda: None) -> None:
+        await self._get_ready.wait()
         on_ready()
         await self.failing
 
@@ -39,10 +41,12 @@ class StubAgent:
 
 
 class Workers:
-    """Workers on the journals of one folder, and the agents that they made."""
+    """Workers on the journals of one folder and their agents, which get ready once `get_ready` is set."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self.get_ready = asyncio.Event()
+        self.get_ready.set()
         self.agents: list[tuple[str, StubAgent]] = []
         self.tasks: dict[str, asyncio.Task[None]] = {}
         self._changed = asyncio.Event()
@@ -52,7 +56,8 @@ class Workers:
         self, name: str, robots: tuple[str, ...] = ("ada", "rex"), most: int | None = None, standby: bool = False
     ) -> AsyncIterator[Worker]:
         def make(robot: str, _: Journal) -> StubAgent:
-            self.agents.append((name, agent := StubAgent(robot)))
+            self.agents.append((name, agent := StubAgent(robot, self.get_ready)))
+            self._changed.set()
             return agent
 
         worker = Worker(robots, SqliteJournals(self._folder), make, most, standby, lambda _: self._changed.set())
@@ -132,6 +137,21 @@ async def test_it_serves_no_more_robots_than_it_has_room_for(workers: Workers) -
         workers.agent(workers.served_by("one")[0]).failing.set_result(None)
         await workers.until(lambda: left in workers.served_by("one"))
         assert len(one.serving) <= 2
+
+
+async def test_it_starts_few_agents_at_a_time_and_waits_for_none_for_long(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "AT_A_TIME", 2)
+    monkeypatch.setattr(module, "START_S", 1e3)
+    robots = ("ada", "kim", "moe", "rex")
+    workers.get_ready.clear()
+    async with workers.running("one", robots), workers.running("two", robots):
+        await workers.until(lambda: len(workers.agents) == 4)  # each worker has two, and waits for them
+        assert len(workers.served_by("one")) == len(workers.served_by("two")) == 2
+    monkeypatch.setattr(module, "START_S", 0.01)
+    async with workers.running("three", robots):
+        await workers.until(lambda: workers.served_by("three") == list(robots))
 
 
 async def test_a_worker_that_drains_gives_its_robots_to_the_others_and_ends(workers: Workers) -> None:

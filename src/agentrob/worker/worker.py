@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Protocol
 
@@ -21,6 +21,8 @@ from agentrob.errors import JournalError, JournalHeld
 
 #: How often a worker looks for robots that nobody holds.
 TAKE_S = 3.0
+#: How many robots are taken at a time; one counts until its agent is ready, but for `START_S` at most.
+AT_A_TIME, START_S = 8, 2.0
 #: A standby lets other workers take the robots during this time.
 STANDBY_S = 5.0
 #: How long until an agent that failed is started again, at first and at most.
@@ -80,6 +82,7 @@ class Worker:
         self._freed = asyncio.Event()
         #: The robots that it serves now, or is about to.
         self.serving: set[str] = set()
+        self._opening: set[str] = set()
         #: When each robot whose agent ended may be taken again, and after which delay.
         self._again: dict[str, tuple[float, float]] = {}
         self._held_logged: set[str] = set()
@@ -128,16 +131,34 @@ class Worker:
             _log.error("robots not taken; trying again", error=str(e))
             return
         for robot in wanted:
-            if len(self.serving) >= self._room or self._draining:
-                return
             if robot not in free:
                 self._log_held(robot)
-            elif (journal := await self._open(robot)) is not None:
-                if robot in self._held_logged:
-                    self._held_logged.discard(robot)
-                    self._observer.taken_over(robot)
-                self.serving.add(robot)
-                self._tasks[robot] = group.create_task(self._serve(robot, journal), name=f"robot {robot}")
+        to_take = iter([robot for robot in wanted if robot in free])
+        async with asyncio.TaskGroup() as taking:
+            for _ in range(AT_A_TIME):
+                taking.create_task(self._take_each(to_take, group))
+
+    async def _take_each(self, robots: Iterator[str], group: asyncio.TaskGroup) -> None:
+        """Take one robot after the other, as long as there is room. Other tasks take robots of the same iterator."""
+        while len(self.serving) + len(self._opening) < self._room and not self._draining:
+            if (robot := next(robots, None)) is None:
+                return
+            self._opening.add(robot)
+            try:
+                journal = await self._open(robot)
+            finally:
+                self._opening.discard(robot)
+            if journal is None:
+                continue
+            if robot in self._held_logged:
+                self._held_logged.discard(robot)
+                self._observer.taken_over(robot)
+            self.serving.add(robot)
+            started = asyncio.Event()
+            self._tasks[robot] = group.create_task(self._serve(robot, journal, started), name=f"robot {robot}")
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(START_S):
+                    await started.wait()
 
     async def _open(self, robot: str) -> Journal | None:
         try:
@@ -154,13 +175,13 @@ class Worker:
             _log.info("robot held by another worker; waiting for it", robot=robot)
             self._held_logged.add(robot)
 
-    async def _serve(self, robot: str, journal: Journal) -> None:
-        """Serve a robot until its agent fails; then it is free again."""
+    async def _serve(self, robot: str, journal: Journal, started: asyncio.Event) -> None:
+        """Serve a robot until its agent fails; then it is free again. Set `started` when the agent is ready or ends."""
         begun_s = asyncio.get_running_loop().time()
         agent: Agent | None = None
         try:
             agent = self._make_agent(robot, journal)
-            await agent.run(on_ready=partial(self._got_ready, robot, agent))
+            await agent.run(on_ready=partial(self._got_ready, robot, agent, started))
         except Exception as e:
             expected = isinstance(e, JournalError)  # as one line; with a trace where it is a defect
             trace = None if expected else traceback.format_exc()
@@ -169,6 +190,7 @@ class Worker:
                 self._observer.journal_failed(robot)
             self._observer.restarted(robot)
         finally:
+            started.set()
             self._ready.pop(robot, None)
             del self._tasks[robot]
             with contextlib.suppress(Exception):  # why it is closed is told already
@@ -188,8 +210,9 @@ class Worker:
         self._freed.set()
         loop.call_later(delay_s, self._freed.set)
 
-    def _got_ready(self, robot: str, agent: Agent) -> None:
+    def _got_ready(self, robot: str, agent: Agent, started: asyncio.Event) -> None:
         self._ready[robot] = agent
+        started.set()
         if self._draining:
             agent.drain()
         self._on_ready(robot)

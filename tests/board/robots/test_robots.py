@@ -60,6 +60,15 @@ def test_a_card_is_returned_unchanged(board: RunningBoard) -> None:
     assert seen["seen_at"] is not None
 
 
+def test_robots_are_listed_with_or_without_their_cards(fresh_board: Callable[..., RunningBoard]) -> None:
+    board = fresh_board()
+    assert board.client("quadruped").put("/robots/quadruped", json={"card": {"model": "go2"}}).status_code == 200
+    (with_card,) = board.client("member").get("/robots").json()["items"]
+    (without,) = board.client("member").get("/robots?cards=false").json()["items"]
+    assert with_card["card"] == {"model": "go2"}
+    assert without == with_card | {"card": {}}
+
+
 @pytest.mark.parametrize(
     ("card", "status", "code"),
     [

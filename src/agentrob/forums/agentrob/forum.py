@@ -150,7 +150,7 @@ class BoardForum:
             return None
 
     async def robot_names(self) -> tuple[str, ...]:
-        return await self._call("GET", "/robots", lambda found: tuple(str(r["name"]) for r in found["items"]))
+        return await self._call("GET", "/robots", _robot_names, params={"cards": "false"})
 
     async def fleet(self) -> tuple[FleetRobot, ...]:
         _, now = await self.now()
@@ -348,6 +348,10 @@ def _card(card: StatusCard | None) -> _JSON:
 
 def _time(text: str) -> datetime:
     return datetime.fromisoformat(text).astimezone(UTC)
+
+
+def _robot_names(found: Any) -> tuple[str, ...]:
+    return tuple(str(robot["name"]) for robot in found["items"])
 
 
 def _fleet_robot(robot: _JSON, now: datetime) -> FleetRobot:
