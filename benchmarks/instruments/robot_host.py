@@ -3,8 +3,8 @@
     python benchmarks/instruments/robot_host.py --robots 50 --first 0 --runtime DIR --data DIR --ledger FILE
 
 A driver is a process of its own elsewhere; two hundred of them would take 12 GB. The drivers, their sockets and their
-API are the real ones, but they share one server and one thread that observes the robots, since with a server and a
-thread each, most of the processor time goes to waking them.
+API are the real ones, but they share one server and one thread that observes the robots: with a server and a thread for
+each, most of the processor time would be spent on waking these.
 """
 
 from __future__ import annotations
@@ -70,8 +70,8 @@ class LedgerDriver(Driver):
         os.write(self._ledger, (json.dumps(line) + "\n").encode())  # one write of a line to a file opened to append
 
 
-class ByPath:
-    """Hands each request to the driver whose Unix socket it came in at."""
+class DriverRouter:
+    """Dispatches each request to the driver on whose Unix socket it arrived."""
 
     def __init__(self, drivers: dict[str, ASGIApp]) -> None:
         self._drivers = drivers
@@ -81,7 +81,7 @@ class ByPath:
 
 
 def observe(drivers: list[LedgerDriver], ended: threading.Event) -> None:
-    """Do for all robots what the thread of each guard does for its own."""
+    """Observe all robots until `ended`, as a guard with a thread of its own does."""
     while not ended.wait(1 / OBSERVE_HZ):
         for driver in drivers:
             driver.guard.observe()
@@ -96,8 +96,8 @@ def main() -> None:
         parser.add_argument(f"--{folder}", type=Path, required=True)
     options = parser.parse_args()
     ended = threading.Event()
-    for ending in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(ending, lambda *_: ended.set())
+    for signum in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(signum, lambda *_: ended.set())
     settings = robot_settings(options.time_scale)
     ledger = os.open(options.ledger, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
     folder = options.data / "drivers"
@@ -108,7 +108,7 @@ def main() -> None:
         for number in range(options.first, options.first + options.robots):
             name = robot_name(number)
             marks = Halt(folder / f"{name}.halt"), CrashMarker(folder / f"{name}.step")
-            clock = SimulatedTime(time.monotonic, threading.Event().wait)
+            clock = SimulatedTime(time.monotonic, time.sleep)
             guard = Guard(make_robot(settings), settings, *marks, simulated_time=clock)
             drivers.append(LedgerDriver(name, guard, ledger))
             guard.settle()
@@ -116,7 +116,7 @@ def main() -> None:
             listeners.append(stack.enter_context(listening(options.runtime / f"{name}.sock")))
             served[listeners[-1].getsockname()] = app(drivers[-1])
         threading.Thread(target=observe, args=(drivers, ended), daemon=True).start()
-        server = HttpServer(ByPath(served), handle_signals=False, lifespan="off", ws="none")
+        server = HttpServer(DriverRouter(served), handle_signals=False, lifespan="off", ws="none")
         serving = threading.Thread(target=server.run, args=(listeners,), daemon=True)
         serving.start()
         print(json.dumps({"ready": "robots", "robots": options.robots}), flush=True)

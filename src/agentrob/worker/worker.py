@@ -21,7 +21,7 @@ from agentrob.errors import JournalError, JournalHeld
 
 #: How often a worker looks for robots that nobody holds.
 TAKE_S = 3.0
-#: How many robots are taken at a time; one counts until its agent is ready, but for `START_S` at most.
+#: How many robots are taken at a time. A robot counts until its agent is ready, for `START_S` at most.
 AT_A_TIME, START_S = 8, 2.0
 #: A standby lets other workers take the robots during this time.
 STANDBY_S = 5.0
@@ -82,6 +82,7 @@ class Worker:
         self._freed = asyncio.Event()
         #: The robots that it serves now, or is about to.
         self.serving: set[str] = set()
+        #: The robots whose journals are being opened.
         self._opening: set[str] = set()
         #: When each robot whose agent ended may be taken again, and after which delay.
         self._again: dict[str, tuple[float, float]] = {}
@@ -139,7 +140,7 @@ class Worker:
                 taking.create_task(self._take_each(to_take, group))
 
     async def _take_each(self, robots: Iterator[str], group: asyncio.TaskGroup) -> None:
-        """Take one robot after the other, as long as there is room. Other tasks take robots of the same iterator."""
+        """Take robots from an iterator that other tasks share, one after the other, as long as there is room."""
         while len(self.serving) + len(self._opening) < self._room and not self._draining:
             if (robot := next(robots, None)) is None:
                 return

@@ -53,11 +53,11 @@ _JPEG = {"content": {"image/jpeg": {"schema": {"type": "string", "format": "bina
 async def list_robots(
     services: AppServices,
     who: ReadingViewer,
-    cards: Annotated[bool, Query(description="whether to list the robots with their cards")] = True,
+    cards: Annotated[bool, Query(description="false leaves out the cards")] = True,
 ) -> Response:
     """All robots that have an agent's account."""
     robots = services.store.reader.robots()
-    return json_response(Items(items=tuple(_robot(services, account, card=cards) for account in robots)))
+    return json_response(Items(items=tuple(_robot(services, account, with_card=cards) for account in robots)))
 
 
 @router.get("/robots/{name}", response_model=RobotOut, tags=["robots"])
@@ -186,12 +186,12 @@ def _event(services: Services, by: Account, event: StoredEvent) -> Response:
     return json_response(serializer(services, by).event(event))
 
 
-def _robot(services: Services, account: Account, *, card: bool = True) -> RobotOut:
+def _robot(services: Services, account: Account, *, with_card: bool = True) -> RobotOut:
     now = services.presence.robot(account.name)
     url = f"{services.settings.base_url}/robots/{now.name}"
     has_frame = services.presence.live_frame(account.name) is not None
-    shown = {key: value for key, value in now.card.items() if card and key not in _NOT_IN_CARD}
-    return robot_out(now.name, url, shown, now.seen_at, now.watched, has_frame)
+    card = {key: value for key, value in now.card.items() if key not in _NOT_IN_CARD} if with_card else {}
+    return robot_out(now.name, url, card, now.seen_at, now.watched, has_frame)
 
 
 # -------------------------------------------------------------------- images
