@@ -17,6 +17,7 @@ from hypothesis import settings
 
 from tests.databases import database, postgres
 from tests.host_numbers import take
+from tests.pauses import pytest_itemcollected, pytest_runtest_call, pytest_runtest_setup
 from tests.slices import pytest_addoption, pytest_collection_modifyitems, pytest_ignore_collect
 
 __all__ = [
@@ -25,6 +26,9 @@ __all__ = [
     "pytest_addoption",
     "pytest_collection_modifyitems",
     "pytest_ignore_collect",
+    "pytest_itemcollected",
+    "pytest_runtest_call",
+    "pytest_runtest_setup",
 ]
 
 #: For fake robots. Higher domains are for tests that use real DDS (see host_numbers.py).

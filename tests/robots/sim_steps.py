@@ -58,8 +58,16 @@ class LeasedStep:
         await self._context.__aexit__(None, None, None)
 
     async def under_way(self, distance_m: float = 0.4) -> Sample:
-        """Wait until it has really gone this far."""
-        return await self.place.truth.until(lambda now: apart_m(now, self.start) > distance_m)
+        """Wait until it has really gone this far, which fails with the step's result if it ends before."""
+        assert self.step is not None
+        step = self.step
+
+        def gone(now: Sample) -> bool:
+            there = apart_m(now, self.start) > distance_m
+            assert there or not step.done(), f"ended before it had gone {distance_m} m: {step.result()}"
+            return there
+
+        return await self.place.truth.until(gone)
 
     async def result(self) -> ActionResult:
         assert self.step is not None
