@@ -165,6 +165,25 @@ async def test_law_6_a_robot_is_taken_only_once_the_transaction_of_its_last_hold
         engine.dispose()
 
 
+async def test_law_6_robots_that_wait_for_each_other_to_be_taken_lose_none(tables: str) -> None:
+    """Each is refused after a second, and the last one waits for longer than an answer may take."""
+    engine = create_engine(tables)
+    robots = [f"robot-{number}" for number in range(5)]
+    try:
+        async with locks_of(tables) as a:
+            held = await a.take(REX)
+            with engine.begin() as other:
+                other.execute(text("LOCK TABLE holder IN EXCLUSIVE MODE"))
+                begun_s = time.monotonic()
+                taken = await asyncio.gather(*map(a.take, robots), return_exceptions=True)
+                assert time.monotonic() - begun_s > ANSWER_S + BEAT_S, "none had to wait"
+            assert {type(one) for one in taken} == {JournalHeld}, taken
+            assert (a.lost, held.lost.is_set()) == (False, False)
+            assert await a.free([REX, *robots]) == set(robots)
+    finally:
+        engine.dispose()
+
+
 async def test_a_connected_worker_says_which_version_of_the_tables_it_uses(tables: str) -> None:
     used = f"SELECT objid FROM pg_locks WHERE locktype = 'advisory' AND classid = {VERSION_LOCK} AND objsubid = 2"
     async with locks_of(tables):

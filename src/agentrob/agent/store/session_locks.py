@@ -39,8 +39,10 @@ _SERVER = {
 }  # fmt: skip
 #: The number grows, and is never one that was given before, even if the database is restored from a backup.
 _NEXT = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
+#: Lock a robot and give it a number, in one question so that nobody takes it in between; no row if another holds it.
 _TAKE = (
-    f"INSERT INTO holder AS h (robot, number) VALUES (%s, {_NEXT}) "
+    "WITH lock AS MATERIALIZED (SELECT pg_try_advisory_lock(%s) AS taken) "
+    f"INSERT INTO holder AS h (robot, number) SELECT %s, {_NEXT} FROM lock WHERE taken "
     f"ON CONFLICT (robot) DO UPDATE SET number = greatest(h.number + 1, {_NEXT}) RETURNING number"
 )
 #: The advisory locks that anybody holds in this database, each with the number that was given for it.
@@ -50,7 +52,7 @@ WHERE locktype = 'advisory' AND objsubid = 1
 AND database = (SELECT oid FROM pg_database WHERE datname = current_database())
 """
 _USE = "SELECT pg_advisory_lock_shared(%s, %s)"
-_LOCK, _UNLOCK = "SELECT pg_try_advisory_lock(%s)", "SELECT pg_advisory_unlock(%s)"
+_UNLOCK = "SELECT pg_advisory_unlock(%s)"
 log = structlog.get_logger()
 
 
@@ -68,6 +70,8 @@ class SessionLocks:
     def __init__(self, connection: AsyncConnection[Any]) -> None:
         self._connection, self.store = connection, ""
         self._held: dict[str, RobotLock | None] = {}
+        #: One question at a time, so that those that wait do not count as unanswered.
+        self._turn = asyncio.Lock()
         self.lost = False
         self._beating = asyncio.create_task(self._beat())
 
@@ -92,8 +96,7 @@ class SessionLocks:
             raise JournalHeld(f"this process already runs an agent for {robot}")
         self._held[robot] = None
         try:
-            # The number is given on this connection, so that nobody takes the robot between lock and number.
-            number = await self._ask(_TAKE, robot) if await self._ask(_LOCK, _key(robot)) else None
+            number = await self._ask(_TAKE, _key(robot), robot)
         except BaseException:
             await asyncio.shield(self.release(robot))
             raise
@@ -131,6 +134,10 @@ class SessionLocks:
 
     async def _ask(self, query: str, *values: object) -> Any:
         """The first value of the answer. All robots are lost if there is none in time."""
+        async with self._turn:
+            return await self._ask_now(query, *values)
+
+    async def _ask_now(self, query: str, *values: object) -> Any:
         import psycopg
 
         if self.lost:
