@@ -8,12 +8,13 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 import pytest
+from structlog.testing import capture_logs
 
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.journals import SqliteJournals
-from agentrob.errors import JournalHeld
+from agentrob.errors import JournalError, JournalHeld
 from agentrob.worker import worker as module
-from agentrob.worker.worker import Worker
+from agentrob.worker.worker import Worker, WorkerObserver
 
 LIMIT_S = 30.0
 
@@ -40,6 +41,16 @@ class StubAgent:
         self.failing.set_result(None)
 
 
+class RecordingObserver(WorkerObserver):
+    """Keeps whose journals failed."""
+
+    def __init__(self) -> None:
+        self.journals_failed: list[str] = []
+
+    def journal_failed(self, robot: str) -> None:
+        self.journals_failed.append(robot)
+
+
 class Workers:
     """Workers on the journals of one folder and their agents, which get ready once `get_ready` is set."""
 
@@ -49,6 +60,7 @@ class Workers:
         self.get_ready.set()
         self.agents: list[tuple[str, StubAgent]] = []
         self.tasks: dict[str, asyncio.Task[None]] = {}
+        self.observer = RecordingObserver()
         self._changed = asyncio.Event()
 
     @asynccontextmanager
@@ -60,7 +72,9 @@ class Workers:
             self._changed.set()
             return agent
 
-        worker = Worker(robots, SqliteJournals(self._folder), make, most, standby, lambda _: self._changed.set())
+        worker = Worker(
+            robots, SqliteJournals(self._folder), make, most, standby, lambda _: self._changed.set(), self.observer
+        )
         task = self.tasks[name] = asyncio.create_task(worker.run())
         task.add_done_callback(lambda _: self._changed.set())
         try:
@@ -114,6 +128,29 @@ async def test_an_agent_that_fails_is_started_again_and_the_other_serves_on(work
         assert workers.agent("rex") is not rex
         assert workers.agent("ada") is ada
         assert not ada.closed
+
+
+@pytest.mark.parametrize(
+    ("errors", "journal_lost"),
+    [
+        ([JournalError("not held")], True),
+        ([JournalError("not held"), JournalError("closed")], True),
+        ([JournalError("not held"), ValueError("a defect")], False),
+    ],
+)
+async def test_a_journal_that_is_lost_is_counted_and_logged_in_one_line(
+    workers: Workers, errors: list[Exception], journal_lost: bool
+) -> None:
+    with capture_logs() as logs:
+        async with workers.running("one", ("rex",)):
+            await workers.until(lambda: workers.served_by("one") == ["rex"])
+            failed = workers.agent("rex")
+            failed.failing.set_exception(ExceptionGroup("tasks of an agent", errors))
+            await workers.until(lambda: workers.agent("rex") is not failed)
+    assert workers.observer.journals_failed == (["rex"] if journal_lost else [])
+    (log,) = [log for log in logs if log["event"].startswith("agent ended")]
+    assert log["error"] == "; ".join(f"{type(error).__name__}: {error}" for error in errors)
+    assert (log["trace"] is None) is journal_lost
 
 
 async def test_a_standby_takes_over_the_robots_of_a_worker_that_ends(workers: Workers) -> None:

@@ -184,10 +184,10 @@ class Worker:
             agent = self._make_agent(robot, journal)
             await agent.run(on_ready=partial(self._got_ready, robot, agent, started))
         except Exception as e:
-            expected = isinstance(e, JournalError)  # as one line; with a trace where it is a defect
-            trace = None if expected else traceback.format_exc()
+            journal_lost = all(isinstance(part, JournalError) for part in _parts(e))
+            trace = None if journal_lost else traceback.format_exc()  # then it is a defect
             _log.error("agent ended; starting it again", robot=robot, error=_one_line(e), trace=trace)
-            if expected:
+            if journal_lost:
                 self._observer.journal_failed(robot)
             self._observer.restarted(robot)
         finally:
@@ -219,8 +219,13 @@ class Worker:
         self._on_ready(robot)
 
 
+def _parts(error: BaseException) -> list[BaseException]:
+    """An error, or the errors in a group."""
+    if isinstance(error, BaseExceptionGroup):
+        return [leaf for part in error.exceptions for leaf in _parts(part)]
+    return [error]
+
+
 def _one_line(error: BaseException) -> str:
     """An error as one line; of a group, its parts."""
-    if isinstance(error, BaseExceptionGroup):
-        return "; ".join(_one_line(part) for part in error.exceptions)
-    return f"{type(error).__name__}: {error}"
+    return "; ".join(f"{type(part).__name__}: {part}" for part in _parts(error))
