@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -19,7 +20,7 @@ from agentrob.agent.media.camera import Camera
 from agentrob.agent.media.plot import path_plot
 from agentrob.agent.reporting.status_post import Shown, StatusPost
 from agentrob.errors import ForumUnreachable, MindError
-from agentrob.forums.memory.forum import MemoryForum
+from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.model import AccountKind, ActionResult, Command, Direction, Op, Outcome, Primitive, StatusCard
 from agentrob.screening.text import described_hazards, harm, scene, side_remarks
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
@@ -38,6 +39,13 @@ async def thread(max_edits: int | None = None) -> tuple[MemoryForum, Command]:
 
 def shown(text: str, state: str) -> Shown:
     return Shown(text, StatusCard(ROBOT, state))
+
+
+async def until(world: MemoryWorld, condition: Callable[[], Any]) -> None:
+    """Wait until a condition on the forum holds."""
+    async with asyncio.timeout(60):
+        while not condition():
+            await world.wait(0.05)
 
 
 async def written(robot: MemoryForum, command: Command) -> list[tuple[str, int, str, int]]:
@@ -77,7 +85,7 @@ async def test_progress_never_waits_and_the_end_is_reported_when_the_forum_is_ba
     robot._world.reachable = False
     status.show(shown("step", "running"))
     closing = asyncio.create_task(status.close(shown("report", "done")))
-    await asyncio.sleep(0.05)
+    await until(robot._world, lambda: robot._world.unanswered)
     assert not closing.done()
     robot._world.reachable = True
     await asyncio.wait_for(closing, 60)
@@ -110,13 +118,12 @@ async def test_the_channel_brings_every_event_once_although_the_forum_comes_and_
     for number in range(1, 6):
         world.reachable = True
         await alice.reply(first.topic_id, str(number), key=str(number))
-        await asyncio.sleep(0.02)
-        world.reachable = False
-        await asyncio.sleep(0.02)
+        if number % 2:  # the others are read when the forum is back
+            await until(world, lambda number=number: len(seen) > number)
+        world.reachable, failed = False, world.unanswered
+        await until(world, lambda failed=failed: world.unanswered > failed)
     world.reachable = True
-    async with asyncio.timeout(60):
-        while len(seen) < 6:  # noqa: ASYNC110 (a list is waited for)
-            await asyncio.sleep(0.01)
+    await until(world, lambda: len(seen) >= 6)
     assert await channel.prove()
     world.reachable = False
     listening.cancel()
@@ -276,7 +283,7 @@ async def test_an_unreachable_forum_is_waited_for_at_the_start(scene: Scene) -> 
     scene.world.reachable = False
     agent = scene.make()
     running = asyncio.create_task(agent.run())
-    await asyncio.sleep(0.3)
+    await scene.until(lambda: scene.world.unanswered > 1)
     assert not agent.ready.is_set()
     with pytest.raises(ForumUnreachable):
         await agent.forum.me()

@@ -303,7 +303,7 @@ async def test_a_forum_that_goes_away_for_a_while_loses_nothing(scene: Scene) ->
     async with scene.agent():
         first = await scene.post("alice", "@quadruped turn left 90 degrees")
         scene.world.reachable = False
-        await asyncio.sleep(0.3)
+        await scene.until(lambda: scene.world.unanswered > 1)
         scene.world.reachable = True
         await scene.final(first)
         second = await scene.post("alice", "@quadruped turn right 90 degrees")

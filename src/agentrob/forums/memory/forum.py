@@ -298,6 +298,7 @@ class MemoryForum:
     # ---------------------------------------------------------------- inside
     def _up(self) -> MemoryWorld:
         if not self._world.reachable:
+            self._world.unanswered += 1
             raise ForumUnreachable("the forum does not answer")
         return self._world
 

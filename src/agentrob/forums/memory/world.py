@@ -38,6 +38,8 @@ class MemoryRecords:
     edits: set[tuple[str, str, str]] = field(default_factory=set)
     _keys: dict[tuple[str, str], str] = field(default_factory=dict)
     _waiting: set[asyncio.Event] = field(default_factory=set)
+    #: How many calls failed because it was not reachable.
+    unanswered: int = 0
     _reachable: bool = True
 
     def add_account(self, name: str, kind: AccountKind, role: Role, display_name: str = "") -> None:
