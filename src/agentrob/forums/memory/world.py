@@ -36,10 +36,10 @@ class MemoryRecords:
     frames: dict[str, bytes] = field(default_factory=dict)
     viewers: dict[str, int] = field(default_factory=dict)
     edits: set[tuple[str, str, str]] = field(default_factory=set)
-    _keys: dict[tuple[str, str], str] = field(default_factory=dict)
-    _waiting: set[asyncio.Event] = field(default_factory=set)
     #: How many calls failed because it was not reachable.
     unanswered: int = 0
+    _keys: dict[tuple[str, str], str] = field(default_factory=dict)
+    _waiting: set[asyncio.Event] = field(default_factory=set)
     _reachable: bool = True
 
     def add_account(self, name: str, kind: AccountKind, role: Role, display_name: str = "") -> None:
