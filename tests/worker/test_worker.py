@@ -42,10 +42,14 @@ class StubAgent:
 
 
 class RecordingObserver(WorkerObserver):
-    """Keeps whose journals failed."""
+    """Keeps which robots were taken over, and whose journals failed."""
 
     def __init__(self) -> None:
+        self.robots_taken_over: list[str] = []
         self.journals_failed: list[str] = []
+
+    def taken_over(self, robot: str) -> None:
+        self.robots_taken_over.append(robot)
 
     def journal_failed(self, robot: str) -> None:
         self.journals_failed.append(robot)
@@ -163,6 +167,38 @@ async def test_a_standby_takes_over_the_robots_of_a_worker_that_ends(workers: Wo
         await workers.until(lambda: workers.served_by("standby") == ["ada", "rex"])
 
 
+async def test_a_robot_that_another_worker_holds_is_logged_and_its_takeover_told_once(workers: Workers) -> None:
+    held = "robot held by another worker; waiting for it"
+    with capture_logs() as logs:
+        async with workers.running("two", standby=True):
+            async with workers.running("one"):
+                await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+                async with asyncio.timeout(LIMIT_S):
+                    while sum(log["event"] == held for log in logs) < 2:  # noqa: ASYNC110
+                        await asyncio.sleep(0.01)
+                assert workers.observer.robots_taken_over == []
+            await workers.until(lambda: workers.served_by("two") == ["ada", "rex"])
+            assert sorted(workers.observer.robots_taken_over) == ["ada", "rex"]
+            failed = workers.agent("rex")
+            failed.failing.set_exception(ValueError("a defect"))
+            await workers.until(lambda: workers.agent("rex") is not failed)
+    assert sorted(workers.observer.robots_taken_over) == ["ada", "rex"], "its own agent is no other worker's"
+    assert sorted(log["robot"] for log in logs if log["event"] == held) == ["ada", "rex"]
+
+
+async def test_a_journal_that_cannot_be_opened_is_counted_and_tried_again(workers: Workers, tmp_path: Path) -> None:
+    unreadable = tmp_path / "agents" / "rex" / "journal.sqlite"
+    unreadable.mkdir(parents=True)
+    async with workers.running("one"):
+        await workers.until(lambda: workers.served_by("one") == ["ada"])
+        async with asyncio.timeout(LIMIT_S):
+            while len(workers.observer.journals_failed) < 2:  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+        unreadable.rmdir()
+        await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
+    assert set(workers.observer.journals_failed) == {"rex"}
+
+
 async def test_it_serves_no_more_robots_than_it_has_room_for(workers: Workers) -> None:
     robots = ("ada", "kim", "rex")
     async with workers.running("one", robots, most=2) as one:
@@ -183,9 +219,10 @@ async def test_it_starts_few_agents_at_a_time_and_waits_for_none_for_long(
     monkeypatch.setattr(module, "START_S", 1e3)
     robots = ("ada", "kim", "moe", "rex")
     workers.get_ready.clear()
-    async with workers.running("one", robots), workers.running("two", robots):
-        await workers.until(lambda: len(workers.agents) == 4)  # each worker has two, and waits for them
-        assert len(workers.served_by("one")) == len(workers.served_by("two")) == 2
+    async with workers.running("one", robots):
+        await workers.until(lambda: len(workers.served_by("one")) == 2)  # and it waits for them
+        async with workers.running("two", robots):
+            await workers.until(lambda: len(workers.served_by("two")) == 2)
     monkeypatch.setattr(module, "START_S", 0.01)
     async with workers.running("three", robots):
         await workers.until(lambda: workers.served_by("three") == list(robots))
@@ -202,7 +239,24 @@ async def test_a_worker_that_drains_gives_its_robots_to_the_others_and_ends(work
         assert not workers.tasks["one"].cancelled()
 
 
-async def test_a_worker_that_waits_for_robots_ends_at_once_when_it_drains(workers: Workers) -> None:
+async def test_a_worker_that_drains_while_it_takes_robots_takes_no_more(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "AT_A_TIME", 1)
+    monkeypatch.setattr(module, "START_S", 1e3)
+    workers.get_ready.clear()
+    async with workers.running("one") as one:
+        await workers.until(lambda: len(workers.agents) == 1)
+        one.drain()
+        await workers.until(workers.tasks["one"].done)
+        assert not workers.tasks["one"].cancelled()
+    assert len(workers.agents) == 1
+
+
+async def test_a_worker_that_waits_for_robots_ends_at_once_when_it_drains(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "STANDBY_S", 1e3)
     async with workers.running("one"), workers.running("two", standby=True) as two:
         await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
         two.drain()
