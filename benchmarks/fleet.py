@@ -66,7 +66,7 @@ FULL = {
     "minutes": 110.0, "idle": 30.0,
 }  # fmt: skip
 WRONG = ("lost", "moved twice", "answered twice", "untrue")
-#: What goes on while a stop is on its way.
+#: Conditions under which a stop is delivered.
 CALM, TAKEOVER, ORPHANED, DATABASE_DEAD = (
     "with every robot served", "while other robots are taken over", "while no worker serves the robot",
     "while the database is dead",
@@ -147,7 +147,7 @@ class Fleet:
         self.robots = [robot_name(number) for number in range(robots)]
         self.room = room
         self.workers: list[WorkerProcess] = []
-        #: From when until when each robot of a killed worker was not served.
+        #: For each robot of a killed worker, from when until when no worker served it.
         self.takeovers: list[tuple[float, float]] = []
         self.kills = self.database_kills = 0
         #: What went on for too long after a kill.
@@ -157,8 +157,8 @@ class Fleet:
         self._orphaned_s: dict[str, float] = {}
         #: For each robot, from when until when no worker served it.
         self.orphaned: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
-        #: From when until when the database did not run.
-        self.databaseless: list[tuple[float, float]] = []
+        #: When each outage of the database began and ended.
+        self.database_outages: list[tuple[float, float]] = []
         self._children: list[Child] = []
         self._hosts: list[subprocess.Popen[str]] = []
         port = free_port()
@@ -244,25 +244,25 @@ class Fleet:
             for robot in self.robots:
                 self._orphaned_s.setdefault(robot, now_s)
         database.kill()
-        self.databaseless.append((now_s, time.monotonic()))
+        self.database_outages.append((now_s, time.monotonic()))
         self.database_kills += 1
 
     def takeovers_s(self, database_dead: bool = False) -> list[float]:
-        """How long each takeover took during which the database ran, or did not."""
+        """The durations of takeovers: of those with the database running throughout, or of those during an outage."""
         return [
             end_s - begin_s
             for begin_s, end_s in self.takeovers
-            if overlaps(self.databaseless, begin_s, end_s) is database_dead
+            if overlaps(self.database_outages, begin_s, end_s) is database_dead
         ]
 
-    def meanwhile(self, robot: str, begin_s: float, end_s: float) -> str:
-        """What went on in this time that can delay a stop of this robot."""
-        if overlaps(self.databaseless, begin_s, end_s):
+    def condition(self, robot: str, begin_s: float, end_s: float) -> str:
+        """The condition in this time that can delay a stop of this robot."""
+        if overlaps(self.database_outages, begin_s, end_s):
             return DATABASE_DEAD
         if overlaps(self.orphaned[robot], begin_s, end_s):
             return ORPHANED
-        taken = itertools.chain.from_iterable(self.orphaned.values())
-        return TAKEOVER if overlaps(taken, begin_s, end_s) else CALM
+        orphaned = itertools.chain.from_iterable(self.orphaned.values())
+        return TAKEOVER if overlaps(orphaned, begin_s, end_s) else CALM
 
     def processes(self) -> dict[str, list[int]]:
         """The first processes of each part of the system."""
@@ -412,7 +412,7 @@ class Findings:
     states: Counter[str] = field(default_factory=Counter)
     #: Posts by what is wrong with them.
     wrong: dict[str, list[str]] = field(default_factory=lambda: {what: [] for what in WRONG})
-    #: Until each stop reached its robot, or the robot stood because its worker was dead; by what went on meanwhile.
+    #: Until each stop reached its robot, or the robot stood because its worker was dead; by condition.
     stops_ms: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     #: Until the board had accepted each of these.
     accepted_ms: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
@@ -467,11 +467,11 @@ def judge(traffic: Traffic, fleet: Fleet) -> Findings:
         if (stopped_s := robots[stop.robot].stopped_s(stop.sent_s)) is None:
             found.stops_lost += 1
             continue
-        meanwhile = fleet.meanwhile(stop.robot, stop.sent_s, stopped_s)
-        if meanwhile in (ORPHANED, DATABASE_DEAD):
+        condition = fleet.condition(stop.robot, stop.sent_s, stopped_s)
+        if condition in (ORPHANED, DATABASE_DEAD):
             stopped_s = min(stopped_s, robots[stop.robot].stood_s(stop.sent_s))
-        found.stops_ms[meanwhile].append((stopped_s - stop.sent_s) * 1000)
-        found.accepted_ms[meanwhile].append((stop.accepted_s - stop.sent_s) * 1000)
+        found.stops_ms[condition].append((stopped_s - stop.sent_s) * 1000)
+        found.accepted_ms[condition].append((stop.accepted_s - stop.sent_s) * 1000)
     return found
 
 
@@ -519,7 +519,7 @@ async def run(
 
 
 def overlaps(spans: Iterable[tuple[float, float]], begin_s: float, end_s: float) -> bool:
-    """Whether something went on between two moments that went on in these spans."""
+    """Whether any of these intervals overlaps the one from `begin_s` to `end_s`."""
     return any(first_s < end_s and last_s > begin_s for first_s, last_s in spans)
 
 
@@ -548,10 +548,10 @@ def report(fleet: Fleet, found: Findings, seconds: float) -> list[str]:
         "stops": str(len(stops)),
         "stop p50, p99, worst": f"{p50:.0f}, {p99:.0f}, {worst:.0f} ms (wanted p99 {STOP_MS:g})",
     }
-    for meanwhile, some in found.stops_ms.items():
+    for condition, some in found.stops_ms.items():
         times = ", ".join(f"{ms:.0f}" for ms in percentiles(some))
-        accepted = ", ".join(f"{ms:.0f}" for ms in percentiles(found.accepted_ms[meanwhile]))
-        rows[f"{len(some)} {meanwhile}"] = f"{times} ms; accepted by the board after {accepted} ms"
+        accepted = ", ".join(f"{ms:.0f}" for ms in percentiles(found.accepted_ms[condition]))
+        rows[f"{len(some)} {condition}"] = f"{times} ms; accepted by the board after {accepted} ms"
     print("\n".join(f"| {what} | {value} |" for what, value in rows.items()))
     missed = [f"{what}: posts {', '.join(posts[:10])}" for what, posts in found.wrong.items() if posts]
     missed += fleet.late

@@ -24,7 +24,7 @@ class MachinePausedError(Exception):
 
 
 class PauseMonitor:
-    """Measures the longest time in which a thread on each processor was ready to run and did not."""
+    """Measures for how long, at most, a thread on any of the processors could not run."""
 
     def __init__(self) -> None:
         self._closed = threading.Event()
@@ -52,7 +52,7 @@ class PauseMonitor:
 
 @contextmanager
 def pauses_explain_failures() -> Iterator[None]:
-    """Raise `MachinePausedError` instead of a failure if the machine was paused meanwhile."""
+    """Raise `MachinePausedError` instead of another exception if the machine was paused meanwhile."""
     monitor = PauseMonitor()
     try:
         yield

@@ -9,7 +9,7 @@ from pathlib import Path
 CONFTEST = """
 from tests.pauses import pytest_itemcollected, pytest_runtest_call, pytest_runtest_setup
 """
-#: Its processes are the machine: one that is paused has its threads paused.
+#: SIGSTOP pauses the test process, as a host pauses a virtual machine.
 TESTS = """
 import subprocess
 import pytest

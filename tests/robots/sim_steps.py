@@ -58,7 +58,7 @@ class LeasedStep:
         await self._context.__aexit__(None, None, None)
 
     async def under_way(self, distance_m: float = 0.4) -> Sample:
-        """Wait until it has really gone this far, which fails with the step's result if it ends before."""
+        """Wait until it has really gone this far. Fails with the step's result if the step ends first."""
         assert self.step is not None
         step = self.step
 

@@ -44,7 +44,8 @@ class StubAgent:
 class RecordingObserver(WorkerObserver):
     """Keeps which robots were taken over, and whose journals failed."""
 
-    def __init__(self) -> None:
+    def __init__(self, changed: asyncio.Event) -> None:
+        self._changed = changed
         self.robots_taken_over: list[str] = []
         self.journals_failed: list[str] = []
 
@@ -53,6 +54,7 @@ class RecordingObserver(WorkerObserver):
 
     def journal_failed(self, robot: str) -> None:
         self.journals_failed.append(robot)
+        self._changed.set()
 
 
 class Workers:
@@ -64,8 +66,8 @@ class Workers:
         self.get_ready.set()
         self.agents: list[tuple[str, StubAgent]] = []
         self.tasks: dict[str, asyncio.Task[None]] = {}
-        self.observer = RecordingObserver()
         self._changed = asyncio.Event()
+        self.observer = RecordingObserver(self._changed)
 
     @asynccontextmanager
     async def running(
@@ -191,9 +193,7 @@ async def test_a_journal_that_cannot_be_opened_is_counted_and_tried_again(worker
     unreadable.mkdir(parents=True)
     async with workers.running("one"):
         await workers.until(lambda: workers.served_by("one") == ["ada"])
-        async with asyncio.timeout(LIMIT_S):
-            while len(workers.observer.journals_failed) < 2:  # noqa: ASYNC110
-                await asyncio.sleep(0.01)
+        await workers.until(lambda: len(workers.observer.journals_failed) > 1)
         unreadable.rmdir()
         await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
     assert set(workers.observer.journals_failed) == {"rex"}

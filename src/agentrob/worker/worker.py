@@ -185,7 +185,7 @@ class Worker:
             await agent.run(on_ready=partial(self._got_ready, robot, agent, started))
         except Exception as e:
             journal_lost = all(isinstance(part, JournalError) for part in _parts(e))
-            trace = None if journal_lost else traceback.format_exc()  # then it is a defect
+            trace = None if journal_lost else traceback.format_exc()  # anything else is a defect
             _log.error("agent ended; starting it again", robot=robot, error=_one_line(e), trace=trace)
             if journal_lost:
                 self._observer.journal_failed(robot)

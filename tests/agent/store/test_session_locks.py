@@ -165,8 +165,8 @@ async def test_law_6_a_robot_is_taken_only_once_the_transaction_of_its_last_hold
         engine.dispose()
 
 
-async def test_law_6_robots_that_wait_for_each_other_to_be_taken_lose_none(tables: str) -> None:
-    """Each is refused after a second, and the last one waits for longer than an answer may take."""
+async def test_law_6_a_query_that_waits_for_the_connection_is_not_one_without_an_answer(tables: str) -> None:
+    """Each is refused after a second, so the last one waits for longer than `ANSWER_S`."""
     engine = create_engine(tables)
     robots = [f"robot-{number}" for number in range(5)]
     try:

@@ -39,7 +39,7 @@ _SERVER = {
 }  # fmt: skip
 #: The number grows, and is never one that was given before, even if the database is restored from a backup.
 _NEXT = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
-#: Lock a robot and give it a number, in one question so that nobody takes it in between; no row if another holds it.
+#: Lock a robot and give it a number, in one statement so that nobody takes it in between. No row: another holds it.
 _TAKE = (
     "WITH lock AS MATERIALIZED (SELECT pg_try_advisory_lock(%s) AS taken) "
     f"INSERT INTO holder AS h (robot, number) SELECT %s, {_NEXT} FROM lock WHERE taken "
@@ -70,7 +70,7 @@ class SessionLocks:
     def __init__(self, connection: AsyncConnection[Any]) -> None:
         self._connection, self.store = connection, ""
         self._held: dict[str, RobotLock | None] = {}
-        #: One question at a time, so that those that wait do not count as unanswered.
+        #: Queries run one at a time, so that `ANSWER_S` does not include waiting for the connection.
         self._turn = asyncio.Lock()
         self.lost = False
         self._beating = asyncio.create_task(self._beat())
