@@ -1,7 +1,7 @@
-"""Run a test with a simulated world again if it failed while the machine was paused.
+"""Run a test with a simulated world again if it failed while the machine or its world was paused.
 
 A robot whose state is older than half a second stops, as it must, and then its test fails. A virtual machine pauses for
-longer than that when others take its processors.
+longer than that when others take its processors, and so does one process of it while it waits for memory.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import pytest
 
@@ -20,7 +22,16 @@ LOOK_S = 0.02
 
 
 class MachinePausedError(Exception):
-    """A test failed while the machine was paused."""
+    """A test failed while the machine, or the world of the test, was paused."""
+
+
+@runtime_checkable
+class NoticesPauses(Protocol):
+    """A fixture that notices pauses of a world of its own."""
+
+    def longest_pause_s(self, since_s: float) -> float:
+        """Return the longest pause since a time of the monotonic clock, in seconds."""
+        ...
 
 
 class PauseMonitor:
@@ -50,16 +61,34 @@ class PauseMonitor:
             thread.join()
 
 
+def processor_times_s() -> dict[str, float]:
+    """Seconds that the processors have spent so far on each kind of work; `nice` is that of tests (proc_stat(5))."""
+    kinds = ("user", "nice", "system", "idle", "iowait", "irq", "softirq", "steal")
+    ticks = Path("/proc/stat").read_text(encoding="ascii").split()[1 : 1 + len(kinds)]
+    return {kind: int(n) / os.sysconf("SC_CLK_TCK") for kind, n in zip(kinds, ticks, strict=True)}
+
+
 @contextmanager
-def pauses_explain_failures() -> Iterator[None]:
-    """Raise `MachinePausedError` instead of another exception if the machine was paused meanwhile."""
-    monitor = PauseMonitor()
+def pauses_explain_failures(item: pytest.Item, phase: str) -> Iterator[None]:
+    """Raise `MachinePausedError` instead of another exception if the machine or a world was paused meanwhile.
+
+    The report of every other failure says what the machine did.
+    """
+    monitor, began_s, before_s = PauseMonitor(), time.monotonic(), processor_times_s()
     try:
         yield
     except Exception as failure:
-        if monitor.longest_s < PAUSE_S:
+        worlds = (one for one in getattr(item, "funcargs", {}).values() if isinstance(one, NoticesPauses))
+        world_s = max((world.longest_pause_s(began_s) for world in worlds), default=0.0)
+        used = ", ".join(f"{kind} {now_s - before_s[kind]:.1f} s" for kind, now_s in processor_times_s().items())
+        found = (
+            f"longest pause of the machine {monitor.longest_s:.2f} s, of the world {world_s:.2f} s; processors: {used}"
+        )
+        if max(monitor.longest_s, world_s) < PAUSE_S:
+            item.add_report_section(phase, "machine", found)
             raise
-        raise MachinePausedError(f"the machine was paused for {monitor.longest_s:.2f} s") from failure
+        item.warn(pytest.PytestWarning(f"{item.nodeid} failed while it was paused: {found}"))
+        raise MachinePausedError(found) from failure
     finally:
         monitor.close()
 
@@ -69,13 +98,16 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker(pytest.mark.flaky(reruns=2, only_rerun=[MachinePausedError.__name__]))
 
 
+def _explained(item: pytest.Item, phase: str) -> Iterator[None]:
+    with pauses_explain_failures(item, phase) if item.get_closest_marker("sim") else nullcontext():
+        return (yield)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
-    with pauses_explain_failures() if item.get_closest_marker("sim") else nullcontext():
-        return (yield)
+    return (yield from _explained(item, "setup"))
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    with pauses_explain_failures() if item.get_closest_marker("sim") else nullcontext():
-        return (yield)
+    return (yield from _explained(item, "call"))

@@ -1,4 +1,4 @@
-"""A test with a simulated world runs again if the machine was paused, and only then."""
+"""A test with a simulated world runs again if the machine or its world was paused, and only then."""
 
 from __future__ import annotations
 
@@ -26,6 +26,19 @@ def test_fails_once_while_paused():
         pause()
         raise AssertionError("no robot")
 
+class World:
+    def longest_pause_s(self, since_s):
+        return 0.6
+
+@pytest.fixture
+def world():
+    return World()
+
+@pytest.mark.sim
+def test_fails_once_while_its_world_is_paused(world):
+    runs.append("world")
+    assert runs.count("world") > 1
+
 @pytest.mark.sim
 def test_fails():
     runs.append("failed")
@@ -50,13 +63,16 @@ def test_only_a_failure_while_the_machine_was_paused_is_run_again(tmp_path: Path
     ran = subprocess.run(
         command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=100, check=False
     )
-    outcomes = [
-        line.split("::")[1].split()[:2] for line in ran.stdout.splitlines() if line.startswith("test_worlds.py::")
-    ]
+    lines = (line.split("::")[-1].split() for line in ran.stdout.splitlines() if line.startswith("test_worlds.py::"))
+    outcomes = [line[:2] for line in lines if line[1:] and line[1] in {"PASSED", "FAILED", "RERUN"}]
     assert outcomes == [
         ["test_fails_once_while_paused", "RERUN"],
         ["test_fails_once_while_paused", "PASSED"],
+        ["test_fails_once_while_its_world_is_paused", "RERUN"],
+        ["test_fails_once_while_its_world_is_paused", "PASSED"],
         ["test_fails", "FAILED"],
         ["test_succeeds_while_paused", "PASSED"],
         ["test_fails_while_paused_without_a_world", "FAILED"],
     ], ran.stdout
+    assert "test_fails_once_while_its_world_is_paused failed while it was paused: longest pause of" in ran.stdout
+    assert ran.stdout.count("processors: user ") == 3, "of two that ran again, and of the one that failed"

@@ -4,6 +4,7 @@ robot."""
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import math
 import os
@@ -131,6 +132,12 @@ class Truth:
 
     def since(self, at_s: float) -> list[Sample]:
         return [s for s in list(self.seen) if s.at_s >= at_s]
+
+    def longest_pause_s(self, since_s: float) -> float:
+        """Return for how long the world stood still between two samples. A reset turns its time back."""
+        seen = self.since(since_s)
+        pauses = (b.at_s - a.at_s - (b.time_s - a.time_s) for a, b in itertools.pairwise(seen) if b.time_s >= a.time_s)
+        return max(pauses, default=0.0)
 
     def speeds_mps(self, since_s: float, window_s: float = 0.5) -> list[float]:
         """Averages over windows of simulated time, so that a slow machine does not change them."""
@@ -272,6 +279,10 @@ class SimScene:
             except RobotError:
                 assert time.monotonic() < end_s, "it never stood still enough"
                 await asyncio.sleep(0.03)
+
+    def longest_pause_s(self, since_s: float) -> float:
+        """See `tests.pauses.NoticesPauses`."""
+        return self.truth.longest_pause_s(since_s)
 
     def close(self) -> None:
         self.truth.close()
