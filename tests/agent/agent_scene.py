@@ -16,6 +16,7 @@ from typing import Any
 
 from agentrob.agent.agent import RobotAgent
 from agentrob.config.robots import RobotConfig
+from agentrob.errors import RobotError
 from agentrob.eyes.colours import ColourDetector
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.forums.protocol import Forum
@@ -230,6 +231,15 @@ class Scene:
             **changed,
         }  # fmt: skip
         return RobotAgent(**arguments)
+
+
+async def set_home(driver: Driver, by: str) -> None:
+    """Set the robot's home where it is, as soon as it has stood still for a moment."""
+    async with driver.client() as client, asyncio.timeout(60):
+        while True:
+            with suppress(RobotError):
+                return await client.home(by)
+            await asyncio.sleep(0.05)
 
 
 def make_scene(driver: Driver, folder: Path, world: MemoryWorld | None = None, **settings: Any) -> Scene:

@@ -265,6 +265,11 @@ class RobotConfig(WithMetrics):
         """The risky operations that the owner consents to (`Operation.needed_consent`)."""
         return frozenset(self.allow_risky) | ({"flip"} if self.allow_flip else frozenset())
 
+    @property
+    def homes_itself(self) -> bool:
+        """Whether its driver sets its home whenever it has none; a simulated robot's only."""
+        return self.simulated and self.home_on_start
+
     @model_validator(mode="after")
     def _protects_its_driver(self) -> Self:
         if bool(self.driver_cert) != bool(self.driver_key):

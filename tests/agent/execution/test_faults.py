@@ -63,6 +63,7 @@ async def test_a_fall_on_the_way_is_reported_in_both_languages_and_nothing_moves
         assert "**Failed** at step 1." in fell.raw
         assert "The robot has fallen. It stays down until it is asked to stand up" in fell.raw
         assert "not begun" in fell.raw
+        assert "agentrob home" not in fell.raw, "this one sets its home itself"
         again = await run_command(scene, "@quadruped 向前走 1 米")
         assert again.card is not None
         assert again.card.state == "refused"

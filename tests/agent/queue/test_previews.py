@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import gzip
 import json
 import os
@@ -17,13 +16,12 @@ import pytest
 from agentrob.agent.media.pictures import Picture
 from agentrob.board.robots.replays import final_map
 from agentrob.config.robots import RobotConfig
-from agentrob.errors import RobotError
 from agentrob.forums.memory.forum import MemoryForum
 from agentrob.forums.protocol import PoseViewers
 from agentrob.model import Direction, Op, Primitive, Role
 from agentrob.robots import fake
 from agentrob.robots.driver.process import run_driver
-from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, set_home
 
 DRAWS = True
 PREVIEW = f"@{ROBOT} preview walk forward 1 metre, turn left and wave"
@@ -73,13 +71,7 @@ def driver(told: Path) -> Iterator[Driver]:
 @pytest.fixture(autouse=True)
 async def _at_home(driver: Driver) -> None:
     """Each test begins at the robot's home, which is in the middle of the room, wherever the last one left it."""
-    async with driver.client() as client, asyncio.timeout(60):
-        while True:
-            try:
-                await client.home("a test")
-                return
-            except RobotError:  # it still moves
-                await asyncio.sleep(0.05)
+    await set_home(driver, "a test")
 
 
 def simulated(driver: Driver, folder: Path, **more: Any) -> Scene:

@@ -16,7 +16,7 @@ from agentrob.forums.memory.forum import MemoryForum
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, EventKind, Plan, RobotState, Role, Understanding
-from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, set_home
 
 
 @pytest.fixture
@@ -259,6 +259,21 @@ async def test_laws_14_and_17_what_was_posted_before_a_release_does_not_move_aft
         assert ("have been released since" if how == "button" else "release of olga at the shell") in reply.raw
         assert (await state(owned)).pose == before
         assert await ended(owned, "alice", "@quadruped wave") == "done"
+
+
+async def test_law_9_the_report_of_a_fall_says_how_its_home_is_set_again(tmp_path: Path) -> None:
+    options = {"faults": {"fallen": True, "after_m": 0.5}}
+    driver = Driver(tmp_path, robot_settings(home_on_start=False, options=options), name="falls")
+    scene = make_scene(driver, tmp_path, owner="olga", home_on_start=False)
+    try:
+        await set_home(driver, "olga")
+        async with scene.agent():
+            fell = await scene.final(await scene.post("alice", "@quadruped walk forward 1 metre"))
+            assert fell.card is not None
+            assert fell.card.state == "failed"
+            assert "My owner (`olga`) or an admin sets my home, where I stand, with the button" in fell.raw
+    finally:
+        driver.end()
 
 
 async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_button_sets_it(tmp_path: Path) -> None:

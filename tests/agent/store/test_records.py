@@ -143,8 +143,9 @@ def test_a_record_that_is_missing_damaged_or_of_another_post_is_none(tmp_path: P
     records.write(replace(REPORT, command=replace(COMMAND, post_id="1/2")))
     assert records.read("1/2") is not None
     assert records.read("1_2") is None  # the same name of the file
-    (tmp_path / "records/1_2.json").write_text('{"post": "1/2"')
-    assert records.read("1/2") is None
+    for damaged in ('{"post": "1/2"', "[]", "null", "\x00"):
+        (tmp_path / "records/1_2.json").write_text(damaged)
+        assert records.read("1/2") is None, damaged
 
 
 def test_only_the_owner_of_the_folder_may_look_into_it(tmp_path: Path) -> None:

@@ -277,7 +277,7 @@ def test_law_8_a_step_is_refused_while_a_fresh_state_has_no_position(
 def test_law_9_a_simulated_robot_that_lost_its_home_is_refused_without_a_word_on_real_ones(
     guard: Guard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(guard, "_homes_itself", False)  # as before it stands still long enough
+    monkeypatch.setattr(RobotConfig, "homes_itself", False)  # as before it stands still long enough
     monkeypatch.setattr(guard, "_fence", None)
     result = guard.step(HELLO, go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed")

@@ -56,9 +56,8 @@ class Previews:
 
     async def _made(self, command: Command, plan: Plan) -> Preview:
         capabilities, state, asked_s = await self.driver.capabilities(), await self.driver.state(), time.monotonic()
-        homes_itself = self.settings.simulated and self.settings.home_on_start
-        while homes_itself and not state.homed and time.monotonic() - asked_s < PREPARE_S:  # its driver just began
-            await asyncio.sleep(LOOK_S)
+        while self.settings.homes_itself and not state.homed and time.monotonic() - asked_s < PREPARE_S:
+            await asyncio.sleep(LOOK_S)  # its driver just began
             state = await self.driver.state()
         posture = await self.driver.posture(joints=False) if state.homed else None
         stands = posture.pose if posture is not None else None

@@ -41,7 +41,8 @@ FRESH_S = 30.0
 #: Asking the driver, or the forum where the robot's page is, may delay a reply by so much.
 ASK_S = 1.0
 _LOCKED = frozenset({"halted", "halt"})
-_HOMELESS = frozenset({"not_homed", "odometry_jump"})
+#: A fall and a jump of the odometry void the home.
+_HOMELESS = frozenset({"not_homed", "odometry_jump", "fallen"})
 OwnerAction = Literal["release", "home"]
 _log = structlog.get_logger()
 
@@ -162,7 +163,8 @@ class OwnerActions:
         to release it or set its home."""
         reasons, language = {result.reason for result in report.results}, report.command.language
         reasons |= {report.verdict.rule.removeprefix("guard.")} if report.verdict else set()
-        if not reasons & (_LOCKED | _HOMELESS) and report.status is not CommandState.STOPPED:
+        homeless = not self._settings.homes_itself and bool(reasons & _HOMELESS)
+        if not homeless and not reasons & _LOCKED and report.status is not CommandState.STOPPED:
             return []
         state = await self._state()
         locked = state.halted if state is not None else bool(reasons & _LOCKED)
@@ -170,14 +172,14 @@ class OwnerActions:
             # The driver's message says who, when and why if it refused a step, but not if it broke one off.
             already_said = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
             return [self.locked(None if already_said or state is None else state.lock, language)]
-        if reasons & _HOMELESS and not (state is not None and state.homed):
+        if homeless and not (state is not None and state.homed):
             return [self.how_to_home(language)]
         return []
 
     def of_state(self, state: RobotState, language: Language) -> list[str]:
         """Paragraphs for the answer to "how are you"."""
         paragraphs = [self.locked(state.lock, language)] if state.halted else []
-        return paragraphs + ([] if state.homed else [self.how_to_home(language)])
+        return paragraphs + ([] if state.homed or self._settings.homes_itself else [self.how_to_home(language)])
 
     def locked(self, lock: Lock | None, language: Language) -> str:
         """Say who locked the robot, why and since when, and how to release it."""

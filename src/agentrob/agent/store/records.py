@@ -49,12 +49,10 @@ class Records:
     def read(self, post_id: str) -> dict[str, Any] | None:
         """The record of a finished command; None when there is none."""
         try:
-            facts: dict[str, Any] = json.loads(
-                (self._records / f"{safe_name(post_id)}.json").read_text(encoding="utf-8")
-            )
+            facts = json.loads((self._records / f"{safe_name(post_id)}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        return facts if facts.get("post") == post_id else None
+        return facts if isinstance(facts, dict) and facts.get("post") == post_id else None
 
     def write(self, report: Report, assessment: Assessment | None = None, **more: Any) -> dict[str, Any]:
         """The record of a finished command, readable by people and programs, and given back. `mind` is who read it in

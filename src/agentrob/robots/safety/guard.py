@@ -16,7 +16,7 @@ Covered, before a step and 20 times a second while it runs:
 - a mode or motion that we did not command: a halt; damping always is, also during a gesture. A robot that is already
   damped at start is not moved until somebody makes it stand;
 - a driver that was killed during a step: the next one stops the robot first, and motion that ends within 2 s
-  is no halt;
+  does not cause a halt;
 - where the owner configured a shared room: other robots of the room. No step begins without a zone lease, and one under
   way ends when the lease is lost or another robot stands or comes within reach ahead (`agentrob.robots.zones`);
 - a picture that shows nothing: it is reported as failed;
@@ -145,7 +145,6 @@ class Guard:
         self._room = room
         self._first_home: Pose | None = None
         self._fence = Fence(settings.fence, home) if home is not None else None
-        self._homes_itself = settings.simulated and settings.home_on_start
         if settings.home_on_start and not settings.simulated:
             log.warning("%s The owner of this one sets its home.", _HOMES_NOT)
         self._stepping = threading.Lock()
@@ -472,7 +471,7 @@ class Guard:
             if state.upright is False:  # it can only stand up, which needs neither
                 return
             seen = self._ranges.enough and (not self._ranges.unknown(primitive) or self._ranges.settled)
-            if seen and (self._fence is not None or not self._homes_itself):
+            if seen and (self._fence is not None or not self._settings.homes_itself):
                 return
             self._wait(1 / OBSERVE_HZ)
 
@@ -554,8 +553,8 @@ class Guard:
         if foreign and self._halt.why is None:
             self._halt.set("the guard", foreign + ".")  # at once; the thread below stops and writes it down
             threading.Thread(target=self.halt, args=("the guard", foreign + "."), daemon=True).start()
-        fit = state.pose is not None and state.age_s < STATE_AGE_S and state.upright
-        if self._homes_itself and self._fence is None and running is None and fit and self._odometry.still(now_s):
+        fit = running is None and state.pose is not None and state.age_s < STATE_AGE_S and state.upright
+        if self._settings.homes_itself and self._fence is None and fit and self._odometry.still(now_s):
             self.home("the simulation")
         return state
 
