@@ -136,6 +136,38 @@ async def test_an_agent_that_fails_is_started_again_and_the_other_serves_on(work
         assert not ada.closed
 
 
+async def fail_again(workers: Workers, times: int) -> float:
+    """Let the agent of `rex` fail as often as this, each as soon as it is there; return after how many seconds the last
+    one was replaced."""
+    clock = asyncio.get_running_loop()
+    begun_s = clock.time()
+    for _ in range(times):
+        failed = workers.agent("rex")
+        failed.failing.set_exception(ValueError("a defect"))
+        await workers.until(lambda failed=failed: workers.agent("rex") is not failed)
+    return clock.time() - begun_s
+
+
+async def test_an_agent_that_fails_again_and_again_waits_longer_each_time(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "AGAIN_S", (0.02, 1e3))
+    async with workers.running("one", ("rex",)):
+        await workers.until(lambda: workers.served_by("one") == ["rex"])
+        assert await fail_again(workers, 4) >= 0.02 + 0.04 + 0.08 + 0.16
+
+
+@pytest.mark.parametrize(("longest_s", "steady_s"), [(0.002, 1e3), (1e3, -1.0)])
+async def test_the_wait_is_bounded_and_short_again_for_an_agent_that_ran_for_long(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch, longest_s: float, steady_s: float
+) -> None:
+    monkeypatch.setattr(module, "AGAIN_S", (0.001, longest_s))
+    monkeypatch.setattr(module, "STEADY_S", steady_s)
+    async with workers.running("one", ("rex",)):
+        await workers.until(lambda: workers.served_by("one") == ["rex"])
+        await fail_again(workers, 17)  # twice as long each time, the last wait would be a minute
+
+
 @pytest.mark.parametrize(
     ("errors", "journal_lost"),
     [
@@ -251,6 +283,26 @@ async def test_a_worker_that_drains_while_it_takes_robots_takes_no_more(
         await workers.until(workers.tasks["one"].done)
         assert not workers.tasks["one"].cancelled()
     assert len(workers.agents) == 1
+
+
+async def test_a_worker_that_drains_while_it_opens_a_journal_drains_its_agent(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opening, drained, open_now = asyncio.Event(), asyncio.Event(), SqliteJournals.open
+
+    async def open_later(journals: SqliteJournals, robot: str) -> Journal:
+        opening.set()
+        await drained.wait()
+        return await open_now(journals, robot)
+
+    monkeypatch.setattr(SqliteJournals, "open", open_later)
+    async with workers.running("one", ("rex",)) as one:
+        await opening.wait()
+        one.drain()
+        drained.set()
+        await workers.until(workers.tasks["one"].done)
+        assert not workers.tasks["one"].cancelled()
+    assert [agent.closed for _, agent in workers.agents] == [True]
 
 
 async def test_a_worker_that_waits_for_robots_ends_at_once_when_it_drains(
