@@ -9,7 +9,7 @@ from typing import Any
 
 import structlog
 
-#: When a task that must go on is restarted after an error.
+#: When a task that must not end is restarted after an error.
 RESTART_S = 1.0
 _log = structlog.get_logger()
 

@@ -22,8 +22,8 @@ class Primitive:
 
     `move` has `direction`, `distance_m` and perhaps `speed_mps`; `turn` has `direction` and `degrees`; an operation
     that a robot declares has `arguments`, as pairs (name, value); the others have nothing. Distances and degrees are
-    positive. `declared` is the declaration of an operation that is not built in, as far as it is known; it is no part
-    of what is asked.
+    positive. `declared` is the declaration of an operation that is not built in, as far as it is known; it does
+    not belong to what is asked.
     """
 
     op: str
@@ -123,7 +123,7 @@ def turn(direction: Direction, degrees: float | None) -> Primitive:
 def step_of(data: Mapping[str, Any]) -> Primitive:
     """Read a step as `Plan.as_data` and records have it: what is not a field of walking is an argument.
 
-    Raises `ValueError` for what is no step.
+    Raises `ValueError` if it is not a step.
     """
     direction = data.get("direction")
     amounts = {name: data.get(name) for name in FIELDS[1:]}

@@ -10,7 +10,7 @@ The classes below replace those of cyclonedds of the same name, also in Unitree'
   lock; another thread that creates a topic then holds the lock that the deletion needs (seen: four SDK clients created
   at once on a busy machine hung the process).
 - `Listener` lives as long as the process. An SDK client that is dropped without being closed leaves its reader in the C
-  library, which goes on calling the callback (seen: segmentation fault in the receiving thread, seconds later).
+  library, which keeps calling the callback (seen: segmentation fault in the receiving thread, seconds later).
 - A callback waits until its `DataReader` is complete. The C library calls back as soon as it has created the reader,
   and cyclonedds passes `None` until Python has registered it (seen: the SDK printed an error, and a request to a
   simulated world lay unread until the next one came).

@@ -102,7 +102,7 @@ class Outbox:
             identity, body = await receiver.waiting.get()
             try:
                 outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
-            except Exception as e:  # go on with the next webhook
+            except Exception as e:  # continue with the next webhook
                 outcome = "failed"
                 _log.error("webhook not delivered", receiver=receiver.name, why=type(e).__name__)
             self._count(outcome)

@@ -16,7 +16,7 @@ class EventLog:
     """Appends to a file, flushed line by line; without a path it does nothing.
 
     A line: `{"at": wall clock, "time_s": world time, "robot", "event", "pose": {x_m, y_m, yaw_deg}, …}`. A write
-    error (disk full) is reported once on stderr and in `last_error`, and the world goes on.
+    error (disk full) is reported once on stderr and in `last_error`, and the world continues.
     """
 
     def __init__(self, path: Path | None = None) -> None:

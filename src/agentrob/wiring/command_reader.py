@@ -198,7 +198,7 @@ def _read_now(visible: str, author: Account, robot: ReadableRobot, others: tuple
 def _goal(
     visible: str, author: Account, robot: ReadableRobot, others: tuple[str, ...], understood: Understanding
 ) -> RobotReading | None:
-    """How a goal is read that the robot pursues without a model, such as the way home; None if the text is none."""
+    """How a goal is read that the robot pursues without a model, such as the way home; None if it is not one."""
     goal = goal_for(visible, Addressee((robot.name,), others, robot.can), understood)
     if goal is None or not without_model(goal, robot.can, _Sight(robot.sees) if robot.sees else None):
         return None

@@ -43,7 +43,7 @@ class Agent(Protocol):
 
 
 class WorkerObserver:
-    """Is told what happens to the robots of a worker; counts it, for instance."""
+    """Is notified of what happens to the robots of a worker; counts it, for instance."""
 
     def restarted(self, robot: str) -> None:
         """The robot's agent ended by an error and is started again."""
@@ -194,7 +194,7 @@ class Worker:
             started.set()
             self._ready.pop(robot, None)
             del self._tasks[robot]
-            with contextlib.suppress(Exception):  # why it is closed is told already
+            with contextlib.suppress(Exception):  # the reason was logged already
                 if agent is not None:
                     await agent.close()
             with contextlib.suppress(JournalError):

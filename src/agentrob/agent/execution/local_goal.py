@@ -1,7 +1,7 @@
 """Reach a goal without a model: go home by odometry, or look with a detector and turn towards what was found.
 
 The steps are ordinary ones, decided on the way within the mandate (see `goal_run`).
-What was found is told in sentences.
+The report says in sentences what was found.
 """
 
 from __future__ import annotations

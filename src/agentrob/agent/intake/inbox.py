@@ -156,7 +156,7 @@ class Inbox:
         if post is None:
             return
         if event.kind is not EventKind.POST_CREATED:
-            if post.author.kind not in NOT_OBEYED:  # else it is no command; most edits of a fleet are its robots'
+            if post.author.kind not in NOT_OBEYED:  # robots do not command; most edits of a fleet are its robots'
                 await self._end_amended(post)
                 await self._handler.amend(post)
             return

@@ -124,8 +124,11 @@ def triage(post: Post, addressing: Addressing, edited: bool = False) -> TriagedP
 
 
 def _only_cancels(text: str, topic_id: str, running_topics: Collection[str]) -> bool:
-    """Whether a text ends a schedule of its thread and is no stop. While the robot moves or has a command waiting, that
-    is so only in other threads, and only if the text says that it means a schedule (law 13)."""
+    """Whether a text ends a schedule of its thread instead of stopping the robot.
+
+    While the robot moves or has a command waiting, it does so only in other threads, and only if it names a schedule
+    (law 13).
+    """
     if not running_topics:
         return cancels_schedule(text)
     return topic_id not in running_topics and cancels_named_schedule(text)

@@ -113,7 +113,7 @@ class PoseSampler:
             await asyncio.wait({self._writing}, timeout=WRITTEN_S)
 
     def _write(self) -> bool:
-        """Begin to write what is new, unless an earlier write still goes on."""
+        """Begin to write what is new, unless an earlier write still runs."""
         if self._unwritten is None or (self._writing is not None and not self._writing.done()):
             return False
         post_id, lines = self._unwritten

@@ -146,7 +146,7 @@ class QueuedCommand:
 
     @contextlib.contextmanager
     def log_errors(self, problem: str) -> Iterator[None]:
-        """Log an error in work that accompanies its motion or report, and go on without the result."""
+        """Log an error in work that accompanies its motion or report, and continue without the result."""
         try:
             yield
         except Exception:

@@ -40,7 +40,7 @@ from agentrob.screening.rights import may
 MOST = 5
 #: How often the times are compared at least, because the forum's clock can be set, and how soon after an error.
 LOOK_S, RETRY_S = 30.0, 2.0
-#: How long the forum may take to show a post and its author, and how often the end of a schedule is tried to be told.
+#: How long the forum may take to show a post and its author; how often the agent tries to report a schedule's end.
 ASK_S, TRIES = 10.0, 9
 _log = structlog.get_logger()
 

@@ -268,7 +268,7 @@ class Journal:
         return read_schedule(found) if found else None
 
     async def schedules(self) -> Sequence[KeptSchedule]:
-        """Those with further runs, and those whose end must still be told; the next run first."""
+        """Those with further runs, and those whose end must still be reported; the next run first."""
         found = await self._rows.read(lambda db: db.execute(queries.SCHEDULES, self._this()).all())
         return [read_schedule(row) for row in found]
 
@@ -291,7 +291,7 @@ class Journal:
         return await self._rows.write(work, begins=True)
 
     async def end_schedule(self, post_id: str, why: ScheduleEnd, *, told: bool = False) -> None:
-        """End a schedule, if there is one; the first reason counts. `told`: nobody needs to be told."""
+        """End a schedule, if there is one; the first reason counts. `told`: it needs no report."""
         await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(told))
 
     async def renewable_schedules(self) -> Sequence[KeptSchedule]:
@@ -313,7 +313,7 @@ class Journal:
         await self._do(queries.SET_RENEWABLE, post_id, ended=str(why), told=1)
 
     async def set_schedule_told(self, post_id: str) -> None:
-        """Record that the end of a schedule was told, unless it was renewed meanwhile."""
+        """Record that the end of a schedule was reported, unless it was renewed meanwhile."""
         await self._do(queries.SET_ENDED, post_id, told=1)
 
     # ---------------------------------------------------------------- parts of posts to several robots
@@ -384,8 +384,8 @@ class Journal:
 
         `CommandState.INTERRUPTED`: it had begun before, and its end is not known. `CommandState.CANCELLED`: it was
         cancelled before it began. Raises `IllegalTransition` for a command that may not run: one that waits for its
-        approval, or whose end was told; and `JournalHeld` if the robot was lost. A motion goes on when its caller is
-        cancelled; only `close` ends it.
+        approval, or whose end was reported; and `JournalHeld` if the robot was lost. A motion continues when its caller
+        is cancelled; only `close` ends it.
         """
         self._rows.check_held()
         claim = await self.claimed(post_id)

@@ -79,7 +79,7 @@ _SCHEDULES = select(
     SCHEDULE.c.data, SCHEDULE.c.next_at, SCHEDULE.c.runs_left, SCHEDULE.c.ended, SCHEDULE.c.told
 ).where(_ours(SCHEDULE))  # fmt: skip
 THIS_SCHEDULE = _SCHEDULES.where(SCHEDULE.c.post == KEY)
-#: Those with further runs, or whose end must still be told.
+#: Those with further runs, or whose end must still be reported.
 SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, SCHEDULE.c.post)
 #: Those that ended by the limit of runs or days, and may be renewed.
 RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value).order_by(SCHEDULE.c.post)

@@ -16,7 +16,7 @@ _log = structlog.get_logger()
 
 
 async def prune(journal: Journal, records: Records, keep: RetentionConfig) -> None:
-    """Prune once. Errors are logged and not raised: the agent must go on to hear the next stop."""
+    """Prune once. Errors are logged and not raised: the agent must continue, to hear the next stop."""
     try:
         await journal.prune(keep.days, keep.commands)
         await asyncio.to_thread(records.prune, keep.days, keep.mb, keep.commands)

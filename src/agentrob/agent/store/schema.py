@@ -59,7 +59,7 @@ PREVIEW = _table(
     Column("shown_at", Text),
     Column("pictures", BigInteger, nullable=False),
 )  # fmt: skip
-#: Commands for later times. `next_at` is the next run, none if there is none; `told`: the end was told, or need not be.
+#: Commands for later times. `next_at` is the next run, if there is one; `told`: the end was reported, or need not be.
 SCHEDULE = _table(
     "schedule", "post",
     Column("data", Text, nullable=False),

@@ -263,7 +263,7 @@ class Assessor:
     async def _goal(self, command: Command, addressee: Addressee, history: Sequence[Plan]) -> Assessment | None:
         """The assessment of a post that is a goal which this robot can pursue; else None."""
         language, capabilities = language_of(command.text), addressee.capabilities
-        goal = goal_of(command.text, addressee, language)  # most posts are none, and the rules read them later
+        goal = goal_of(command.text, addressee, language)  # None for most posts, which the rules read later
         if goal is None or not (self.by_model(goal, capabilities) or without_model(goal, capabilities, self.detector)):
             return None
         assessment = await by_rules(command.text, addressee, history)

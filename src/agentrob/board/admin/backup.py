@@ -1,7 +1,7 @@
 """Back the forum up into one file, restore it (also into another kind of database), and export what people wrote.
 
 A backup is a tar of the tables as JSON lines, the pictures, and a manifest. It is a consistent snapshot; the forum may
-go on meanwhile. It holds hashes of passwords and tokens, so only its owner can read it (mode 0600).
+continue meanwhile. It holds hashes of passwords and tokens, so only its owner can read it (mode 0600).
 """
 
 from __future__ import annotations

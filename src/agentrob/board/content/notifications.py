@@ -81,7 +81,7 @@ def tell(
 
 
 def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: int | None, waits: bool) -> None:
-    """Tell whoever may approve a command that its robot waits, by the robot's status post; and no more when that is
+    """Notify those who may approve a command that its robot waits, by the robot's status post; and no more when that is
     over."""
     n, a = db.notices.c, db.accounts.c
     told = n.post_id == status_id

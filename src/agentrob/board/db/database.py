@@ -41,7 +41,7 @@ _NOTICED = {
 def open_engine(settings: BoardSettings, *, writes: bool, process: str = "", patience_s: float | None = None) -> Engine:
     """An engine for the one writer (each transaction takes the write lock at once) or for reading.
 
-    Reading goes statement by statement, so that every read sees the newest commit. On PostgreSQL others are told of
+    Reading goes statement by statement, so that every read sees the newest commit. On PostgreSQL others are notified of
     each commit by the name of this `process`, and a statement that takes longer than `patience_s` is given up.
     """
     if path := settings.database_path:

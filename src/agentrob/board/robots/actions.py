@@ -126,7 +126,7 @@ def check_camera(services: Services, robot: str, viewer: Account | None) -> None
 def watch(services: Services, robot: str) -> None:
     """Tell the robot's agent that its camera has viewers, at most once in `WATCH_EVERY_S`.
 
-    The event is not stored: reading leaves nothing in the database. An agent that misses it is told again when it next
+    The event is not stored: reading leaves nothing in the database. An agent that misses it gets it again when it next
     publishes its card.
     """
     _tell_agent_soon(services, services.presence.robot(robot), EventKind.ROBOT_WATCH)

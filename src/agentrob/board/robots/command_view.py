@@ -186,7 +186,7 @@ def _asked(step: Mapping[str, Any], can: Capabilities | None) -> StepView:
 
 
 def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any], can: Capabilities | None) -> str:
-    """A step as reports and replays show it; one that is no step of this version by its operation and amounts."""
+    """A step as reports and replays show it; a step that this version does not know, by its operation and amounts."""
     try:
         read = step_of({"op": step.get("op"), **amounts})
     except (ValueError, TypeError):

@@ -27,7 +27,7 @@ MOST_BYTES, MOST_TEXT = 64 * 1024, 2**20
 
 
 def unpacked(replay: bytes) -> dict[str, Any]:
-    """The JSON of a gzipped replay. 413 if it is too large, 422 if it is none."""
+    """The JSON of a gzipped replay. 413 if it is too large, 422 if it is not a replay."""
     hint = f"a JSON object, gzipped to at most {MOST_BYTES} bytes, with at most {MOST_TEXT} characters"
     if len(replay) > MOST_BYTES:
         raise BoardError(413, "replay_too_large", f"the replay has {len(replay)} bytes", hint)
@@ -38,7 +38,7 @@ def unpacked(replay: bytes) -> dict[str, Any]:
             raise ValueError("it is longer, or cut off")
         data = json.loads(text)
         if not isinstance(data, dict) or "t" not in data:
-            raise ValueError("it is no replay")
+            raise ValueError("it is not a JSON object with times")
     except (ValueError, zlib.error, RecursionError) as e:
         raise BoardError(422, "bad_replay", f"that replay cannot be read: {e}"[:200], hint) from None
     return data

@@ -347,7 +347,7 @@ def _shown_posts(services: Services, viewer: Viewer, topic_id: str, after: str |
         return ShownPosts(html, page.next, first, last, concerned), len(html)
 
     form = viewer.csrf if viewer.account else ""  # in the buttons
-    recorded = commands.newest_record_us(services.store.reader, topic_id)  # a record is no event of its topic
+    recorded = commands.newest_record_us(services.store.reader, topic_id)  # records are not events
     return services.topic_cache.of(
         services.store.reader, topic_id, (after, viewer.account, form, visibility.readable_boards(), recorded), make
     )

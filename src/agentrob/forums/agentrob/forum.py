@@ -429,7 +429,7 @@ def _events(found: _JSON) -> tuple[Event, ...]:
 def _event_of(told: Any) -> Event | None:
     """Parse an event from JSON or its text.
 
-    An event that cannot be read in full is returned without content, so that the stream goes on after it; None if its
+    An event that cannot be read in full is returned without content, so that the stream continues after it; None if its
     id cannot be read or its kind is unknown.
     """
     try:

@@ -299,7 +299,7 @@ class _Check:
         return None
 
     def _is_remark(self, clause: _Clause) -> bool:
-        """Return whether a clause without a step is politeness, a remark, or a speed; an action with a side is none."""
+        """Return whether a clause without a step is politeness, a remark, or a speed; an action with a side is not."""
         if clause.ops and clause.directions:
             return False
         words = _without(self._text, clause, (EvidenceKind.SLOW, EvidenceKind.SPEED))

@@ -59,7 +59,7 @@ class ModelMind:
         """Read a post and report who read it at what cost. Never raises if a model fails: the rules answer."""
         by_rules = await self._rules.understand(text, addressee, history)
         part = clean(part_for(text, addressee.names, addressee.others))
-        # Where words are hidden within a line, a model would read over the gap; a book is no command.
+        # A model would read over words that are hidden within a line, and might take a book for a command.
         ordered = ordering_words(
             text, addressee.names, addressee.others
         )  # another robot's end, which nobody here knows

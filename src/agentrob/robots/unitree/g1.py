@@ -63,7 +63,7 @@ GAIT = Gait(
     stride_shift=(0.013, -0.048, 0.010),
 )
 
-#: A gesture takes up to 9 s; a shorter timeout would report a failure that is none.
+#: A gesture takes up to 9 s; with a shorter timeout, one that succeeds would be reported as failed.
 GESTURE_TIMEOUT_S = 20.0
 ASK_TIMEOUT_S = 0.5
 #: How long the robot holds a velocity, and so the longest that it walks on after its driver died.

@@ -33,7 +33,7 @@ from agentrob.robots.unitree.robot import (
 
 GAIT = Gait(speed_mps=1.0, side_mps=0.3, turn_rps=math.radians(90))
 
-#: The longest gesture takes about 8 s; a shorter timeout would report a failure that is none.
+#: The longest gesture takes about 8 s; with a shorter timeout, one that succeeds would be reported as failed.
 GESTURE_TIMEOUT_S = 15.0
 #: After standing up a Go2 may ignore Move for 4 to 10 s although it answers 0.
 START_AFTER_STANDING_S = 10.0
@@ -149,7 +149,7 @@ class Go2(UnitreeRobot):
         gait, state, started_s = self._gait, self.state(), time.monotonic()
         if state.mode in ("sitting", "lying", "damping"):
             return refused(primitive, "posture", f"The robot is {state.mode}; it must stand up first.")
-        if reason := watch(state):  # before the robot is told anything
+        if reason := watch(state):  # before anything is sent to the robot
             return not_begun(primitive, reason, started_s)
         if state.mode in ("locked", "unknown"):
             if code := self._actions.BalanceStand():

@@ -132,7 +132,7 @@ class RoomMember:
             return None
 
     def begin(self) -> None:
-        """A step begins: what was seen before it is no evidence of rest after it."""
+        """A step begins: only states from now on are evidence that the robot rests afterwards."""
         self._moving, self._must_rest = True, False
         self._rest = RestDetector(REST_WINDOW_S)
 

@@ -244,7 +244,7 @@ class Cameras:
             picture = renderer.draw(view, pose)
             buffer = io.BytesIO()
             Image.fromarray(picture).save(buffer, "JPEG", quality=JPEG_QUALITY)
-        except Exception as e:  # the world must go on without pictures
+        except Exception as e:  # the world must continue without pictures
             self.last_error = f"{type(e).__name__}: {e}"
             return None
         self.drawn += 1

@@ -49,7 +49,7 @@ def chosen(robot: str | None, config: Config, interface: str | None, domain: int
     try:
         return name, RobotConfig.model_validate({**settings.model_dump(), **changed})
     except ValueError:
-        raise ConfigError(f"--domain {domain} is none; valid: 0 to 230") from None
+        raise ConfigError(f"--domain {domain} is out of range; valid: 0 to 230") from None
 
 
 def examine(name: str, settings: RobotConfig, config: Config) -> list[Finding]:
