@@ -1,7 +1,7 @@
 """Run a test with a simulated world again if it failed while the machine or its world was paused.
 
 A robot whose state is older than half a second stops, as it must, and then its test fails. A virtual machine pauses for
-longer than that when others take its processors, and so does one process of it while it waits for memory.
+longer than that when others take its processors, and a single process pauses while it waits for memory.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class MachinePausedError(Exception):
 
 
 @runtime_checkable
-class NoticesPauses(Protocol):
-    """A fixture that notices pauses of a world of its own."""
+class PausableWorld(Protocol):
+    """A fixture with a world that measures how long that was paused."""
 
     def longest_pause_s(self, since_s: float) -> float:
         """Return the longest pause since a time of the monotonic clock, in seconds."""
@@ -35,7 +35,7 @@ class NoticesPauses(Protocol):
 
 
 class PauseMonitor:
-    """Measures for how long, at most, a thread on any of the processors could not run."""
+    """Measures the longest time for which a thread on any processor could not run."""
 
     def __init__(self) -> None:
         self._closed = threading.Event()
@@ -78,7 +78,7 @@ def pauses_explain_failures(item: pytest.Item, phase: str) -> Iterator[None]:
     try:
         yield
     except Exception as failure:
-        worlds = (one for one in getattr(item, "funcargs", {}).values() if isinstance(one, NoticesPauses))
+        worlds = (one for one in getattr(item, "funcargs", {}).values() if isinstance(one, PausableWorld))
         world_s = max((world.longest_pause_s(began_s) for world in worlds), default=0.0)
         used = ", ".join(f"{kind} {now_s - before_s[kind]:.1f} s" for kind, now_s in processor_times_s().items())
         found = (

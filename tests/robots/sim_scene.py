@@ -134,7 +134,7 @@ class Truth:
         return [s for s in list(self.seen) if s.at_s >= at_s]
 
     def longest_pause_s(self, since_s: float) -> float:
-        """Return for how long the world stood still between two samples. A reset turns its time back."""
+        """Return the longest time for which the world did not advance between two samples; a reset does not count."""
         seen = self.since(since_s)
         pauses = (b.at_s - a.at_s - (b.time_s - a.time_s) for a, b in itertools.pairwise(seen) if b.time_s >= a.time_s)
         return max(pauses, default=0.0)
@@ -281,7 +281,7 @@ class SimScene:
                 await asyncio.sleep(0.03)
 
     def longest_pause_s(self, since_s: float) -> float:
-        """See `tests.pauses.NoticesPauses`."""
+        """See `tests.pauses.PausableWorld`."""
         return self.truth.longest_pause_s(since_s)
 
     def close(self) -> None:

@@ -137,8 +137,7 @@ async def test_an_agent_that_fails_is_started_again_and_the_other_serves_on(work
 
 
 async def fail_again(workers: Workers, times: int) -> float:
-    """Let the agent of `rex` fail as often as this, each as soon as it is there; return after how many seconds the last
-    one was replaced."""
+    """Let each new agent of `rex` fail at once, `times` times; return the seconds until the last one was replaced."""
     clock = asyncio.get_running_loop()
     begun_s = clock.time()
     for _ in range(times):
@@ -201,7 +200,7 @@ async def test_a_standby_takes_over_the_robots_of_a_worker_that_ends(workers: Wo
         await workers.until(lambda: workers.served_by("standby") == ["ada", "rex"])
 
 
-async def test_a_robot_that_another_worker_holds_is_logged_and_its_takeover_told_once(workers: Workers) -> None:
+async def test_a_robot_that_another_worker_holds_is_logged_and_its_takeover_reported_once(workers: Workers) -> None:
     held = "robot held by another worker; waiting for it"
     with capture_logs() as logs:
         async with workers.running("two", standby=True):
@@ -216,7 +215,7 @@ async def test_a_robot_that_another_worker_holds_is_logged_and_its_takeover_told
             failed = workers.agent("rex")
             failed.failing.set_exception(ValueError("a defect"))
             await workers.until(lambda: workers.agent("rex") is not failed)
-    assert sorted(workers.observer.robots_taken_over) == ["ada", "rex"], "its own agent is no other worker's"
+    assert sorted(workers.observer.robots_taken_over) == ["ada", "rex"], "a restart does not count"
     assert sorted(log["robot"] for log in logs if log["event"] == held) == ["ada", "rex"]
 
 

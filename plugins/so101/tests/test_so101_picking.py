@@ -70,7 +70,7 @@ def test_a_real_arm_does_not_offer_it() -> None:
 
 
 def new_picture(robot: So101, last: bytes) -> bytes:
-    """The first picture after the last one: for some hundredths of a second the camera shows the same one again."""
+    """Return the next picture that differs from `last`: the simulated camera repeats a picture for 70 ms."""
     end_s = time.monotonic() + LIMIT_S
     while (picture := robot.look()) == last:
         assert time.monotonic() < end_s, f"no new picture within {LIMIT_S:.0f} s"

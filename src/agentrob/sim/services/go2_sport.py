@@ -5,8 +5,8 @@ Everything here runs in the world's thread. Answers are the real robot's codes; 
 Postures: *balance* (ready to walk), *locked* (stands on stiff legs), *lying*, *sitting*, *limp*. A call that the
 posture does not allow answers 4206; a call while an action runs answers 4205; an interrupted action answers 4201. Move
 is held for one second. StopMove is always accepted: it ends a move at once, and ends an action by putting all feet down
-and standing up; a flip that is in the air lands first. A flip is an animation (`flip.py`), refused with 4206 without
-enough room.
+and standing up; a flip that is in the air lands first. A flip is an animation (`flip.py`), refused with 4206 if
+there is not enough room.
 """
 
 from __future__ import annotations
