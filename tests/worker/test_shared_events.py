@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 import pytest
 
 from agentrob.errors import ForumDenied, ForumUnreachable
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
-from agentrob.forums.protocol import Event, Events
-from agentrob.model import AccountKind, CommandState, Role, StatusCard
+from agentrob.forums.protocol import BEFORE_ALL, Event, Events
+from agentrob.model import AccountKind, CommandState, EventKind, Role, StatusCard
 from agentrob.worker import shared_events
 from agentrob.worker.shared_events import MOST_WAITING, SharedEvents
 
@@ -25,6 +26,12 @@ class CountedForum(MemoryForum):
     begun: asyncio.Event
     closed: asyncio.Event
     denied = False
+    #: How often this account asked for changes, its stream included.
+    asked = 0
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        self.asked += 1
+        return await super().changes(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         if self.denied:
@@ -147,6 +154,107 @@ async def test_posts_written_while_an_agent_joins_arrive_once_and_in_order(world
         await listening.until(40)
         assert listening.texts == [str(number) for number in range(40)]
         await listening.end()
+
+
+async def listening_to_all(
+    world: MemoryWorld, shared: SharedEvents, forum: CountedForum, *texts: str
+) -> tuple[Listening, str]:
+    """An agent that has read these posts from the stream, and the event before them."""
+    start, _ = await forum.now()
+    rex = Listening(shared.of(forum), start)
+    await post(world, "first")
+    await rex.until(1)
+    before, _ = await forum.now()
+    for number, text in enumerate(texts):
+        await post(world, text)
+        await rex.until(number + 2)
+    return rex, before
+
+
+async def test_what_an_agent_missed_comes_from_the_stream_while_that_has_all_of_it(world: MemoryWorld) -> None:
+    shared = SharedEvents()
+    rex, before = await listening_to_all(world, shared, CountedForum(world, "rex"), "one", "two", "three")
+    forum = CountedForum(world, "ada")
+    ada = shared.of(forum)
+    newest, _ = await ada.now()
+    missed = await ada.changes(before)
+    assert missed == await MemoryForum(world, "ada").changes(before)
+    assert await ada.changes(before, limit=2) == missed[:2]
+    assert await ada.changes(newest) == ()
+    listening = Listening(ada, missed[1].id)
+    await listening.until(1)
+    await post(world, "four")
+    await listening.until(2)
+    assert listening.texts == ["three", "four"], "each once: not again what was handled before"
+    assert forum.asked == 0
+    await asyncio.gather(rex.end(), listening.end())
+
+
+@pytest.mark.parametrize(
+    ("constant", "value"), [("MOST_KEPT", 1), ("KEPT_S", 0.0), ("ALIVE_S", 0.0)], ids=["many", "old", "silent"]
+)
+async def test_what_the_stream_may_lack_is_read_from_the_forum(
+    world: MemoryWorld, monkeypatch: pytest.MonkeyPatch, constant: str, value: float
+) -> None:
+    monkeypatch.setattr(shared_events, constant, value)
+    shared = SharedEvents()
+    rex, before = await listening_to_all(world, shared, CountedForum(world, "rex"), "one", "two", "three")
+    forum = CountedForum(world, "ada")
+    ada = shared.of(forum)
+    await ada.now()
+    assert await ada.changes(before) == await MemoryForum(world, "ada").changes(before)
+    assert forum.asked == 1
+    listening = Listening(ada, before)
+    await listening.until(3)
+    assert listening.texts[:3] == ["one", "two", "three"]
+    await asyncio.gather(rex.end(), listening.end())
+
+
+class HeldForum(CountedForum):
+    """Its stream delivers a post that says "held" only when `released`."""
+
+    released: asyncio.Event
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        async for event in super().stream(after, heartbeat_s):
+            if event.post is not None and event.post.raw == "held":
+                await self.released.wait()
+            yield event
+
+
+async def test_a_stop_that_the_stream_has_not_delivered_yet_is_read_from_the_forum(world: MemoryWorld) -> None:
+    shared, held = SharedEvents(), HeldForum(world, "rex")
+    held.released = asyncio.Event()
+    rex, before = await listening_to_all(world, shared, held, "one")
+    await post(world, "held")
+    ada = shared.of(CountedForum(world, "ada"))
+    await ada.now()
+    assert [event.post.raw for event in await ada.changes(before) if event.post] == ["one", "held"]
+    held.released.set()
+    await rex.until(3)
+    assert [event.post.raw for event in await ada.changes(before) if event.post] == ["one", "held"]
+    await rex.end()
+
+
+class UnwrittenStops(CountedForum):
+    """Announces a stop that it could not write after each post; its event has the id of the one before."""
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        async for event in super().stream(after, heartbeat_s):
+            yield event
+            if event.post is not None:
+                yield replace(event, kind=EventKind.ROBOT_STOP, post=None, robot="ada")
+
+
+async def test_a_stop_that_the_forum_could_not_write_is_among_what_was_missed(world: MemoryWorld) -> None:
+    shared = SharedEvents()
+    rex, _ = await listening_to_all(world, shared, UnwrittenStops(world, "rex"), "one", "two")
+    _, one, two = await MemoryForum(world, "rex").changes(BEFORE_ALL)
+    ada = shared.of(CountedForum(world, "ada"))
+    await ada.now()
+    stop, then, *_ = await ada.changes(one.id)
+    assert (stop.kind, stop.robot, then) == (EventKind.ROBOT_STOP, "ada", two)
+    await rex.end()
 
 
 async def test_a_stream_that_is_cut_is_opened_once_again_for_everybody(world: MemoryWorld) -> None:

@@ -62,9 +62,7 @@ from agentrob.agent.understanding.understand import Assessor
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import (
     ForumError,
-    ForumMalformed,
     ForumNotFound,
-    ForumUnreachable,
     JournalError,
     RobotError,
     RobotUnreachable,
@@ -258,7 +256,6 @@ class RobotAgent:
         if not self._me.speaks_for(self.name):
             _log.warning("this account is not the robot's own: its status cards do not count",
                          robot=self.name, account=self._me.name, kind=str(self._me.kind))  # fmt: skip
-        await self.owner.learn_page()
         await self.known_robots.list_robots()
         newest = await retry_until_answered(self.event_stream.set_clock)
         begun = await self.journal.get_time("watermark")
@@ -313,17 +310,10 @@ class RobotAgent:
 
     async def _catch_up(self) -> None:
         """Receive the events that were missed; `ForumNotFound` as `EventStream.events`."""
-        while events := await retry_until_answered(self._missed):
+        while events := await retry_until_answered(self.event_stream.missed):
             for event in events:
                 self.event_stream.cursor = event.id
                 self._handle_event_safely(event)
-
-    async def _missed(self) -> Sequence[Event]:
-        """The events that were missed. A malformed answer counts as unreachable: no command continues without them."""
-        try:
-            return await self.forum.changes(self.event_stream.cursor)
-        except ForumMalformed as e:
-            raise ForumUnreachable(str(e)) from None
 
     async def _look_back(self, since: datetime, until: datetime) -> None:
         """Reply to posts of a time whose events the forum no longer sends, and close claims of a journal that was
@@ -597,8 +587,8 @@ class RobotAgent:
         task."""
         return self.stop_handler.stop_now(by, posted_at)
 
-    def _stop_reply(self, reply: StopReply) -> str:
-        how = self.owner.how_to_release(reply.language)
+    async def _stop_reply(self, reply: StopReply) -> str:
+        how = await self.owner.how_to_release(reply.language) if reply.halted else ""
         text = reply_text.stop_reply(
             reply.result, reply.language, reply.ended, reply.halted, reply.folded, how, reply.taken
         )

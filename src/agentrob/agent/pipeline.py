@@ -289,7 +289,7 @@ class Pipeline:
     async def _state_text(self, language: Language) -> str:
         try:
             state = await self.driver.state()
-            more = self.owner.of_state(state, language)
+            more = await self.owner.of_state(state, language)
             return "\n\n".join([reply_text.state_text(state, len(self.queue) - 1, language), *more])
         except RobotError as e:
             return reply_text.state_text(None, len(self.queue) - 1, language, str(e))

@@ -1,7 +1,8 @@
 """Receive the events of a forum once for all agents of a worker, instead of once for each.
 
 The accounts of the agents differ, so each stream is shared only by accounts that may read the same: on the board, those
-of the same role. Everything else, including what an agent missed, is read with the agent's own account.
+of the same role. An agent that takes over a robot gets the events that it missed from the stream, too, if the stream
+still has them all; otherwise it reads them with its own account.
 
 Most posts of a fleet are reports of its robots, which no agent obeys (law 1). Agents are not woken for each of them,
 but handle those of up to `LAZY_S` together; that a robot was stopped, which stops the other parts of a joint command,
@@ -25,8 +26,15 @@ from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreach
 from agentrob.forums.protocol import Event, Forum
 from agentrob.model import CommandState, EventKind, Role
 
-#: Events of this long are given to a new listener again, since its own reading of what it missed may be older.
+#: For how long, and how many, events are kept for agents that take over a robot.
+KEPT_S, MOST_KEPT = 60.0, 5_000
+#: Events of this long are given again to a listener that read what it missed with its own account: that reading may be
+#: older.
 OVERLAP_S = 5.0
+#: A stream that delivered nothing for this long, no heartbeat either, may lack the newest events.
+ALIVE_S = 1.0
+#: For how long an account's role is taken to be the same.
+ROLE_S = 10.0
 #: An agent that does not handle this many events is cut off from the stream and reads them from the forum later.
 MOST_WAITING = 10_000
 #: How long a post of a robot may wait until it is handled: less than between two heartbeats, which it may replace.
@@ -49,11 +57,14 @@ class SharedEvents:
 
 
 class AccountEvents:
-    """Fulfils `forums.protocol.Events` for one account: `stream` is shared with others, the rest is its own."""
+    """Fulfils `forums.protocol.Events` for one account. `stream` and, where possible, `changes` are shared."""
 
     def __init__(self, forum: Forum, streams: dict[Role, _Stream]) -> None:
         self._forum = forum
         self._streams = streams
+        self._role, self._role_s = Role.GUEST, -math.inf
+        #: The newest event when `now` was asked, which the stream must have reached; empty once it has.
+        self._newest: str | None = None
 
     @property
     def live(self) -> bool:
@@ -64,23 +75,28 @@ class AccountEvents:
         return self._forum.fastest_poll_s
 
     async def now(self) -> tuple[str, datetime]:
-        return await self._forum.now()
+        self._newest, at = await self._forum.now()
+        return self._newest, at
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        stream = self._streams.get(await self._current_role()) if self._streams else None
+        if stream is not None and (events := self._kept_after(stream, after)) is not None:
+            return tuple(events[:limit])
         return await self._forum.changes(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        role = (await self._forum.me()).role
-        stream = self._streams.setdefault(role, _Stream())
-        listener = stream.join(self._forum, heartbeat_s)
+        stream = self._streams.setdefault(await self._current_role(), _Stream())
+        missed = self._kept_after(stream, after)
+        listener = stream.join(self._forum, heartbeat_s, missed)
         try:
             await listener.opened()
             read: set[_EventKey] = set()
-            while events := await self._forum.changes(after):
-                for event in events:
-                    read.add(_key(event))
-                    after = event.id
-                    yield event
+            if missed is None:
+                while events := await self._forum.changes(after):
+                    for event in events:
+                        read.add(_key(event))
+                        after = event.id
+                        yield event
             caught_up_s = time.monotonic()
             async for event in listener.events():
                 if event.kind is EventKind.HEARTBEAT:
@@ -92,14 +108,29 @@ class AccountEvents:
         finally:
             stream.leave(listener)
 
+    def _kept_after(self, stream: _Stream, after: str) -> list[Event] | None:
+        """The events that the stream has after one; None if it may lack one that `now` had reported, such as a stop."""
+        events = stream.events_after(after)
+        if events is None or self._newest is None:
+            return None
+        if self._newest and self._newest not in (after, *(event.id for event in events)):
+            return None
+        self._newest = ""
+        return events
+
+    async def _current_role(self) -> Role:
+        if time.monotonic() - self._role_s > ROLE_S:
+            self._role, self._role_s = (await self._forum.me()).role, time.monotonic()
+        return self._role
+
 
 class _Listener:
     """What one agent has yet to handle."""
 
-    def __init__(self, forum: Forum, heartbeat_s: float, recent: list[Event]) -> None:
+    def __init__(self, forum: Forum, heartbeat_s: float, events: list[Event]) -> None:
         self.forum = forum
         self.heartbeat_s = heartbeat_s
-        self._queue: deque[Event] = deque(recent)
+        self._queue: deque[Event] = deque(events)
         self._error: ForumError | None = None
         self._open = False
         self._changed = asyncio.Event()
@@ -144,15 +175,32 @@ class _Stream:
 
     def __init__(self) -> None:
         self._listeners: dict[_Listener, None] = {}  # in the order in which they joined
+        #: The newest events and when each was delivered: all that came after the event `_kept_after`.
         self._recent: deque[tuple[float, Event]] = deque()
+        self._kept_after = ""
+        self._delivered_s = -math.inf
         self._open = False
         self._reading: asyncio.Task[None] | None = None
         self._reader: _Listener | None = None  # the listener with whose account it is read
         self._after = ""
         self._woken_s = -math.inf
 
-    def join(self, forum: Forum, heartbeat_s: float) -> _Listener:
-        listener = _Listener(forum, heartbeat_s, [event for _, event in self._recent])
+    def events_after(self, after: str) -> list[Event] | None:
+        """The events that came after one; None if the stream does not have all of them."""
+        if not self._open or time.monotonic() - self._delivered_s > ALIVE_S:
+            return None
+        recent = [event for _, event in self._recent]
+        if after == self._kept_after:
+            return recent
+        # After the first of this id: an event that the forum could not write has the id of the one before.
+        return next((recent[number + 1 :] for number, event in enumerate(recent) if event.id == after), None)
+
+    def join(self, forum: Forum, heartbeat_s: float, missed: list[Event] | None) -> _Listener:
+        """Listen from now on, to what was `missed` first; if that is not known, to the events of `OVERLAP_S`."""
+        if missed is None:
+            since_s = time.monotonic() - OVERLAP_S
+            missed = [event for delivered_s, event in self._recent if delivered_s >= since_s]
+        listener = _Listener(forum, heartbeat_s, missed)
         self._listeners[listener] = None
         if self._open:
             listener.open()
@@ -177,7 +225,8 @@ class _Stream:
             reader = self._reader = next(iter(self._listeners))
             begun_s = time.monotonic()
             try:
-                self._after = self._after or (await reader.forum.now())[0]
+                if not self._after:
+                    self._after = self._kept_after = (await reader.forum.now())[0]
                 async for event in reader.forum.stream(self._after, reader.heartbeat_s):
                     self._after = event.id or self._after
                     self._deliver(event)
@@ -204,9 +253,9 @@ class _Stream:
         self._close()
 
     def _deliver(self, event: Event) -> None:
-        now_s = time.monotonic()
-        while self._recent and self._recent[0][0] < now_s - OVERLAP_S:
-            self._recent.popleft()
+        now_s = self._delivered_s = time.monotonic()
+        while self._recent and (self._recent[0][0] < now_s - KEPT_S or len(self._recent) >= MOST_KEPT):
+            self._kept_after = self._recent.popleft()[1].id
         if event.kind is not EventKind.HEARTBEAT:
             self._recent.append((now_s, event))
         if not self._open:
@@ -223,7 +272,7 @@ class _Stream:
         self._recent.clear()
         self._open = False
         self._reading = self._reader = None
-        self._after = ""
+        self._after = self._kept_after = ""
 
 
 def _can_wait(event: Event) -> bool:

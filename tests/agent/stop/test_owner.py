@@ -343,3 +343,21 @@ async def test_law_17_where_the_forum_has_no_buttons_the_reply_names_the_command
         (reply,) = await owned.until(lambda: owned.replies(stop))
         assert how in reply.raw
         assert "Release" not in reply.raw
+
+
+class SlowPages(MemoryForum):
+    """A forum that does not tell the address of a robot's page."""
+
+    async def robot_page(self, robot: str) -> str:
+        await asyncio.Event().wait()
+        raise AssertionError
+
+
+async def test_law_17_a_forum_that_does_not_tell_the_robot_s_page_delays_neither_the_start_nor_the_reply(
+    owned: Scene,
+) -> None:
+    owned.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
+    async with owned.agent(forum=SlowPages(owned.world, ROBOT)):
+        stop = await owned.post("bob", "@quadruped emergency stop")
+        (reply,) = await owned.until(lambda: owned.replies(stop))
+        assert "with the button Release on my page, or with `agentrob release quadruped`" in reply.raw

@@ -6,13 +6,13 @@ import asyncio
 import math
 import time
 import traceback
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 import structlog
 
-from agentrob.errors import ForumError, ForumLimited, ForumNotFound
+from agentrob.errors import ForumError, ForumLimited, ForumMalformed, ForumNotFound, ForumUnreachable
 from agentrob.forums.protocol import Event, Events
 from agentrob.model import EventKind
 
@@ -171,6 +171,14 @@ class EventStream:
             self._hurry.clear()
 
     # ---------------------------------------------------------------- events
+    async def missed(self) -> Sequence[Event]:
+        """The first of the events after `cursor`; none if there are no more. Raises `ForumError`. A malformed answer
+        counts as unreachable: no command continues without these events."""
+        try:
+            return await self._forum.changes(self.cursor)
+        except ForumMalformed as e:
+            raise ForumUnreachable(str(e)) from None
+
     async def events(self) -> AsyncIterator[Event]:
         """Yield every event once and in order, without heartbeats. `ForumNotFound`: the cursor names no event."""
         wait_s, longest_s = _BACKOFF_S

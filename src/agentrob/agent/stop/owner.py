@@ -136,27 +136,29 @@ class OwnerActions:
         return True, message
 
     # ------------------------------------------------------------------ what replies say
-    async def learn_page(self) -> None:
-        """Ask the forum once for the address of the robot's page."""
-        if isinstance(self._forum, RobotControls) and not self._page:
-            with contextlib.suppress(ForumError, TimeoutError):
-                async with asyncio.timeout(ASK_S):
-                    self._page = await self._forum.robot_page(self._name)
+    async def how_to_release(self, language: Language) -> str:
+        return await self._how("release", language)
 
-    def how_to_release(self, language: Language) -> str:
-        return self._how("release", language)
+    async def how_to_home(self, language: Language) -> str:
+        return await self._how("home", language)
 
-    def how_to_home(self, language: Language) -> str:
-        return self._how("home", language)
-
-    def _how(self, action: OwnerAction, language: Language) -> str:
+    async def _how(self, action: OwnerAction, language: Language) -> str:
         owner = self._settings.owner
         who = say("agent.owner.named", language, owner=quote(owner)) if owner else say("agent.owner.any", language)
         if not isinstance(self._forum, RobotControls):
             return say(f"agent.how.{action}.shell", language, robot=self._name)
         page = say("agent.owner.page", language)
-        page = f"[{page}]({self._page})" if self._page else page
+        address = await self._page_address(self._forum)
+        page = f"[{page}]({address})" if address else page
         return say(f"agent.how.{action}", language, who=who, page=page, robot=self._name)
+
+    async def _page_address(self, forum: RobotControls) -> str:
+        """The address of the robot's page; empty if the forum does not tell it within `ASK_S`."""
+        if not self._page:
+            with contextlib.suppress(ForumError, TimeoutError):
+                async with asyncio.timeout(ASK_S):
+                    self._page = await forum.robot_page(self._name)
+        return self._page
 
     async def release_hints(self, report: Report) -> list[str]:
         """Paragraphs for a command that did not move because the robot is locked or has no home: who locked it, and how
@@ -171,19 +173,21 @@ class OwnerActions:
         if locked:
             # The driver's message says who, when and why if it refused a step, but not if it broke one off.
             already_said = language == "en" and bool(reasons & _LOCKED) and report.status is not CommandState.STOPPED
-            return [self.locked(None if already_said or state is None else state.lock, language)]
+            return [await self.locked(None if already_said or state is None else state.lock, language)]
         if homeless and not (state is not None and state.homed):
-            return [self.how_to_home(language)]
+            return [await self.how_to_home(language)]
         return []
 
-    def of_state(self, state: RobotState, language: Language) -> list[str]:
+    async def of_state(self, state: RobotState, language: Language) -> list[str]:
         """Paragraphs for the answer to "how are you"."""
-        paragraphs = [self.locked(state.lock, language)] if state.halted else []
-        return paragraphs + ([] if state.homed or self._settings.homes_itself else [self.how_to_home(language)])
+        homeless = not state.homed and not self._settings.homes_itself
+        paragraphs = [await self.locked(state.lock, language)] if state.halted else []
+        return paragraphs + ([await self.how_to_home(language)] if homeless else [])
 
-    def locked(self, lock: Lock | None, language: Language) -> str:
+    async def locked(self, lock: Lock | None, language: Language) -> str:
         """Say who locked the robot, why and since when, and how to release it."""
-        return join_sentences(([lock_text(lock, language)] if lock else []) + [self.how_to_release(language)], language)
+        how = await self.how_to_release(language)
+        return join_sentences(([lock_text(lock, language)] if lock else []) + [how], language)
 
     async def _state(self) -> RobotState | None:
         try:

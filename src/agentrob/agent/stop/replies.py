@@ -69,7 +69,7 @@ class StopReplies:
         driver: DriverClient,
         settings: RobotConfig,
         now: Callable[[], datetime],
-        render: Callable[[StopReply], str],
+        render: Callable[[StopReply], Awaitable[str]],
         settled: Callable[[], Awaitable[object]],
         on_stop: Callable[[StopResult | None], None] = lambda _: None,
     ) -> None:
@@ -168,7 +168,7 @@ class StopReplies:
         reply.result = await asyncio.shield(stopping)
         if reply.halted and reply.result is not None and reply.result.message == ONLY_STOPPED:
             reply.halted = None
-        text = self._render(reply)
+        text = await self._render(reply)
 
         async def write() -> Written:
             return await self._forum.reply(post.topic_id, text, key=f"stop:{post.id}", reply_to=post.id)
@@ -187,6 +187,6 @@ class StopReplies:
             return
         reply.edits += 1
         try:
-            await self._forum.edit(reply.post_id, self._render(reply))
+            await self._forum.edit(reply.post_id, await self._render(reply))
         except ForumError as e:
             _log.info("stop reply not updated", error=str(e))
