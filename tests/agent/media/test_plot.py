@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from agentrob.agent.media import plot
+from agentrob.board.content import images
 from agentrob.model import Op, Primitive
 
 
@@ -24,6 +25,12 @@ def test_a_path_is_drawn_as_a_picture(results: list[Any]) -> None:
     drawn = plot.path_plot(results)
     assert drawn is not None
     assert Image.open(io.BytesIO(drawn)).size == (800, 600)
+
+
+def test_the_board_keeps_a_plot_as_it_is_and_need_not_encode_it_again(results: list[Any]) -> None:
+    drawn = plot.path_plot(results)
+    assert drawn is not None
+    assert images.check(drawn)[1] == drawn
 
 
 def test_without_matplotlib_there_is_no_plot_and_no_error(results: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -105,7 +105,9 @@ def _path_canvas() -> tuple[Any, Any]:
 def _png(figure: Any) -> bytes:
     """The drawn figure. Compressing takes 30 % less time than by default, for a quarter more bytes."""
     picture = io.BytesIO()
-    figure.savefig(picture, format="png", facecolor=_CARD, pil_kwargs={"compress_level": 3})
+    figure.savefig(
+        picture, format="png", facecolor=_CARD, metadata={"Software": None}, pil_kwargs={"compress_level": 3}
+    )
     return picture.getvalue()
 
 
