@@ -58,11 +58,13 @@ END_S = 120.0
 TAKEOVER_S, STOP_MS = 15.0, 200.0
 #: How long until robots that were just taken are idle.
 SETTLE_S = 5.0
+#: How long the last stops have to reach their robots.
+LAST_STOPS_S = 3.0
 #: How often a line says how far it is.
 PROGRESS_S = 30.0
-#: The size that issue 17 asks for, on a machine of two cores.
+#: The size that issue 17 asks for, at a rate that two cores can carry out.
 FULL = {
-    "postgres": True, "robots": 200, "workers": 4, "commands": 10_000, "rate": 4.0, "kills": 60, "database_kills": 5,
+    "postgres": True, "robots": 200, "workers": 4, "commands": 10_000, "rate": 2.5, "kills": 60, "database_kills": 5,
     "minutes": 110.0, "idle": 30.0,
 }  # fmt: skip
 WRONG = ("lost", "moved twice", "answered twice", "untrue")
@@ -340,6 +342,7 @@ class Traffic:
         await asyncio.gather(*(self._post(forum) for _ in range(POSTERS)))
         stopping.cancel()
         await asyncio.gather(stopping, return_exceptions=True)
+        await asyncio.sleep(LAST_STOPS_S)
         watching.cancel()
         await asyncio.gather(watching, return_exceptions=True)
 
