@@ -296,7 +296,7 @@ class Fleet:
         terminate_all(self._children)
 
     def steps(self) -> Iterator[dict[str, Any]]:
-        """What reached the robots."""
+        """The steps and stops that reached the robots."""
         with self.ledger.open() as lines:
             yield from map(json.loads, lines)
 
@@ -410,7 +410,7 @@ class Traffic:
 
 @dataclass
 class Findings:
-    """What the forum told, beside what reached the robots."""
+    """The forum's replies compared with the steps that reached the robots."""
 
     states: Counter[str] = field(default_factory=Counter)
     #: Posts by what is wrong with them.
@@ -424,7 +424,7 @@ class Findings:
 
 @dataclass
 class RobotMotion:
-    """What reached one robot: its stops, and from when until when it moved."""
+    """The stops that reached one robot, and from when until when it moved."""
 
     stops_s: list[float] = field(default_factory=list)
     moves_s: list[tuple[float, float]] = field(default_factory=list)

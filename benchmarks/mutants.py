@@ -77,7 +77,7 @@ SELECTED = "not slow and not sim"
 
 @dataclass
 class Baseline:
-    """What the tests of a file do without a change."""
+    """The result of a file's tests without a change."""
 
     lines: dict[str, set[int]] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)

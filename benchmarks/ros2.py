@@ -45,7 +45,7 @@ WANTED_M, WANTED_DEG, WANTED_MS = 0.05, 4.0, 50.0
 
 
 class Error(NamedTuple):
-    """What the truth says: metres along and across the way, and degrees."""
+    """The true error: metres along and across the way, and degrees."""
 
     along_m: float
     across_m: float

@@ -1,4 +1,4 @@
-"""What a measured value may differ from the requested one: the tolerance within which the driver calls a step done."""
+"""How much a measured value may differ from the requested one: the tolerance of the driver for a step that is done."""
 
 from __future__ import annotations
 

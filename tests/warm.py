@@ -1,5 +1,5 @@
-"""What an agent's process loads before it serves: the fork server of `tests/forked_process.py` imports this module, so
-that its children have it. It takes 1.5 s of CPU.
+"""The imports of an agent's process: the fork server of `tests/forked_process.py` imports this module, so that its
+children have them. They take 1.5 s of CPU.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the board counts, on an address of its own."""
+"""The board's metrics, on an address of its own."""
 
 from __future__ import annotations
 

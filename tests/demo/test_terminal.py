@@ -1,4 +1,4 @@
-"""What the demo shows on a terminal, which port it takes, and when it opens a browser."""
+"""The demo's output on a terminal, its port, and when it opens a browser."""
 
 from __future__ import annotations
 

@@ -18,7 +18,8 @@ _NAMED = re.compile(r"test_laws?_((?:\d+_|and_)+)")
 
 @dataclass(frozen=True)
 class Law:
-    """What docs/safety/laws.md says of a law: what its tests show, its code, the tests named after it, and others."""
+    """An entry of docs/safety/laws.md: the properties that its tests show, its code, the tests named after it,
+    others."""
 
     shown: list[str]
     code: list[str]

@@ -1,4 +1,4 @@
-"""What approves and denies, and above all what does not: in doubt a post approves nothing."""
+"""Posts that approve and deny, and above all those that do not: in doubt a post approves nothing."""
 
 from __future__ import annotations
 

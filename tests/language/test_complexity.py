@@ -21,7 +21,7 @@ DOCS = sorted((Path(__file__).parents[2] / "docs").rglob("*.md"))
 
 
 def spent_s(text: str) -> float:
-    """What it costs an agent to hear whether a text is a stop; the best of two, since others use the machine."""
+    """The time that an agent needs to decide whether a text is a stop: the best of two, as others use the machine."""
     costs = []
     for n in range(2):
         begun_s = time.thread_time()

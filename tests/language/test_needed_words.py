@@ -1,4 +1,4 @@
-"""What a text must contain to match a pattern: no match is ever missed because of it."""
+"""The words that a text must contain to match a pattern: no match is ever missed because of them."""
 
 from __future__ import annotations
 

@@ -183,7 +183,7 @@ JOINED = {"en": (", ", " and ", ", then ", " ", ". ", "; "), "zh": ("，", "然�
 
 @pytest.mark.parametrize("first", ROUTINES)
 def test_law_18_what_follows_a_routine_is_done_after_it_or_nothing_is(first: str) -> None:
-    """What follows is never dropped, except that a length may be the size of a figure that has none yet."""
+    """The motions after a routine are never dropped, but a length may be the size of a figure that has none yet."""
     language = "en" if first.isascii() else "zh"
     alone = ask(first)[2]
     for joint in JOINED[language]:

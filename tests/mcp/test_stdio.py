@@ -88,7 +88,7 @@ async def test_a_line_that_is_not_a_message_is_answered_and_the_next_one_read(
 
 @pytest.fixture(params=["pipe", "socket"])
 def ends(request: pytest.FixtureRequest) -> Iterator[tuple[BinaryIO, BinaryIO, BinaryIO, BinaryIO]]:
-    """What a server reads and writes, and what its client writes and reads: pipes, or sockets as Node gives them."""
+    """The ends that a server reads and writes, and those that its client does: pipes, or sockets as Node gives them."""
     with contextlib.ExitStack() as stack:
         if request.param == "pipe":
             (source, into), (out, target) = os.pipe(), os.pipe()

@@ -1,4 +1,4 @@
-"""What every process uses: configuration, host locks, child processes."""
+"""Shared by every process: configuration, host locks, child processes."""
 
 import os
 import signal

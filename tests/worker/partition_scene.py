@@ -136,7 +136,7 @@ class Worker:
             await self._reading
 
     def late(self, settings: RobotConfig, leased: dict[str, Any]) -> dict[str, str]:
-        """What the driver answers on this host to a worker that still has this old lease's number, or none."""
+        """The driver's answers on this host to a worker that still has this old lease's number, or none."""
         facts = json.dumps([settings.model_dump(mode="json"), leased["store"], leased["number"]])
         command = self.host.inside(sys.executable, late_worker.__file__, ROBOT, facts)
         done = subprocess.run(command, env=self._env, capture_output=True, text=True, timeout=LIMIT_S, check=False)

@@ -1,4 +1,4 @@
-"""What a worker counts, without names of people or texts of posts."""
+"""A worker's metrics, without names of people or texts of posts."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ LOST_DATABASE = ("database", "database and forum")
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What the scene reports. Without root it runs in a user namespace of its own, under the same user id, because
+    """The scene's report. Without root it runs in a user namespace of its own, under the same user id, because
     PostgreSQL refuses to run as root."""
     mine = ["--user", "--map-current-user", "--keep-caps"] if os.getuid() else []
     folder = tmp_path_factory.mktemp("partition")

@@ -49,7 +49,7 @@ class Workers:
             process.close()
 
     def ledger(self) -> list[dict[str, Any]]:
-        """What reached the robot, in order."""
+        """The steps and stops that reached the robot, in order."""
         lines = self._ledger.read_text().splitlines() if self._ledger.exists() else []
         return [json.loads(line) for line in lines]
 

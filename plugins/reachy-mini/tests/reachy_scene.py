@@ -1,4 +1,4 @@
-"""What the tests of a Reachy Mini share: steps, and how they wait."""
+"""Shared by the tests of a Reachy Mini: steps, and how they wait."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What people write to a Reachy Mini is understood in both languages, from the declarations alone."""
+"""Posts to a Reachy Mini are understood in both languages, from the declarations alone."""
 
 from __future__ import annotations
 

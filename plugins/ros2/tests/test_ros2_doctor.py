@@ -1,4 +1,4 @@
-"""What the doctor finds of a base that no driver holds: the domain, topics, QoS and state."""
+"""The doctor examines a base that no driver holds: the domain, topics, QoS and state."""
 
 from __future__ import annotations
 

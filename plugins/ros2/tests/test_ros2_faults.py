@@ -1,4 +1,4 @@
-"""What a ROS 2 base does, with its guard, when something is wrong: lost link, frozen state, refused command, wrong
+"""Faults of a ROS 2 base with its guard: lost link, frozen state, refused command, wrong
 units, obstacles, another program that drives it. Its simulated world tells what really happened."""
 
 from __future__ import annotations

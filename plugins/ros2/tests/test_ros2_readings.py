@@ -1,4 +1,4 @@
-"""What messages say: ranges of a scan, attitude, charge, transforms. What is not plausible is unknown."""
+"""Readings of messages: ranges of a scan, attitude, charge, transforms. Implausible values are unknown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the arm does, with its guard, when something is wrong: lost link, frozen state, refused commands, wrong units,
+"""Faults of the arm with its guard: lost link, frozen state, refused commands, wrong units,
 keep-out boxes, limits, somebody else who moves it. Its simulated world tells what really happened."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What people write to the arm in both languages, understood from its declarations alone."""
+"""Posts to the arm are understood in both languages, from its declarations alone."""
 
 from __future__ import annotations
 

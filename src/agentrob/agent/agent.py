@@ -207,7 +207,7 @@ class RobotAgent:
             try:
                 await self.inbox.take_waiting()
                 await self.schedules.step()
-                # What waits for an approval or another robot, or until we may write again, waits on next time.
+                # Commands that wait for an approval, another robot or the right to write continue to wait next time.
                 while busy := self.tasks.running - self.queue.asking() - self.pipeline.writes.tasks:
                     await asyncio.wait(busy, timeout=0.2)
                 await self.pipeline.summaries.step()

@@ -22,7 +22,7 @@ from agentrob.robots.driver.client import DriverClient
 
 
 class LiveView:
-    """What the pages of a forum show of one robot, and its recorder; on other forums only the recorder.
+    """One robot's live data on the pages of a forum, and its recorder; on other forums only the recorder.
 
     `folder` is the robot's own. `sees` are the things that its detector knows, `scheduled` returns what its card says
     of schedules, `room_entry` for whom it waits in its room.
@@ -66,7 +66,7 @@ class LiveView:
         return Camera(pages, name, settings.room_camera, lambda: self._queue.moving is not None, seen)
 
     def tasks(self) -> Sequence[Callable[[], Awaitable[None]]]:
-        """What runs as long as the agent serves."""
+        """The tasks that run as long as the agent serves."""
         shown = (self._presence, self._camera, self.poses if self._live else None)
         return [part.run for part in shown if part is not None]
 

@@ -426,7 +426,7 @@ class Pipeline:
 
     async def _wait_for_room(self, job: QueuedCommand, plan: Plan) -> bool:
         """Wait, before anything begins, until no other robot moves in the shared room. Return False if the command was
-        ended or expired meanwhile. What waiting does not change is left to the driver, which refuses the first step."""
+        ended or expired meanwhile. If waiting does not help, the driver refuses the first step."""
         left_s = self._expiry_s(job) - (time.monotonic() - job.queued_s)
         show = partial(self._show_wait, job, CommandState.QUEUED)
         hindrance = await job.unless_ended(self.motion.room.enter(plan.steps, show, lambda: job.ended, left_s))

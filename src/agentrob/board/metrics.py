@@ -11,7 +11,7 @@ from agentrob.process.metrics import new_registry
 
 
 class BoardMetrics:
-    """What one board process did. Requests are counted by `RequestMetrics` in the same registry."""
+    """The counters of one board process. `RequestMetrics` counts requests in the same registry."""
 
     def __init__(self) -> None:
         self.registry = new_registry()

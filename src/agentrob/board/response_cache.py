@@ -42,7 +42,7 @@ class TopicCache:
         of it may have unbounded length.
         """
         key, version = (topic_id, asked), reader.topic_version(row_id(topic_id, "topic"))
-        if version[1] is None:  # its events were pruned, so that versions cannot be told apart
+        if version[1] is None:  # its events were pruned, so that versions cannot be distinguished
             return make()[0]
         if (found := self._kept.get(key)) is not None and found[0] == version:
             self._kept.move_to_end(key)

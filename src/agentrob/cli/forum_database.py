@@ -72,7 +72,7 @@ def reading(config: Path | None) -> Iterator[Connection]:
 
 
 def read(config: Path | None, query: Callable[[Reader], T]) -> T:
-    """What a query finds in the database now. Raises as `reading`."""
+    """The result of a query on the database. Raises as `reading`."""
     from agentrob.board.db.reader import Reader
 
     with reading(config) as connection:

@@ -15,7 +15,7 @@ from agentrob.config.section import Address, Section, Variable
 
 
 class MindLimitsConfig(Section):
-    """What one mind may use. 0 disables a limit.
+    """The token and cost limits of one mind. 0 disables a limit.
 
     `command_tokens` and `command_cost` bound one command, `day_tokens` and `day_cost` a UTC day; costs are in the
     currency of its price.

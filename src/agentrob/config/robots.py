@@ -92,7 +92,7 @@ class LookConfig(Section):
 
 
 class EyesConfig(Section):
-    """What finds things in the robot's camera picture without a language model ("turn to the red ball").
+    """How things are found in the robot's camera picture without a language model ("turn to the red ball").
 
     `detector` is `colours` (built in: plain colours, and balls, boxes and columns by their outlines), the name of an
     installed one, or empty for none; `options` are its own. `fov_deg` is the camera's vertical field of view, from
@@ -109,7 +109,7 @@ SCENE_CHARS = 2_000
 
 
 class RecordingConfig(Section):
-    """What is recorded of each command that moves a robot: its path, its speeds, and a short animation for the reply.
+    """Recordings of commands that move a robot: its path, its speeds, and a short animation for the reply.
 
     `view` selects the animation. `room`: from `room_camera`; `robot`: from the robot's own camera; `path`: the path on
     a map; `none`: no animation. `auto` shows the room if every reader of the thread may watch that camera live anyway

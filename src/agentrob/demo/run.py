@@ -77,7 +77,7 @@ class Demo:
     """A running demo, as a context manager. `url` and `children` are set after `start`."""
 
     def __init__(self, settings: DemoSettings, says: Callable[[str], None] = lambda _: None) -> None:
-        """`says` is told what is being started."""
+        """`says` is called with the name of what is being started."""
         self.settings, self.says = settings, says
         self.data = settings.data
         self.robots = settings.robots

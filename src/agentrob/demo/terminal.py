@@ -1,4 +1,4 @@
-"""What the demo shows on the terminal while it starts and when it runs, and the browser that it opens."""
+"""Show the progress of the demo on the terminal, and open the browser."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Eyes: what can be seen in a robot's camera picture, told by a detector without a language model."""
+"""Detect things in a robot's camera picture without a language model, and mark them in the picture."""

@@ -48,6 +48,6 @@ class Detector(Protocol):
 
 
 class DetectorFactory(Protocol):
-    """What an entry point names. Raises `ConfigError` for options that it does not know."""
+    """The class or function that an entry point names. Raises `ConfigError` for options that it does not know."""
 
     def __call__(self, options: Mapping[str, Any]) -> Detector: ...

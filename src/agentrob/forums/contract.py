@@ -1,4 +1,4 @@
-"""What every forum must do, as tests: inherit `ForumContract`, give it a `world`, and run pytest.
+"""The contract of every forum, as tests: inherit `ForumContract`, give it a `world`, and run pytest.
 
     class TestMyForum(ForumContract):
         @pytest.fixture
@@ -409,7 +409,7 @@ class ForumContract:
 
 
 class KeyedEditsContract:
-    """What a forum with `KeyedEdits` must do too; needs the `world` of `ForumContract`."""
+    """The further contract of a forum with `KeyedEdits`; needs the `world` of `ForumContract`."""
 
     async def test_an_edit_under_a_key_is_made_once(self, world: World) -> None:
         robot, bob = await world.sign_in("quadruped", kind=AccountKind.ROBOT_AGENT), await world.sign_in("bob")

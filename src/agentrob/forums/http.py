@@ -1,4 +1,4 @@
-"""What all HTTP adapters share: user agent, origin check, server clock, retry delays, error translation."""
+"""Shared by all HTTP adapters: user agent, origin check, server clock, retry delays, error translation."""
 
 from __future__ import annotations
 

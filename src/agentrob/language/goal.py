@@ -9,7 +9,7 @@ from agentrob.model import Primitive
 
 
 class Aim(StrEnum):
-    """What a part of a goal asks for. All but `home` and `step` need a camera; `see` asks whether and where something
+    """The kind of a part of a goal. All but `home` and `step` need a camera; `see` asks whether and where something
     is in view, `colours` what colours are."""
 
     APPROACH = "approach"
@@ -40,7 +40,7 @@ class Subgoal:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What to reach or describe; the steps towards it are decided on the way."""
+    """A goal to reach or describe; the steps towards it are decided on the way."""
 
     tasks: tuple[Subgoal, ...]
 

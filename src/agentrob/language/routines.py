@@ -12,8 +12,8 @@ from agentrob.model.estimate import seconds_of
 
 
 class Routine(StrEnum):
-    """What is asked for by one name and done in several steps. The size of a square and of a patrol is a side, that of
-    a circle its diameter, or its radius if that was said."""
+    """A motion that is requested by one name and done in several steps. The size of a square and of a patrol is a side,
+    that of a circle its diameter, or its radius if that was said."""
 
     DANCE = "dance"
     SQUARE = "square"

@@ -187,7 +187,7 @@ class Changes(_Result):
 
 
 class ForumFacts(_Result):
-    """What a forum adapter needs to know about the forum behind the server."""
+    """The facts about the forum behind the server that a forum adapter needs."""
 
     account: AccountInfo
     event: str

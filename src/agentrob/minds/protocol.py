@@ -39,7 +39,7 @@ class Mind(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was understood from a post, and how: for reports and records (law 19).
+    """The understanding of a post and how it was reached, for reports and records (law 19).
 
     `mind` is the mind that answered in the end. `usage` has one entry per question to a model, including failed ones.
     `fallback` is why the mind that was asked first did not answer (an `ErrorKind`), empty if it did.

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class AccountKind(StrEnum):
-    """What stands behind an account. Robot and monitoring agents are never obeyed."""
+    """The kind of user behind an account. Robots never obey robot agents and monitoring agents."""
 
     HUMAN = "human"
     COMMANDING_AGENT = "commanding_agent"
@@ -17,7 +17,7 @@ class AccountKind(StrEnum):
 
 
 class Role(StrEnum):
-    """What an account may do, each what those before it may and more.
+    """The rights of an account; each role has those of the roles before it and more.
 
     Guests look and stop, members also write, operators command, moderators hide, lock and move what others wrote,
     admins run the forum.

@@ -1,4 +1,4 @@
-"""What a post wants of a robot."""
+"""Commands: a post, its intent, and how a mind understood it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Language = str
 
 
 class Intent(StrEnum):
-    """What a post wants of the robot. Only `command` moves anything."""
+    """The purpose of a post. Only `command` moves anything."""
 
     COMMAND = "command"
     STOP = "stop"
@@ -33,7 +33,7 @@ class Intent(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Understanding:
-    """What a mind made of a post. `question` is the sentence to ask back or greet with, in `language`.
+    """A mind's reading of a post. `question` is the sentence to ask back or greet with, in `language`.
 
     `cancels`: its author's earlier commands that have not begun are not wanted any more ("never mind, turn left").
     `looks`: a question that a photo answers, where one may be taken ("what do you see?"); `question` is said where not.
@@ -72,8 +72,8 @@ class Command:
 
     @property
     def key(self) -> str:
-        """What it is claimed and carried out under, once: its post, of a scheduled run also its time, and of a further
-        part of a post its number."""
+        """The key under which it is claimed and carried out, once: its post; for a scheduled run also the time, and for
+        a further part of a post also its number."""
         if self.further:
             return f"{self.post_id}#{self.part}"
         return self.post_id if self.run is None else f"{self.post_id}@{self.run.at:%Y%m%dT%H%M%SZ}"

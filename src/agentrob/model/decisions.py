@@ -1,4 +1,4 @@
-"""What may happen: the verdict of the screen, and the most that a command may use up."""
+"""The verdict of the screen, and the limits of a command that it allows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Verdict:
 
 @dataclass(frozen=True, slots=True)
 class Mandate:
-    """What a screened command may use up at most (law 7): calls per operation, metres, degrees, seconds, steps.
+    """The most that a screened command may use up (law 7): calls per operation, metres, degrees, seconds, steps.
 
     `speed_mps` bounds each walk and `motions` the steps that move, where they are given.
     """

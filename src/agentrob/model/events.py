@@ -6,7 +6,8 @@ from enum import StrEnum
 
 
 class EventKind(StrEnum):
-    """What an event reports. `heartbeat` is never stored: it only proves that the event stream is alive."""
+    """The kind of change that an event reports. `heartbeat` is never stored: it only proves that the event stream is
+    alive."""
 
     POST_CREATED = "post.created"
     POST_EDITED = "post.edited"

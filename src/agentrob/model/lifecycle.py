@@ -29,7 +29,7 @@ class CommandState(StrEnum):
     CANCELLED = "cancelled"  # before it was done, by something other than a stop
     EXPIRED = "expired"
     ANSWERED = "answered"  # it asked for nothing that moves
-    HANDLED_ELSEWHERE = "handled_elsewhere"  # another agent of the same account told its end
+    HANDLED_ELSEWHERE = "handled_elsewhere"  # another agent of the same account reported its end
     # final states of a post that is not a command
     STOP = "stop"
     NOTHING = "nothing"

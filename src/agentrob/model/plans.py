@@ -1,4 +1,4 @@
-"""What a robot is asked to do: steps and plans."""
+"""Steps and plans: the motions that a robot is to make."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Primitive:
         return getattr(self, name) if name in FIELDS else dict(self.arguments).get(name)
 
     def asked(self) -> dict[str, Any]:
-        """What is asked, as data: only the fields that this operation has."""
+        """The step as data, with only the fields that its operation has."""
         fields = {name: getattr(self, name) for name in FIELDS} | dict(self.arguments)
         return {k: (str(v) if isinstance(v, StrEnum) else v) for k, v in fields.items() if v is not None}
 

@@ -1,4 +1,4 @@
-"""What happened: steps, stops and whole commands, asked beside measured."""
+"""Results of steps, stops and whole commands: requested beside measured."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class ActionResult:
 
 @dataclass(frozen=True, slots=True)
 class StopResult:
-    """What a stop did.
+    """The result of a stop.
 
     `latency_ms`: from asked to zero velocity commanded. `confirmed`: the robot's own state shows rest. `ended_s`: what
     was accepted until then, by the monotonic clock of the driver's host, is over.

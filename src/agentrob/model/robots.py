@@ -1,4 +1,4 @@
-"""What a robot can do and what it says of itself."""
+"""A robot's capabilities and state."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What a robot can do, readable before it is connected. `model` is go2, g1, fake, …
+    """A robot's operations and limits, readable before it is connected. `model` is go2, g1, fake, …
 
     `ops` are the names of its operations: the built-in ones that it has, and those that it declares. `declared` are
     its own operations, and built-in ones that it does in a way of its own (`dataclasses.replace` of the built-in
@@ -104,7 +104,7 @@ def _check_declaration(operation: Operation) -> None:
 
 
 def _form(operation: Operation) -> tuple[object, ...]:
-    """What a robot's declaration of a built-in operation may not change."""
+    """The parts of a built-in operation that a robot's own declaration of it may not change."""
     return operation.action_class, operation.arguments, operation.base_motion
 
 
@@ -133,7 +133,7 @@ class Lock:
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """What is known of a robot now. `None` means unknown, and unknown is never taken as good.
+    """The last known state of a robot. `None` means unknown, and unknown is never taken as good.
 
     `age_s`: age of the newest state message. `ranges_m`: front, left, back, right. `mode`: idle, walking, gesture,
     sitting, lying, damping, locked, fallen, unknown. `halted`: it refuses all motion, and `lock` says since when.

@@ -78,7 +78,7 @@ def geometry_preview(request: PreviewRequest, capabilities: Capabilities, missin
 
 
 def _steps(request: PreviewRequest, capabilities: Capabilities) -> tuple[tuple[RehearsedStep, ...], float]:
-    """What the guard would say of each step by geometry and limits alone, until the first that it refuses."""
+    """The guard's decision on each step by geometry and limits alone, until the first that it refuses."""
     fence = Fence(request.settings.fence, Pose(0.0, 0.0, 0.0))
     at = seen_from(request.home, request.start) if request.start is not None else None
     found, seconds = list[RehearsedStep](), 0.0

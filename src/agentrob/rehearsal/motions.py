@@ -1,4 +1,4 @@
-"""How the simulated bodies are told to walk and to gesture, through the same services that answer a driver on DDS."""
+"""Command the simulated bodies to walk and to gesture, through the same services that answer a driver on DDS."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Motions(Protocol):
 
     @property
     def flipping(self) -> bool:
-        """Whether it may be upside down because it was told to."""
+        """Whether it was commanded to be upside down."""
         ...
 
     def walk(self, velocity: Velocity) -> None: ...

@@ -1,4 +1,4 @@
-"""What a preview is asked and what it answers. Poses are in the frame of the robot's room unless they say otherwise."""
+"""The request and the result of a preview. Poses are in the frame of the robot's room unless they say otherwise."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Point = tuple[float, float, float]  # x in m, y in m, yaw in rad
 
 
 class Basis(StrEnum):
-    """What a preview is made of."""
+    """The basis of a preview."""
 
     SIMULATION = "simulation"
     GEOMETRY = "geometry"
@@ -51,7 +51,7 @@ class OtherRobot:
 class PreviewRequest:
     """The plan, and how the robot stands now.
 
-    `home` is where its home is in the room, `start` where it stands; `others_known` whether the forum told where other
+    `home` is where its home is in the room, `start` where it stands; `others_known` whether the forum said where other
     robots stand. `halted` is why it refuses all motion, empty if it
     does not. At least `least_runs` are made, and up to `most_runs` while they take no longer than `budget_s` in total.
     """
@@ -114,7 +114,7 @@ class Ending:
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """What a plan is expected to do. Without a simulation there is one run: the path as if every step were exact.
+    """The expected result of a plan. Without a simulation there is one run: the path as if every step were exact.
 
     `planned` is that path. `world` names the world file and its hash, `frames` are the poses and joint angles of the
     first run for the viewer: [seconds, x, y, yaw, height, tilt (w, x, y, z), joints …].
@@ -176,7 +176,7 @@ class Preview:
 
     @property
     def hash(self) -> str:
-        """What an approval is bound to: the plan, where it begins, the surroundings and what was found."""
+        """The hash to which an approval is bound: of the plan, its start, the surroundings and the findings."""
         data = _PREVIEW.dump_python(replace(self, frames=(), step_times_s=()), mode="json")
         return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 

@@ -49,7 +49,7 @@ OTHER_HEIGHT_M = {"go2": 0.40, "g1": 1.30}
 
 
 def capabilities_of(request: PreviewRequest) -> Capabilities:
-    """What the robot's driver says of it."""
+    """The robot's capabilities, as its driver declares them."""
     kind = g1_driver.G1 if request.settings.model == "g1" else go2_driver.Go2
     return kind.describe(request.settings)
 
@@ -73,7 +73,7 @@ def simulate(request: PreviewRequest, clock: Callable[[], float] = time.monotoni
 
 @dataclass
 class _Trace:
-    """What is kept of one run."""
+    """The trace of one run."""
 
     path: list[Point] = field(default_factory=list)
     touched: set[str] = field(default_factory=set)
@@ -216,7 +216,7 @@ def _with_others(scene: Scene, request: PreviewRequest) -> Scene:
 
 
 def _things(scene: Scene, model: str) -> Iterator[tuple[str, PlacedBody]]:
-    """What stands in the way of a robot of this height, by the names of the world file."""
+    """The obstacles for a robot of this height, by the names of the world file."""
     for thing in scene.thing:
         for body in thing.bodies():
             low_m, high_m = body.at_m[2] - body.size_m[-1], body.at_m[2] + body.size_m[-1]

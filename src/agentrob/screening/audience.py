@@ -1,8 +1,8 @@
-"""Find what of a post to several robots must be judged for one of them (pure).
+"""Find the part of a post to several robots that must be judged for one of them (pure).
 
-That is its own part, and everything that may also apply to it. Only what another robot is plainly told about its own
-place is left out: "@humanoid, there is a chair in front of you" says nothing about the other robots' way. If that is
-not clear, the whole post is judged.
+This includes its own part, and everything that may also apply to it. Only text that plainly addresses another robot
+about its own place is left out: "@humanoid, there is a chair in front of you" says nothing about the other robots' way.
+If that is not clear, the whole post is judged.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ class CommandService:
             self.metrics.ended(report)
             self._outbox.tell("command.ended", _of_report(report).model_dump(mode="json"))
         except Exception:
-            _log.error("end not told", post=report.command.post_id, trace=traceback.format_exc())
+            _log.error("end not reported", post=report.command.post_id, trace=traceback.format_exc())
         news, self._news = self._news, asyncio.Event()
         news.set()
 

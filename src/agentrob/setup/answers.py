@@ -1,4 +1,4 @@
-"""What `agentrob init` is to set up, from its dialogue or its options."""
+"""The choices for `agentrob init`, from its dialogue or its options."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def check_address(listen: str) -> None:
 
 
 class Services(StrEnum):
-    """What runs the processes: nothing, systemd for this user or for the machine, or Docker Compose."""
+    """The manager of the processes: none, systemd for this user or for the machine, or Docker Compose."""
 
     NONE = "none"
     USER = "user"

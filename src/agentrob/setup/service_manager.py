@@ -27,7 +27,7 @@ class SetupError(AgentRobError):
 
 @dataclass(slots=True)
 class Done:
-    """What a step did, and the commands that undo it."""
+    """The result of a step, and the commands that undo it."""
 
     did: list[str] = field(default_factory=list)
     undo: list[str] = field(default_factory=list)

@@ -497,7 +497,7 @@ def read_record(data: Path, robot: str, post_id: str) -> dict[str, Any]:
 
 
 def capabilities_of(model: str, settings: RobotConfig | None = None) -> Capabilities:
-    """What a kind of robot can do, without connecting to one."""
+    """The capabilities of a kind of robot, without a connection to one."""
     kind = find("robots", model)
     if not callable(getattr(kind, "describe", None)):
         raise ConfigError(f"the robot {model!r} has no describe(settings), which says what it can do: {kind!r}")

@@ -70,7 +70,7 @@ class ReaderProcess:
 
 @dataclass(frozen=True)
 class _Sight:
-    """What a robot's card says that its detector knows; the colours are not on it."""
+    """The things that a robot's detector knows, from its card, which does not list colours."""
 
     things: tuple[str, ...]
 
@@ -253,7 +253,7 @@ def _over(rule: str, limits: Limits, language: Language) -> str:
 
 
 def _question(understood: Understanding) -> str:
-    """What the robot would ask back, without what only a reply says ("I did not move")."""
+    """The question that the robot would ask, without the sentences of a reply ("I did not move")."""
     framed = say("ask.frame", understood.language, problem="\0", understood="\0", examples="\0")
     between = framed.split("\0")[1]
     return understood.question.replace(between, " " if between.startswith(" ") else "")

@@ -67,7 +67,8 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
 
 
 def _joint_facts(joint: JointCommand | JointProblem) -> dict[str, Any]:
-    """What a post is for its robots in which they wait for each other; whether each may is judged by its own agent."""
+    """The parts of a post whose robots wait for each other. Whether a robot may do its part is judged by its own
+    agent."""
     facts: dict[str, Any] = {"language": joint.language, "plan": [], "notes": [], "question": ""}
     if isinstance(joint, JointProblem):
         return {"intent": str(Intent.ASK_BACK), **facts, "question": f"{joint.question} {joint.example}"}

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class WorkerMetrics(WorkerObserver):
-    """What a worker and its agents did."""
+    """The counters of a worker and its agents."""
 
     def __init__(self) -> None:
         self.registry = new_registry()

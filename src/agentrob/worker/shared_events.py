@@ -125,7 +125,7 @@ class AccountEvents:
 
 
 class _Listener:
-    """What one agent has yet to handle."""
+    """The events that one agent has yet to handle."""
 
     def __init__(self, forum: Forum, heartbeat_s: float, events: list[Event]) -> None:
         self.forum = forum

@@ -33,7 +33,7 @@ _log = structlog.get_logger()
 
 
 class Agent(Protocol):
-    """What a worker needs of an agent (`agentrob.agent.agent.RobotAgent`)."""
+    """An agent as a worker uses it (`agentrob.agent.agent.RobotAgent`)."""
 
     async def run(self, on_ready: Callable[[], None] = ...) -> None: ...
 

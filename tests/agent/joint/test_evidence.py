@@ -1,4 +1,4 @@
-"""What follows from the cards of other robots (pure)."""
+"""Decisions by the cards of other robots (pure)."""
 
 from __future__ import annotations
 

@@ -92,7 +92,8 @@ class JointMachine(RuleBasedStateMachine):
         agent.seen[key] = post
 
     def view(self, agent: Agent, read: bool) -> list[Post]:
-        """What an agent knows: all of the thread if it reads it, else what it heard, in the order in which it came."""
+        """The posts that an agent knows: all of the thread if it reads it, else those that it received, in their
+        order."""
         if read:
             agent.seen = dict(self.thread)
         return evidence.part_posts(agent.seen.values(), next(iter(self.commands.values())))
@@ -115,7 +116,7 @@ class JointMachine(RuleBasedStateMachine):
 
     @rule(robot=st.sampled_from(ROBOTS), crashes=st.sampled_from((True, False, False)))
     def an_agent_crashes(self, robot: str, crashes: bool) -> None:
-        """What is not in the journal or on the forum is lost; what moved is interrupted."""
+        """All state outside of the journal and the forum is lost; a part that moved is interrupted."""
         if (agent := self.agents.get(robot)) is not None and crashes:
             agent.alive, agent.seen = False, {}
 

@@ -1,4 +1,4 @@
-"""What the reply to a preview says of things, walls and robots, in both languages."""
+"""The reply to a preview names things, walls and robots, in both languages."""
 
 from __future__ import annotations
 

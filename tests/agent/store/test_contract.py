@@ -1,4 +1,4 @@
-"""What a journal promises, on SQLite and on PostgreSQL."""
+"""The contract of a journal, on SQLite and on PostgreSQL."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a row of the journal means for a process that finds it: how far its command is, and why it may not move.
+"""A process reads from a row of the journal how far its command is, and why it may not move.
 
 Each rule is tested by itself, on both sides of its limit.
 """

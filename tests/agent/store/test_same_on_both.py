@@ -29,7 +29,7 @@ CALLS = st.one_of(
 
 @dataclass
 class JournalModel:
-    """What a journal knows, in memory."""
+    """A journal in memory."""
 
     claims: dict[str, CommandState | None] = field(default_factory=dict)
     motions: dict[str, str] = field(default_factory=dict)

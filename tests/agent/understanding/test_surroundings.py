@@ -1,4 +1,4 @@
-"""What is known to be around a robot, and whom a post addresses, through the agent: forum, driver, fake robot."""
+"""The known surroundings of a robot, and the addressee of a post, through the agent: forum, driver, fake robot."""
 
 from __future__ import annotations
 

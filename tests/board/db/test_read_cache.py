@@ -1,4 +1,4 @@
-"""What a board keeps of accounts, tokens, boards and rights is read again after every change, by whatever process."""
+"""A board reads cached accounts, tokens, boards and rights again after every change, by whatever process."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from tests.language.saying import short
 
 
 def written(text: str) -> str:
-    """What is read of a post: "1 rex F1; 2 bot hello after 1", "ask" or "none"."""
+    """The reading of a post: "1 rex F1; 2 bot hello after 1", "ask" or "none"."""
     found = joint_command(text)
     if not isinstance(found, JointCommand):
         return "none" if found is None else "ask"

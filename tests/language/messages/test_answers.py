@@ -1,4 +1,4 @@
-"""What cannot be done is answered with why, with all of the words that it is about, and with what would work."""
+"""The answer to an impossible request says why, quotes all of its words, and says what would work."""
 
 from __future__ import annotations
 

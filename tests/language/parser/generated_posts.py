@@ -33,7 +33,7 @@ class Post:
 
 @dataclass(frozen=True)
 class Tables:
-    """What people of one language say.
+    """Phrases of one language.
 
     `motions` are (order, activity, step) with {metres} or {degrees} for an amount, `deeds` the same without, `beyond`
     deeds that no robot here can do. `joins` join two orders in the order said; `reversed_joins` put the second first.

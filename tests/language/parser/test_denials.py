@@ -1,4 +1,4 @@
-"""What is asked for and denied in one post is asked about; what is denied besides is not done (law 18)."""
+"""A motion that one post both requests and denies is asked about; one that it only denies is not made (law 18)."""
 
 from __future__ import annotations
 

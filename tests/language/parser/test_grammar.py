@@ -1,4 +1,4 @@
-"""What people say becomes the plan they mean, in English and Chinese; what is not wholly understood moves nothing."""
+"""Posts become the plans that people mean, in English and Chinese; one that is not wholly understood moves nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was done before is done again, slower, elsewhere or back, only as far as it is plain; what is done is told."""
+"""Earlier motions are repeated, slower, elsewhere or back, only where the post is plain; the reply says which."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What commands nothing is told apart: never mind, questions, the past."""
+"""Posts that command nothing are recognised: never mind, questions, the past."""
 
 from __future__ import annotations
 

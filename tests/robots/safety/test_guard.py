@@ -1,4 +1,4 @@
-"""What the guard refuses before a step and ends during it (laws 8, 9, 10 and 14), and the halt (law 17)."""
+"""The guard refuses a step or ends it (laws 8, 9, 10 and 14), and halts (law 17)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the guard makes of the result of a step: what was not observed to its end, and where the odometry jumped."""
+"""The guard checks the result of a step: one that was not observed to its end, and jumps of the odometry."""
 
 from __future__ import annotations
 

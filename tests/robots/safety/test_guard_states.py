@@ -1,4 +1,4 @@
-"""What the guard takes from a robot's states: values that make no sense are unknown, and a home stays where it is."""
+"""The guard reads a robot's states: senseless values are unknown, and a home stays where it is."""
 
 from __future__ import annotations
 

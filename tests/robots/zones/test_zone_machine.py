@@ -71,7 +71,7 @@ class BadLink:
 
 @dataclass
 class Truth:
-    """What a robot really does. While it moves it may be anywhere on its `path`."""
+    """The true motion of a robot. While it moves it may be anywhere on its `path`."""
 
     pose: Pose
     moving: bool = False

@@ -1,4 +1,4 @@
-"""What each operation does: the poses that it goes through, and the angle by which it is measured. Pure."""
+"""The motion of each operation: the poses that it goes through, and the angle by which it is measured. Pure."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Motion:
     peak: bool = False
 
     def measured_deg(self, start: BodyPose, seen: Sequence[BodyPose]) -> float:
-        """What the poses that were seen say, in degrees; 0 for none."""
+        """The angle measured from the poses that were seen, in degrees; 0 for none."""
         values = [math.degrees(self.angle(pose)) for pose in seen]
         if not values:
             return 0.0

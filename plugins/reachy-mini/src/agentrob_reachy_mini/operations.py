@@ -1,4 +1,4 @@
-"""What a Reachy Mini can do, as declarations: the words for it in English and Chinese, its angles and its measures.
+"""The operations of a Reachy Mini as declarations: the words for them in English and Chinese, angles and measures.
 
 "Look left" already means a turn to every robot: it turns the body, and the head goes along.
 """

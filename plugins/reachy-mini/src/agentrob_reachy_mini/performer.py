@@ -25,8 +25,8 @@ SETTLE_S = 1.0
 
 
 class Run(NamedTuple):
-    """What happened. `reason`: why it was ended, as a stable word, with a sentence; both empty where all was done.
-    `seen`: the poses, in order."""
+    """The result of a run. `reason`: why it was ended, as a stable word, with a sentence; both empty where all was
+    done. `seen`: the poses, in order."""
 
     reason: str
     message: str

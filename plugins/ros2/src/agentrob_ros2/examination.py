@@ -71,7 +71,7 @@ def _of_topics(node: Node, settings: RobotConfig, options: Ros2Options) -> list[
 
 
 def _topic(check: str, topic: str, missing: dict[str, str], advice: str) -> Finding:
-    """What is wrong with a topic, in the words of the refusal that a driver would give."""
+    """Describe the fault of a topic in the words of the refusal that a driver would give."""
     if not topic:
         return Finding(check, Status.WARNING, "it has no topic in its options, so nothing is seen ahead", advice)
     if topic in missing:

@@ -28,7 +28,7 @@ PATH_M, PATH_RAD = 0.03, 0.1
 
 
 class Track(NamedTuple):
-    """What was seen of a step: (seconds, x, y, yaw) and the metres driven."""
+    """The measured track of a step: (seconds, x, y, yaw) and the metres driven."""
 
     path: list[tuple[float, float, float, float]]
     driven: list[float]

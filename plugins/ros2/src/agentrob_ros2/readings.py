@@ -1,4 +1,4 @@
-"""What ROS 2 messages say about the robot: pose, attitude, ranges, charge. Pure; what is not plausible is unknown.
+"""Read pose, attitude, ranges and charge from ROS 2 messages. Pure; implausible values are unknown.
 
 Each function returns its value and a sentence on what is wrong with the message, which is empty if nothing is.
 """

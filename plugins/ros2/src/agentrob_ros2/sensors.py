@@ -119,7 +119,7 @@ class Sensors:
         return " ".join(self.missing().values())
 
     def missing(self) -> dict[str, str]:
-        """What is missing or wrong: a sentence by topic, of the position and the scan."""
+        """A sentence for each topic of the position and the scan that is missing or wrong."""
         now_s, found = time.monotonic(), dict[str, str]()
         fresh = self._position is not None and now_s - self._position.came_s < SCAN_AGE_S
         if wrong := self._wrong.get(self.pose.topic):

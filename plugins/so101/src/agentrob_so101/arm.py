@@ -220,7 +220,7 @@ class So101:
 
 
 def _measured(primitive: Primitive, target: ArmPose, pose: ArmPose) -> dict[str, float]:
-    """What is measured of a step by its declaration, and besides all joints and the gripper."""
+    """The quantities that the declaration of a step measures, and all joints and the gripper."""
     found = {f"{name}_deg": round(value, 2) for name, value in zip(pose._fields[:-1], pose, strict=False)}
     found[OPENING] = round(pose.gripper, 1)
     if primitive.op == HOME:

@@ -1,4 +1,4 @@
-"""What the arm can do: its declarations of operations, and the poses that they lead through."""
+"""The operations of the arm: their declarations, and the poses that they lead through."""
 
 from __future__ import annotations
 

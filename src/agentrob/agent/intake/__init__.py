@@ -1,1 +1,1 @@
-"""What the forum says: its events, which of them are commands, and who may give them."""
+"""Receive the forum's events, find the commands among them, and check who may give them."""

@@ -41,7 +41,7 @@ MAX_LINKS = 20
 
 @dataclass(frozen=True, slots=True)
 class CommandTerms:
-    """What a command is judged by besides its text and author.
+    """The terms by which a command is judged, besides its text and author.
 
     `step_s` is the longest step in seconds (law 16). `robot` is the robot's account, under which a forum may keep its
     rights. `scene` describes in English what is known to be around the robot. `names` are the mentions that address it.

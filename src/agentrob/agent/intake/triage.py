@@ -22,7 +22,7 @@ NOT_OBEYED = frozenset({AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT})
 
 
 class Route(StrEnum):
-    """What a post is for one robot."""
+    """How one robot handles a post."""
 
     NOTHING = "nothing"
     STOP = "stop"
@@ -140,7 +140,7 @@ def obeyed(author: Account, me: Account) -> bool:
 
 
 def language_of(text: str) -> Language:
-    """What it is written in; mentions count for nothing."""
+    """The language of a text; mentions do not count."""
     for name in mentions(text):
         text = text.replace("@" + name, " ")
     return registry.language_of(text)

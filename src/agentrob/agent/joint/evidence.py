@@ -1,4 +1,4 @@
-"""What the cards of other robots say about the parts of a post, and what follows for one's own part (pure).
+"""Read from the cards of other robots how far the parts of a post are, and decide about one's own part (pure).
 
 A robot's card is a fact, never an order (law 1): it releases a wait that a person's post declared, or ends it. It
 counts only from the robot's own account, for the same post and the same text.
@@ -136,7 +136,7 @@ def _time(text: str) -> datetime | None:
 def look_at(
     joint: JointCommand, number: int, statuses: Mapping[int, PartStatus], posted_at: datetime, now_at: datetime
 ) -> Waiting | Released | Ended:
-    """What follows for the part `number` from how far the parts before it are.
+    """Decide about the part `number` by how far the parts before it are.
 
     A part gives up at the time by which the one before it should have ended, counted from the post; while that one
     itself waits for something and says until when, counted from then.

@@ -1,4 +1,4 @@
-"""What robots say about parts of posts (pure)."""
+"""The text about parts of posts in replies (pure)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What robots show about the parts of posts, in the order of the thread: read from the forum, and heard as events."""
+"""The statuses that robots show of the parts of posts, in the order of the thread: read from the forum, or received
+as events."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Scene:
-    """What the animation shows, in the robot's frame at the start: x to the right, y forward, in metres.
+    """The content of an animation, in the robot's frame at the start: x to the right, y forward, in metres.
 
     Times are seconds after the start of the first step.
 

@@ -61,7 +61,7 @@ class PoseFiles:
 
 
 class PoseLines:
-    """What of a log is not written yet, as lines."""
+    """The lines of a log that are not written yet."""
 
     def __init__(self, log: PoseLog) -> None:
         self._log, self._samples, self._steps, self._planned = log, 0, 0, False

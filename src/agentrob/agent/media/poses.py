@@ -223,7 +223,7 @@ class PoseSampler:
                 raise
 
     def _frame(self, sample: PoseSample, log: PoseLog | None) -> dict[str, Any]:
-        """What the forum gets: pose, body, and with the first pose of a command its planned and measured path."""
+        """A frame for the forum: pose, body, and with the first pose of a command its planned and measured path."""
         pose = [round(v, 3) for v in (sample.pose.x_m, sample.pose.y_m, sample.pose.yaw_rad)]
         frame: dict[str, Any] = {"pose": pose, "body": sample.body if self._body else []}
         if log is not None and log is not self._sent and log.samples:

@@ -1,4 +1,4 @@
-"""Make and show the preview of a command, from how the robots stand now. The driver is asked, and told nothing."""
+"""Make and show the preview of a command, from where the robots stand now. The driver is only read."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class Previews:
         return metres if metres > PLACE_M or turned > PLACE_RAD else None
 
     async def _others(self) -> tuple[OtherRobot, ...] | None:
-        """The other robots of this room, as their agents last told the forum; None if it does not say."""
+        """The other robots of this room, as their agents last published them; None if the forum does not say."""
         if not isinstance(self.forum, Fleet):
             return None
         try:

@@ -248,7 +248,7 @@ class Schedules:
         *,
         fresh: bool,
     ) -> str:
-        """What to answer to a post that renews none of the schedules `found`, of which `mine` are its author's."""
+        """The answer to a post that renews none of the schedules `found`, of which `mine` are its author's."""
         kept = [one for one in await self.journal.schedules() if one.ended is None]
         if not found:
             known = any(one.asked.renewed_by == post.id for one in kept)
@@ -305,9 +305,9 @@ class Schedules:
                 reply = partial(self.forum.reply, command.topic_id, text, key=key, reply_to=kept.post_id)
                 await retry_until_answered(reply, TRIES)
         except (ForumNotFound, ForumDenied) as e:
-            _log.warning("end of a schedule not told", post=kept.post_id, error=str(e))
+            _log.warning("end of a schedule not reported", post=kept.post_id, error=str(e))
         except ForumError as e:
-            _log.warning("end of a schedule not told yet", post=kept.post_id, error=str(e))
+            _log.warning("end of a schedule not reported yet", post=kept.post_id, error=str(e))
             return
         finally:
             self._telling.discard(kept.post_id)

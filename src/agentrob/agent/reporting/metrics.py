@@ -14,7 +14,7 @@ _COMMAND_S = (0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300)
 
 
 class AgentMetrics:
-    """What the agents of one process did, in its registry."""
+    """The counters of the agents of one process, in its registry."""
 
     def __init__(self, registry: CollectorRegistry) -> None:
         def histogram(name: str, text: str, buckets: tuple[float, ...] = FAST_S) -> Histogram:

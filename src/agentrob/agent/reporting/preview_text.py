@@ -1,4 +1,4 @@
-"""What replies say about a preview. Names of things are the owner's words, so they are disarmed. Pure."""
+"""The text about a preview in replies. Names of things are the owner's words, so they are disarmed. Pure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def preview_text(preview: Preview, language: Language) -> str:
 
 
 def approval_preview(preview: Preview, language: Language) -> str:
-    """What people who may approve a command are shown, and that their approval is bound to it."""
+    """Show a preview to people who may approve its command, and say that their approval is bound to it."""
     return "\n\n".join([findings(preview, language), say("preview.bound", language, hash=preview.hash[:12])])
 
 
@@ -37,8 +37,8 @@ def preview_paragraphs(
     *,
     rehearsable: bool,
 ) -> list[str]:
-    """What a report says of the preview: beside what was measured, and that an approval came without one. What a model
-    looks for with a camera is not `rehearsable`."""
+    """Compare the preview with the measured results, or say that an approval came without one. A command whose steps a
+    model chooses by the camera is not `rehearsable`."""
     said = [beside_measured(preview, results, language)] if preview is not None else []
     if rehearsable and decided is not None and decided.approved and not decided.preview:
         said.append(say("preview.unbound", language))
@@ -46,7 +46,7 @@ def preview_paragraphs(
 
 
 def beside_measured(preview: Preview, results: Sequence[ActionResult], language: Language) -> str:
-    """What was expected beside what was measured, for the report of a command that had a preview; empty if nothing
+    """Compare the expected with the measured result, for the report of a command that had a preview; empty if nothing
     moved. Ends are compared in the frame of each start, since odometry and room have their own."""
     measured = [Pose(*point[1:]) for result in results for point in result.path]
     took_s = track.seconds(results)
@@ -62,7 +62,7 @@ def beside_measured(preview: Preview, results: Sequence[ActionResult], language:
 
 
 def findings(preview: Preview, language: Language) -> str:
-    """What a preview found, as a sentence and a list."""
+    """The findings of a preview, as a sentence and a list."""
     lines = [_result(preview, language)]
     lines += [_ending(ending, preview, language) for ending in preview.endings]
     if any(run.fell for run in preview.runs):

@@ -17,7 +17,7 @@ def who_does(hindrance: Hindrance, language: Language) -> str:
 
 
 def on_card(awaited: Hindrance | None) -> dict[str, Any]:
-    """What the robot's card says while it waits; the robot's page shows it as a fact."""
+    """The entry on the card of a robot that waits; the robot's page shows it as a fact."""
     return {} if awaited is None else {"waits_for_the_room": who_does(awaited, "en")}
 
 

@@ -1,4 +1,4 @@
-"""What a robot's card says of its schedules, so that its forum can show them. Pure."""
+"""The schedules on a robot's card, which its forum shows. Pure."""
 
 from __future__ import annotations
 

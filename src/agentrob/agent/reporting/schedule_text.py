@@ -1,4 +1,4 @@
-"""What replies say about schedules, in local times of their zone. Pure."""
+"""The text about schedules in replies, in local times of their zone. Pure."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a robot's owner does from the robot's page: release it when it is locked, and set its home (laws 2, 9 and 17);
-and what replies say about how that is done."""
+"""Release a locked robot and set its home when its owner presses the buttons of its page (laws 2, 9 and 17), and say in
+replies how that is done."""
 
 from __future__ import annotations
 

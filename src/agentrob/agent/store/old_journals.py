@@ -47,7 +47,7 @@ def read_rows(db: Connection) -> Rows:
 
 
 def add_rows(db: Connection, robot: str, rows: Rows) -> None:
-    """Add rows of a file to a robot's. What the robot has already stays as it is."""
+    """Add rows of a file to a robot's. Rows that the robot has already stay as they are."""
     if claims := rows.get(CLAIM):
         newest = db.execute(NEWEST_NUMBER, {"this_robot": robot}).scalar_one()
         rows[CLAIM] = [claim | {"number": newest + claim["number"]} for claim in claims]

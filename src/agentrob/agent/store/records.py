@@ -1,4 +1,4 @@
-"""What is kept of each command on disk: why it was decided so, what was measured, and the pictures (law 19)."""
+"""Keep a record of each command on disk: the reasons of the decision, the measurements, and the pictures (law 19)."""
 
 from __future__ import annotations
 

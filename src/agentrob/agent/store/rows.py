@@ -1,4 +1,4 @@
-"""What the rows of a journal say: claims, requests for approval, and how far a motion is."""
+"""The rows of a journal: claims, requests for approval, and how far a motion is."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ class Claim:
             return None  # it ends by itself, at a time that the other parts decide
         if self.asked is not None and self.asked.decided is None:
             return EndReason.LAPSED if now_at > self.asked.until_at else None
-        # What was approved is as fresh as its approval is.
+        # A command that was approved is as fresh as its approval.
         since_at = self.asked.decided.at if self.asked is not None and self.asked.decided is not None else posted_at
         if self.wait is not None and self.wait.released_at is not None:
             since_at = max(since_at, self.wait.released_at)  # and what waited, as the end of its wait

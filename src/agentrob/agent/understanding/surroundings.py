@@ -1,4 +1,4 @@
-"""What is known to be around one robot: its owner's description, and what a model saw last (law 7).
+"""The known surroundings of one robot: its owner's description, and a model's last observation (law 7).
 
 It can only make the screen refuse more: a wrong description prevents a motion and never starts one.
 """

@@ -1,4 +1,4 @@
-"""What is made of a post before anything moves: read by the mind, judged by rules, looked at by a model."""
+"""Assess a post before anything moves: the mind reads it, rules judge it, a model reviews it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What administrators and moderators do, backup and retention."""
+"""Administration, moderation, backup and retention."""

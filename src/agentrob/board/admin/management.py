@@ -53,7 +53,7 @@ class Invite(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What it makes of people, in words."""
+        """The role that the invite gives, in words."""
         return f"{self.role}, operator of simulated robots" if self.commands_simulated else str(self.role)
 
 

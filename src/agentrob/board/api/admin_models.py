@@ -13,7 +13,7 @@ from agentrob.board.auth.rights import WHO, MaintenanceWindow, RobotSettings, cl
 from agentrob.board.db import audit, records
 from agentrob.model import AccountKind, ActionClass, Role
 
-#: Strict models take enums from JSON by value only where they are told to.
+#: Strict models take enums from JSON by value only with this option.
 RoleWord = Annotated[Role, Field(strict=False)]
 KindWord = Annotated[AccountKind, Field(strict=False)]
 ClassWord = Annotated[ActionClass, Field(strict=False)]

@@ -1,4 +1,4 @@
-"""What the endpoints of the JSON API share: parameters, responses, and the check that keeps a stream open."""
+"""Shared by the endpoints of the JSON API: parameters, responses, and the check that keeps a stream open."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class Store:
         return self.reader.image(image_id)[0]
 
     def events(self, after: str, limit: int = 100, topic_id: str | None = None) -> tuple[StoredEvent, ...]:
-        """What happened after an event, oldest first. 404 if this history has no event `after`."""
+        """The events after an event, oldest first. 404 if this history has no event `after`."""
         return self.reader.events(self.reader.known_event(after), limit, topic_id)
 
     # ---------------------------------------------------------------- search, awaited

@@ -90,8 +90,8 @@ def not_found(what: str, which: str, hint: str = "") -> BoardError:
 class Reader:
     """Reads on one connection, from one thread at a time. Raises `BoardError` 404 and 503.
 
-    `sees` says which boards whoever asks may see; without it all are seen. What is in others is not there. `cache`
-    keeps what was read; never within a transaction that writes.
+    `sees` says which boards the reader may see; without it all are seen. Content of other boards counts as missing.
+    `cache` keeps what was read; never within a transaction that writes.
     """
 
     def __init__(

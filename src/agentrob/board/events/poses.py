@@ -21,7 +21,7 @@ from agentrob.errors import BoardError
 
 #: Seconds between two messages to a viewer of the map, whose page moves the robot smoothly, and of the 3D view.
 MAP_EVERY_S, BODY_EVERY_S = 0.2, 0.12
-#: A robot whose agent sent no pose for this many seconds must be told of its viewers.
+#: A robot whose agent sent no pose for this many seconds must be notified of its viewers.
 SHOWING_S = 1.0
 #: A limit for each account, and for all.
 MOST_STREAMS, MOST_PER_ACCOUNT = 500, 100
@@ -37,7 +37,7 @@ Point = Sequence[float]
 class RobotPoses:
     """The newest pose of one robot, the planned path of its command and the measured one so far.
 
-    `called_s` (monotonic) is when its agent was last told of viewers, `call` the timer that tells it again. `viewers`
+    `called_s` (monotonic) is when its agent was last notified of viewers, `call` the timer of the next time. `viewers`
     are those of this process, `elsewhere` those of other processes.
     """
 

@@ -25,14 +25,15 @@ LIVE_FOR = timedelta(seconds=15)
 WANTED_S = 0.5
 #: Seconds between two events that tell a robot's agent of viewers.
 WATCH_EVERY_S = 1.0
-#: Agents show ten pictures a second; one that has shown none for this many seconds must be told of its viewers again.
+#: Agents show ten pictures a second; one that has shown none for this many seconds must be notified of its viewers
+#: again.
 SHOWING_S = 1.0
 
 
 @dataclass(slots=True)
 class RobotPresence:
     """The state of one robot. `seen_at` is None until its agent publishes something; `card_s`, `frame_s` and
-    `called_s`, when its agent was last told of viewers, are monotonic. `call` is the timer that tells it again.
+    `called_s`, when its agent was last notified of viewers, are monotonic. `call` is the timer that notifies it again.
 
     `viewers` are those of this process, `elsewhere` those of other processes.
     """

@@ -1,1 +1,1 @@
-"""What the board knows of robots: presence, rights, commands, approvals."""
+"""The board's records of robots: presence, rights, commands, approvals."""

@@ -1,4 +1,4 @@
-"""What a robot can do, from the card that its agent published, and examples of commands that it understands."""
+"""A robot's capabilities, from the card that its agent published, and examples of commands that it understands."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EXAMPLES = 3
 
 
 def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
-    """What the card says that the robot can do; None if it names no operation. Fields of the wrong type are left out.
+    """The capabilities on a card; None if it names no operation. Fields of the wrong type are left out.
 
     Agents before 0.2 do not name the directions; then all are assumed.
     """

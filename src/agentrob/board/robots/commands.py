@@ -92,7 +92,7 @@ def newest_record_us(reader: Reader, topic_id: str) -> int:
 
 
 def told_pictures(reader: Reader, reply_ids: Sequence[int]) -> dict[str, Any]:
-    """What records say of the pictures of these replies, by reply."""
+    """The entries of records about the pictures of these replies, by reply."""
     c = db.commands.c
     rows = reader.rows(select(c.reply_id, c.record).where(c.reply_id.in_(reply_ids))) if reply_ids else ()
     return {str(row.reply_id): row.record.get("pictures") for row in rows}

@@ -1,4 +1,4 @@
-"""What the home page shows of robots and threads: what robots do now, their last pictures, how commands ended."""
+"""The robots and threads of the home page: current activities, last pictures, and how commands ended."""
 
 from __future__ import annotations
 

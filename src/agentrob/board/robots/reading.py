@@ -1,4 +1,4 @@
-"""What the robots of a board would do with a text that is being written, in one line each."""
+"""Say in one line for each robot of a board how it would carry out a text that is being written."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ class PostForm(KeyedForm):
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """What a form for writing shows again: the text, the post it replies to, its pictures.
+    """The content of a form that is shown again: the text, the post it replies to, its pictures.
 
     `preview` is safe HTML, None unless a preview was asked for; `hint` says why no robot would answer, `reading`
     what the robots would do; `problem` says what is wrong.

@@ -226,7 +226,7 @@ def _latest(store: Store, author: Account, *, once: bool = False) -> list[tuple[
 
 
 def _about(services: Services, view: RobotView, viewer: Viewer) -> dict[str, Any]:
-    """What the forum knows of a robot: its owner, its queue and the commands that wait for approval, as far as the
+    """The forum's facts about a robot: its owner, its queue and the commands that wait for approval, as far as the
     viewer may see them."""
     posts = {post.id: post for post in services.store.reader.posts_by_id([int(i) for i in view.line])}
     line = [posts[i] for i in view.line if i in posts and not posts[i].removed]

@@ -311,7 +311,7 @@ async def error_page(request: Request, error: HttpError, draft: str = "") -> Res
 
 
 def hint_of(error: HttpError) -> str:
-    """What to do about an error, for people; hints for programs are replaced."""
+    """Tell people how to fix an error; hints for programs are replaced."""
     if error.retry_after_s is not None and (error.retry_after_s <= 300 or not error.hint):
         return f"wait {max(1, math.ceil(error.retry_after_s))} seconds, then try again"
     if error.status == 401 and error.code != "wrong_password":
@@ -320,7 +320,7 @@ def hint_of(error: HttpError) -> str:
 
 
 def error_text(error: HttpError | None) -> str:
-    """What went wrong and what would be right, in one line; empty without an error."""
+    """Describe an error and its remedy in one line; empty without an error."""
     return f"{sentence(str(error))} {sentence(hint_of(error))}".strip() if error else ""
 
 

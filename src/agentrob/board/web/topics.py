@@ -323,7 +323,7 @@ def _unreached(services: Services, viewer: Viewer, topic: Topic, shown: ShownPos
 
 
 def _news(services: Services, viewer: Viewer, topics: Collection[Topic]) -> dict[str, UnreadCount]:
-    """What the viewer has not read in these topics, by topic."""
+    """Count the viewer's unread posts in these topics, by topic."""
     return services.marks.news(services.store.reader, viewer.account, topics)
 
 

@@ -41,7 +41,7 @@ class DiscourseOptions(GroupOptions):
 
 # ---------------------------------------------------------------- who
 def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
-    """Parse an account from `user` of `/u/{username}.json`. What is missing (a hidden profile) gives no rights."""
+    """Parse an account from `user` of `/u/{username}.json`. Missing fields (of a hidden profile) give no rights."""
     listed = user.get("groups") or ()
     closed = {str(g["name"]).lower() for g in listed if g.get("automatic") or g.get("public_admission") is False}
     closed |= {f"trust_level_{n}" for n in range(int(user.get("trust_level") or 0) + 1)}

@@ -4,7 +4,7 @@
     @a walk 1 m. Meanwhile @b turn left. Then both of you wave.      @a @b one of you take a photo
 
 Every agent reads the same text by the same words, whatever its mind, its robot and what was done before, so that all
-agree on the parts. What is not certain is asked about, and then nobody moves (law 18).
+agree on the parts. If anything is uncertain, they ask about it and nobody moves (law 18).
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ class _Unclear(Exception):
 
 @dataclass
 class _Unit:
-    """What one or several robots are told together. `kinds` are the words that say when it begins, by their names in
-    `_Patterns`; `waits_for` are robots that are named in them."""
+    """A unit of the text that addresses one robot or several. `kinds` are the words that say when it begins, by their
+    names in `_Patterns`; `waits_for` are robots that are named in them."""
 
     robots: list[str]
     choice: Choice
@@ -113,8 +113,7 @@ def _marked(visible: str, handles: Sequence[str]) -> str:
 
 # -------------------------------------------------------------------- from text to units
 def _units(text: str, handles: Sequence[str]) -> list[_Unit]:
-    """What the robots are told, in the order of the text; empty if no robot waits for another and none is chosen.
-    Raises `_Unclear`."""
+    """The units of a text in order; empty if no robot waits for another and none is chosen. Raises `_Unclear`."""
     words = _patterns()
     heads = [head for head in words.head.finditer(text) if head["start"] is not None or head["lead"]]
     found: list[tuple[_Unit, re.Match[str], list[tuple[str, str]], bool]] = []
@@ -311,7 +310,7 @@ class _Patterns:
         self._kinds = _compiled("|".join(f"(?P<{kind}>{_word(pattern)})" for kind, pattern in kinds.items()))
 
     def kinds(self, said: str) -> list[tuple[str, str]]:
-        """What these words say about when a part begins: (kind, words), in their order."""
+        """Find the words that say when a part begins: (kind, words), in their order."""
         return [(str(found.lastgroup), found[0]) for found in self._kinds.finditer(said)]
 
     def near(self, who: str) -> str:

@@ -1,4 +1,4 @@
-"""What robots say in English about joint commands."""
+"""The sentences about joint commands in English."""
 
 JOINT = {
     "joint.unclear": "I did not understand which robot does what, and after whom. Nobody moves. Give each robot its "

@@ -1,4 +1,4 @@
-"""What robots say in Chinese about joint commands."""
+"""The sentences about joint commands in Chinese."""
 
 JOINT = {
     "joint.unclear": "我没弄清哪个机器人做什么、在谁之后做。谁都没有动。请依次写出每个机器人的部分。",

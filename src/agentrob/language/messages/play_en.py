@@ -1,4 +1,4 @@
-"""What robots say in English of routines, of the way home, and of what they see in their camera."""
+"""The sentences about routines, the way home and camera pictures in English."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What robots say in Chinese of routines, of the way home, and of what they see in their camera."""
+"""The sentences about routines, the way home and camera pictures in Chinese."""
 
 from __future__ import annotations
 

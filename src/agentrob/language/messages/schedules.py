@@ -1,4 +1,4 @@
-"""What robots say about schedules."""
+"""The sentences about schedules."""
 
 ENGLISH = {
     "schedule.unclear": "I did not understand when. I have not scheduled anything and did not move.",

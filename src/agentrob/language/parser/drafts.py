@@ -1,4 +1,4 @@
-"""What was said about each step and what else its sentence contains, collected but not yet judged."""
+"""Drafts of steps: the words about each step and the rest of its sentence, collected but not yet judged."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def deeds_of(value: object) -> tuple[Deed, ...]:
 
 @dataclass
 class Draft:
-    """What was said about one step.
+    """The words about one step.
 
     `verb` is MOVE, TURN, OP, AGAIN, BEYOND, or None if only a direction or an amount was said.
     """

@@ -89,7 +89,8 @@ class Clauses(dict[str, "Clause"]):
 
 
 class Clause:
-    """What a clause may be: a remark, a deed, or a statement and a command without a pause between them."""
+    """The possible readings of a clause: a remark, a deed, or a statement and a command without a pause between
+    them."""
 
     def __init__(self, words: str, known: Locale) -> None:
         self.words = words

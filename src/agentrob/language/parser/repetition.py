@@ -30,7 +30,7 @@ _OPPOSITE = {
 
 @dataclass(frozen=True, slots=True)
 class ParseContext:
-    """What is known besides the words of a post.
+    """The context of a post that is parsed.
 
     `history`: plans executed in the thread, oldest first. `pace_mps`: the robot's speed for a walk that is given in
     seconds without a speed. `step_m`: the length of the robot's step, if configured. `can`: what the robot can do, so

@@ -1,4 +1,4 @@
-"""What robots say about previews, in English and Chinese."""
+"""The sentences about previews in English and Chinese."""
 
 ENGLISH = {
     "preview.running": "Rehearsing it; nothing moves.",

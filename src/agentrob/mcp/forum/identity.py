@@ -23,7 +23,7 @@ _MAX_KEYS = 256
 
 @dataclass(frozen=True, slots=True)
 class Rights:
-    """What the server's owner allows here. The forum enforces the account's own rights."""
+    """The rights that the server's owner grants here. The forum enforces the account's own rights."""
 
     write: bool = False
     toolsets: frozenset[str] = frozenset({"core"})

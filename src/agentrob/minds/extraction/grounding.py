@@ -50,7 +50,8 @@ class Grounded:
 
 @dataclass(frozen=True, slots=True)
 class Ungrounded:
-    """What the post does not say, and of which step (None: of the whole), counted as in the model's answer."""
+    """Something that the post does not say, and the step that lacks it (None: the whole plan), counted as in the
+    model's answer."""
 
     lack: Lack
     step: int | None = None

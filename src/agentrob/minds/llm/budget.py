@@ -40,7 +40,7 @@ def _utc_day() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Reserve:
-    """What was reserved for a question, and on which day."""
+    """The tokens and the cost reserved for a question, and the day."""
 
     day: str
     tokens: int

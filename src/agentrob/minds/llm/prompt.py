@@ -15,7 +15,7 @@ from agentrob.model import Capabilities, Language, Plan
 
 #: The prompt for robots without one of their own.
 _OTHER = "robot"
-#: How a model is told the language in which to answer.
+#: The names of languages in instructions to a model.
 _LANGUAGES = {"en": "English", "zh": "Chinese"}
 _SHARED = "You do one of the two tasks below. The first line of the message says which; leave the other one alone."
 _TASKS = {"read": "Reading posts", "screen": "Looking at a command before a robot does it"}

@@ -13,7 +13,7 @@ from agentrob.model import PHOTO, Capabilities, Direction, Intent, Language, Pla
 
 
 class Known(Protocol):
-    """What a detector can tell apart, as English words."""
+    """The things that a detector can tell apart, as English words."""
 
     @property
     def things(self) -> Collection[str]: ...
@@ -62,8 +62,8 @@ def _knows(detector: Known, task: Subgoal) -> bool:
 
 
 def judged_plan(goal: Goal, *, local: bool = False) -> Plan:
-    """What of a goal can be judged before it is pursued: the steps that it names, at least a picture; of one that is
-    pursued without a model (`local`), also steps of every kind that it needs."""
+    """The part of a goal that can be judged before the robot pursues it: the steps that it names, at least a picture. A
+    goal that is pursued without a model (`local`) also has a step of every kind that it needs."""
     if not local:
         return Plan(goal.steps or (_PICTURE,))
     needed = [step for task in goal.tasks for step in _needed(task)]

@@ -1,4 +1,4 @@
-"""What a detector has seen, in words: "a red ball, about 20° to the left". Pure."""
+"""Describe a detector's findings in words: "a red ball, about 20° to the left". Pure."""
 
 from __future__ import annotations
 

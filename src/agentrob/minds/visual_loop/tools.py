@@ -137,7 +137,7 @@ def _choice(name: str, values: Sequence[str]) -> Any:
     return Enum(name, [(value.upper(), str(value)) for value in values], type=str)
 
 
-# ---------------------------------------------------------------------- what the model is told
+# ---------------------------------------------------------------------- answers to the model
 def result_message(result: ActionResult, state: RobotState | None, left: dict[str, Any]) -> str:
     """Return a result as JSON: what was measured, why it ended, the robot's sensors, and the remaining budget."""
     facts: dict[str, Any] = {"outcome": str(result.outcome)}

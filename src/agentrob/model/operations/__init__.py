@@ -1,1 +1,1 @@
-"""What robots can do, as declarations: the form of one, the built-in ones, and how they travel as data."""
+"""Declarations of operations: their form, the built-in ones, and their encoding as data."""

@@ -76,7 +76,7 @@ class Number:
 
     @property
     def range(self) -> str:
-        """What it may be set to: "1 to 10 s"."""
+        """The valid values as text: "1 to 10 s"."""
         return f"{self.least:g} to {self.most:g}" + ("" if self.unit is Unit.COUNT else f" {self.unit}")
 
     @property
@@ -119,7 +119,7 @@ class Choice:
 
     @property
     def range(self) -> str:
-        """What it may be set to: "left, right"."""
+        """The valid values as text: "left, right"."""
         return ", ".join(option.name for option in self.options)
 
     @property
@@ -133,8 +133,8 @@ Argument = Number | Choice
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """What a robot measures of an operation. One named like an argument is held against what was asked: a difference
-    of more than `tolerance` is a failure, whatever the robot says (law 18)."""
+    """A quantity that a robot measures during an operation. If it has the name of an argument, it is compared with the
+    requested value: a difference of more than `tolerance` is a failure, whatever the robot reports (law 18)."""
 
     name: str
     unit: Unit
@@ -210,7 +210,7 @@ class Operation:
 
     @property
     def needed_consent(self) -> str:
-        """What its owner must have consented to on a real robot; empty for nothing."""
+        """The consent that its owner must have given on a real robot; empty if none is needed."""
         return (self.consent or self.name) if self.action_class is ActionClass.RISKY else ""
 
     @property

@@ -42,7 +42,7 @@ PATH_POINTS = 1000
 
 
 class Body(Protocol):
-    """What the control loop needs from a robot. Times are seconds of the body's own clock (a fake's may run faster)."""
+    """The robot as the control loop uses it. Times are seconds of the body's own clock (a fake's may run faster)."""
 
     def now_s(self) -> float: ...
 
@@ -227,7 +227,7 @@ def _come_to_rest(body: Body, track: _Track) -> None:
         track.update(now_s, state, asked_s)
         if (pose := known(state.pose)) is None:
             return
-        if state.age_s < FRESH_S:  # one that is told again and again keeps its place by itself
+        if state.age_s < FRESH_S:  # one that is commanded again and again keeps its place by itself
             rest.update(now_s, pose)
 
 

@@ -25,7 +25,7 @@ _HUMANOID = "unitree_hg"
 
 
 class DomainContents(NamedTuple):
-    """What is published on a DDS domain. `kind` is go2, g1, or empty without a robot.
+    """The publishers on a DDS domain. `kind` is go2, g1, or empty without a robot.
 
     `commanders`: how many programs, besides this process, can tell its motion service something.
     """
@@ -92,7 +92,7 @@ def _carrier(name: str) -> str:
 
 # ------------------------------------------------------------------ who is there
 def listen(domain: int, seconds: float, kind: str = "") -> DomainContents:
-    """What is heard on a domain that this process has joined already; returns once a robot of `kind` is."""
+    """Listen on a domain that this process has joined already; return once a robot of `kind` is heard."""
     from agentrob.process import dds
 
     return _hear([_DomainReader(domain, dds.DomainParticipant(domain))], seconds, kind)[0]

@@ -126,7 +126,7 @@ class _StopRequest(NamedTuple):
 
 
 async def _stop_request(request: Request) -> _StopRequest:
-    """What a stop says. A stop that says nothing valid is accepted too."""
+    """The content of a stop request. A stop without valid content is accepted, too."""
     try:
         data = await _body(request)
         id = data.get("id")

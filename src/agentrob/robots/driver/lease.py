@@ -17,7 +17,7 @@ TTL_S = 1.0
 
 
 class End(NamedTuple):
-    """What ended a lease and the commands accepted before: `why` is a stable code, `by` a name or empty."""
+    """The end of a lease and of the commands accepted before: `why` is a stable code, `by` a name or empty."""
 
     why: str
     by: str = ""

@@ -64,7 +64,7 @@ class CrashMarker:
             self._write(mode)
 
     def end(self) -> None:
-        """Call after the step, when the robot is at rest or has been told to stop."""
+        """Call after the step, when the robot is at rest or has been stopped."""
         if self._file is not None:
             with contextlib.suppress(OSError):
                 os.close(self._file)

@@ -186,7 +186,7 @@ class G1(UnitreeRobot):
     # ------------------------------------------------------------ steps
     def _do(self, primitive: Primitive, watch: Watch) -> ActionResult:
         started_s = time.monotonic()
-        if reason := watch(self.state()):  # before the robot is told anything
+        if reason := watch(self.state()):  # before the robot is commanded
             return not_begun(primitive, reason, started_s)
         if unfit := self._stand_ready(primitive):
             return unfit

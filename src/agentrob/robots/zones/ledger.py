@@ -59,7 +59,7 @@ class ZoneLease:
 
 @dataclass(slots=True)
 class Member:
-    """What is known of one robot of the room. `seen_s` is when its driver last sent a valid message, None for an
+    """The record of one robot of the room. `seen_s` is when its driver last sent a valid message, None for an
     earlier boot of the keeper's host."""
 
     session: int = 0

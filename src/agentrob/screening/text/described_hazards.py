@@ -1,7 +1,7 @@
 """Find hazards that the post itself describes in the robot's way: "There is a child in front of you. Walk 2 m."
 
 The grammar ignores statements. Here they are searched for people, drops and things with a position, and compared with
-the path of the plan. What is really there is for the guard to detect.
+the path of the plan. The guard detects the obstacles that are really there.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _SAMPLE_M = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Hazard:
-    """What a clause says is there. `direction` is seen from the robot, None if the robot stands on it or under it.
+    """A hazard that a clause describes. `direction` is seen from the robot, None if the robot stands on it or under it.
 
     `later`: said after a motion was commanded, so the robot may be elsewhere by then.
     """
@@ -238,7 +238,7 @@ _PLACES = {
 
 
 class _Said:
-    """What is looked for in both languages."""
+    """The patterns of both languages."""
 
     def __init__(self, name: str) -> None:
         self._phrases = Phrases(ENGLISH, words_en.PLACES[name]), Phrases(CHINESE, words_zh.PLACES[name])

@@ -38,7 +38,7 @@ _EN = (
     _SUBJECT
     + r"(?:'s| is| are) (?:so |very |really |quite )?(?:loud|noisy|quiet|pretty|nice|lovely|beautiful|cute)"
     + _WHEN,
-    # What somebody likes, and whom a command is for.
+    # Somebody's likes, and the person whom a command is for.
     r"^(?:lol|haha|btw|and|so|by the way|\W)*(?:my|our|the|his|her) (?:\w+ )?(?:<person>|<animal>)"
     r" (?:really |also |just |always )?(?:likes?|loves?|hates?|misses|adores?|enjoys?|has|have)"
     r"(?: (?:you|it|this|that|robots?|videos?|photos?|pictures?|music|the same \w+)){1,2}$",

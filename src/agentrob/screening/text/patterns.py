@@ -73,7 +73,7 @@ class Phrases:
 
     @cached_property
     def needed(self) -> tuple[tuple[OneOf, ...], ...]:
-        """What a text must contain for each of the alternatives."""
+        """The words that a text must contain for each of the alternatives."""
         return tuple(needs(phrase, self._vocabulary.needs) for phrase in self.alternatives)
 
     def finditer(self, text: str) -> Iterator[re.Match[str]]:

@@ -39,7 +39,7 @@ _EN = (
     r"|above|atop|over|before|beyond) (?:the|a|an|my|our|your|his|her|this|that) (?!(?:\w+ ){0,2}?<safe>\b)\w+",
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
     r"\bsteps? (?:down|up)\b(?!stairs)",
-    # What somebody left where the robot may walk.
+    # Things that somebody left where the robot may walk.
     r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*"
     r"|corner|doorway))",
     r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",

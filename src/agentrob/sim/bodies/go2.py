@@ -21,7 +21,7 @@ ARMATURE, DAMPING, FRICTION = 0.00712, 0.285, 0.365  # of a joint, as measured o
 TORQUE_NM: Array = np.array([23.7, 23.7, 45.43] * 4)
 CAMERA_AT_M, CAMERA_FOVY_DEG = [0.32715, 0.0, 0.04297], 60
 
-# The policy drifts and turns when told to stand, so the joints are locked once the body has come to rest.
+# The policy drifts and turns when commanded to stand, so the joints are locked once the body has come to rest.
 CALM_MPS, CALM_RPS = 0.12, 0.35  # slower than this is calm
 CALM_S, LEAST_STILL_S = 0.10, 0.25  # calm for so long, and at least so long after the command ended
 # Locked in mid-stride it may lean and topple: then the policy takes over again until the body stands upright.

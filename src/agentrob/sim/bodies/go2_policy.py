@@ -74,7 +74,7 @@ class VelocityTrim:
 
     FILTER_S = 0.3
     RESPONSE_S: Array = np.array([0.25, 0.25, 0.10])  # how the policy alone follows a step of the command
-    LACK: Array = np.array([0.08, 0.08, 0.0])  # so much slower than told it goes at any speed …
+    LACK: Array = np.array([0.08, 0.08, 0.0])  # so much slower than commanded it goes at any speed …
     LACK_FROM = 0.1  # … from this on
     GAIN: Array = np.array([1.5, 1.5, 2.0])
     BOUND: Array = np.array([0.4, 0.3, 0.6])
@@ -98,7 +98,7 @@ class VelocityTrim:
     def brake(self, keep: float) -> None:
         """Shrink the sideways and forward trim while stopping; otherwise the robot would walk backwards.
 
-        The yaw trim stays: without it the policy turns by 9° a second when told to stand.
+        The yaw trim stays: without it the policy turns by 9° a second when commanded to stand.
         """
         self._trim[:2] *= keep
 

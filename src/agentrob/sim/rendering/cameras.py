@@ -201,7 +201,7 @@ class Cameras:
         renderer.close()
 
     def _next(self) -> Callable[[Renderer], None] | None:
-        """What to render next: a live view, else a shot; None at the end."""
+        """The next rendering: a live view, else a shot; None at the end."""
         with self._wake:
             while not (self._waiting or self._shots or self._closing):
                 self._wake.wait()

@@ -257,7 +257,7 @@ class Scene(_Table):
         return " ".join([self.about, *([f"Things here: {', '.join(things)}."] if things else [])])[:SCENE_CHARS]
 
     def description(self) -> dict[str, Any]:
-        """What a person sees in the room, without positions."""
+        """The visible things of the room, without positions."""
         things = [{"name": thing.name, **({"note": thing.note} if thing.note else {})} for thing in self.thing]
         return {"world": self.name, "about": self.about, "size_m": list(self.room.size_m), "things": things}
 

@@ -193,7 +193,7 @@ def _account(config: Config, name: str) -> list[Finding]:
         if not check_version(settings):
             return []
     except BoardError:
-        return []  # told as a finding about the database
+        return []  # reported as a finding about the database
     engine = open_engine(settings, writes=False)
     try:
         with engine.connect() as connection:

@@ -38,7 +38,7 @@ def downgrade() -> None:
     op.execute("UPDATE accounts SET role = 'member' WHERE role = 'guest'")
     op.execute("UPDATE accounts SET role = 'operator' WHERE role = 'moderator'")
     op.execute("DELETE FROM links WHERE purpose <> 'enter'")
-    # What that version cannot keep closed or narrow is voided or hidden.
+    # Void or hide everything that the older version cannot keep closed or narrow.
     op.execute("UPDATE tokens SET revoked_us = created_us WHERE scopes NOT LIKE '%write%' AND revoked_us IS NULL")
     op.drop_index(op.f("ix_images_account_id_id"), "images")
     for table, columns in {

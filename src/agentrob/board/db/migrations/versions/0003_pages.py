@@ -1,4 +1,4 @@
-"""What pages need: words of posts to search for, notices to people, records of commands."""
+"""Tables for pages: words of posts to search for, notices to people, records of commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What several processes that serve one database share: attempts to sign in, what robots show, who looks."""
+"""Tables that several processes on one database share: attempts to sign in, robots' cards and pictures, viewers."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("account_id", "topic_id", name=op.f("pk_topic_reads")),
     )
     op.add_column("accounts", sa.Column("read_up_to", ID, nullable=False, server_default="0"))
-    # What was there before counts as read: nobody finds years of it new.
+    # Earlier posts count as read, so that nobody finds years of them new.
     op.execute("UPDATE accounts SET read_up_to = (SELECT coalesce(max(id), 0) FROM posts)")
 
 
