@@ -10,8 +10,12 @@ from dataclasses import replace
 import pytest
 
 from agentrob.errors import ForumDenied, ForumUnreachable
+from agentrob.forums.agentrob.forum import BoardForum
+from agentrob.forums.discourse.forum import DiscourseForum
 from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
+from agentrob.forums.nodebb.forum import NodeBBForum
 from agentrob.forums.protocol import BEFORE_ALL, Event, Events
+from agentrob.mcp.adapter import McpForum
 from agentrob.model import AccountKind, CommandState, EventKind, Role, StatusCard
 from agentrob.worker import shared_events
 from agentrob.worker.shared_events import MOST_WAITING, SharedEvents
@@ -137,6 +141,73 @@ async def test_an_account_of_another_role_has_a_stream_of_its_own(world: MemoryW
     assert CountedForum.open == 2
     for listening in both:
         await listening.end()
+
+
+class PrivateForum(CountedForum):
+    """A forum with a category for each robot: posts that begin with `for NAME` can be read by that account alone."""
+
+    def __init__(self, world: MemoryWorld, name: str) -> None:
+        super().__init__(world, name)
+        self.readable_by_role = False
+        self._reader = name
+
+    async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
+        return tuple(event for event in await super().changes(after, limit) if self._may_read(event))
+
+    async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
+        async for event in super().stream(after, heartbeat_s):
+            if self._may_read(event):
+                yield event
+
+    def _may_read(self, event: Event) -> bool:
+        return event.post is None or event.post.raw.startswith(f"for {self._reader}")
+
+
+async def test_law_13_where_accounts_of_one_role_may_not_read_the_same_each_hears_its_own_stop(
+    world: MemoryWorld,
+) -> None:
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    rex, ada = (Listening(shared.of(PrivateForum(world, name)), start) for name in ("rex", "ada"))
+    await post(world, "for rex: stop", "for ada: stop")
+    await asyncio.gather(rex.until(1), ada.until(1))
+    await post(world, "for ada: walk", "for rex: walk")
+    await asyncio.gather(rex.until(2), ada.until(2))
+    assert rex.texts == ["for rex: stop", "for rex: walk"]
+    assert ada.texts == ["for ada: stop", "for ada: walk"]
+    await asyncio.gather(rex.end(), ada.end())
+
+
+@pytest.mark.parametrize(
+    ("forum", "shared"),
+    [(BoardForum, True), (NodeBBForum, False), (DiscourseForum, False), (McpForum, False)],
+    ids=["board", "nodebb", "discourse", "mcp"],
+)
+def test_only_a_forum_whose_accounts_of_one_role_read_the_same_is_shared(forum: type, shared: bool) -> None:
+    assert getattr(forum, "readable_by_role", False) is shared
+
+
+async def test_an_account_whose_role_changes_joins_the_stream_of_its_new_role(
+    world: MemoryWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shared_events, "CHECK_ROLES_S", 0.01)
+    start, _ = await MemoryForum(world, "rex").now()
+    shared = SharedEvents()
+    rex, ada = (shared.of(CountedForum(world, name)) for name in ("rex", "ada"))
+    leaving, staying = Listening(rex, start), Listening(ada, start)
+    await post(world, "one")
+    await asyncio.gather(leaving.until(1), staying.until(1))
+    world.set_role("rex", Role.MODERATOR)
+    with pytest.raises(ForumUnreachable, match="role"):
+        async with asyncio.timeout(LIMIT_S):
+            await leaving.task
+    newest, _ = await rex.now()
+    again = Listening(rex, newest)
+    await post(world, "two")
+    await asyncio.gather(again.until(1), staying.until(2))
+    assert (again.texts, staying.texts) == (["two"], ["one", "two"])
+    assert CountedForum.open == 2
+    await asyncio.gather(again.end(), staying.end())
 
 
 async def test_posts_written_while_an_agent_joins_arrive_once_and_in_order(world: MemoryWorld) -> None:

@@ -157,6 +157,15 @@ class Events(Protocol):
 
 
 @runtime_checkable
+class ReadableByRole(Protocol):
+    """A forum on which an account may read what its role may read, so that accounts of one role can share an event
+    stream. A forum with other permissions, such as categories for some groups, must not declare it: a robot would not
+    receive the stops of a category that the account of the stream may not read."""
+
+    readable_by_role: bool
+
+
+@runtime_checkable
 class RobotPages(Protocol):
     """A forum with a page for each robot: its state and a live picture."""
 

@@ -1,8 +1,10 @@
 """Receive the events of a forum once for all agents of a worker, instead of once for each.
 
 The accounts of the agents differ, so each stream is shared only by accounts that may read the same: on the board, those
-of the same role. An agent that takes over a robot gets the events that it missed from the stream, too, if the stream
-still has them all; otherwise it reads them with its own account.
+of the same role. On a forum with other permissions each agent has a stream of its own.
+
+An agent that takes over a robot gets the events that it missed from the stream, too, if the stream still has them all;
+otherwise it reads them with its own account.
 
 Most posts of a fleet are reports of its robots, which no agent obeys (law 1). Agents are not woken for each of them,
 but handle those of up to `LAZY_S` together; that a robot was stopped, which stops the other parts of a joint command,
@@ -12,6 +14,7 @@ is handled at once.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 import time
 import traceback
@@ -23,7 +26,7 @@ import structlog
 
 from agentrob.agent.intake.triage import NOT_OBEYED
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
-from agentrob.forums.protocol import Event, Forum
+from agentrob.forums.protocol import Event, Events, Forum, ReadableByRole
 from agentrob.model import CommandState, EventKind, Role
 
 #: For how long, and how many, events are kept for agents that take over a robot.
@@ -33,8 +36,8 @@ KEPT_S, MOST_KEPT = 60.0, 5_000
 OVERLAP_S = 5.0
 #: A stream that delivered nothing for this long, no heartbeat either, may lack the newest events.
 ALIVE_S = 1.0
-#: For how long an account's role is taken to be the same.
-ROLE_S = 10.0
+#: For how long an account's role is taken to be the same, and how often the roles of all that listen are checked.
+ROLE_S, CHECK_ROLES_S = 10.0, 60.0
 #: An agent that does not handle this many events is cut off from the stream and reads them from the forum later.
 MOST_WAITING = 10_000
 #: How long a post of a robot may wait until it is handled: less than between two heartbeats, which it may replace.
@@ -51,9 +54,10 @@ class SharedEvents:
     def __init__(self) -> None:
         self._streams: dict[Role, _Stream] = {}
 
-    def of(self, forum: Forum) -> AccountEvents:
+    def of(self, forum: Forum) -> Events:
         """The events of a forum as one account reads them."""
-        return AccountEvents(forum, self._streams)
+        shared = isinstance(forum, ReadableByRole) and forum.readable_by_role
+        return AccountEvents(forum, self._streams) if shared else forum
 
 
 class AccountEvents:
@@ -85,7 +89,8 @@ class AccountEvents:
         return await self._forum.changes(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
-        stream = self._streams.setdefault(await self._current_role(), _Stream())
+        role = await self._current_role()
+        stream = self._streams.setdefault(role, _Stream(role))
         missed = self._kept_after(stream, after)
         listener = stream.join(self._forum, heartbeat_s, missed)
         try:
@@ -106,6 +111,7 @@ class AccountEvents:
                     continue
                 yield event
         finally:
+            self._role_s = -math.inf
             stream.leave(listener)
 
     def _kept_after(self, stream: _Stream, after: str) -> list[Event] | None:
@@ -171,9 +177,10 @@ class _Listener:
 
 
 class _Stream:
-    """One open stream while anybody listens, read with the account of one of the listeners."""
+    """One open stream while anybody listens, read with the account of one of the listeners, which have this role."""
 
-    def __init__(self) -> None:
+    def __init__(self, role: Role) -> None:
+        self._role = role
         self._listeners: dict[_Listener, None] = {}  # in the order in which they joined
         #: The newest events and when each was delivered: all that came after the event `_kept_after`.
         self._recent: deque[tuple[float, Event]] = deque()
@@ -181,6 +188,7 @@ class _Stream:
         self._delivered_s = -math.inf
         self._open = False
         self._reading: asyncio.Task[None] | None = None
+        self._checking: asyncio.Task[None] | None = None
         self._reader: _Listener | None = None  # the listener with whose account it is read
         self._after = ""
         self._woken_s = -math.inf
@@ -206,6 +214,7 @@ class _Stream:
             listener.open()
         if self._reading is None:
             self._reading = asyncio.create_task(self._read())
+            self._checking = asyncio.create_task(self._check_roles())
         return listener
 
     def leave(self, listener: _Listener) -> None:
@@ -225,6 +234,8 @@ class _Stream:
             reader = self._reader = next(iter(self._listeners))
             begun_s = time.monotonic()
             try:
+                if not await self._has_role(reader):
+                    continue
                 if not self._after:
                     self._after = self._kept_after = (await reader.forum.now())[0]
                 async for event in reader.forum.stream(self._after, reader.heartbeat_s):
@@ -252,6 +263,21 @@ class _Stream:
             wait_s = min(longest_s, 2 * wait_s)
         self._close()
 
+    async def _check_roles(self) -> None:
+        while True:
+            await asyncio.sleep(CHECK_ROLES_S)
+            for listener in tuple(self._listeners):
+                with contextlib.suppress(Exception):  # the forum did not answer: again in a minute
+                    await self._has_role(listener)
+
+    async def _has_role(self, listener: _Listener) -> bool:
+        """Whether an account still has the role of this stream. Otherwise it is cut off, and joins another stream."""
+        if (await listener.forum.me()).role is self._role:
+            return True
+        self._listeners.pop(listener, None)
+        listener.cut(ForumUnreachable("the role of this account has changed"))
+        return False
+
     def _deliver(self, event: Event) -> None:
         now_s = self._delivered_s = time.monotonic()
         while self._recent and (self._recent[0][0] < now_s - KEPT_S or len(self._recent) >= MOST_KEPT):
@@ -271,7 +297,9 @@ class _Stream:
         self._listeners.clear()
         self._recent.clear()
         self._open = False
-        self._reading = self._reader = None
+        if self._checking is not None:
+            self._checking.cancel()
+        self._reading = self._checking = self._reader = None
         self._after = self._kept_after = ""
 
 

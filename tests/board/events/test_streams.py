@@ -23,7 +23,7 @@ from agentrob.board.db.reader import Reader, event_number
 from agentrob.board.events import hub as events
 from agentrob.board.events.hub import Hub
 from agentrob.errors import BoardError
-from agentrob.model import EventKind
+from agentrob.model import EventKind, Role
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
 
 
@@ -236,7 +236,7 @@ def test_a_slow_listener_is_disconnected_and_can_resume_without_a_gap(
     monkeypatch.setattr("agentrob.board.events.hub.MAX_PENDING", 10)
     op = board.client("op")
     start = now(op)
-    listener = board.services.hub.listen(boards=frozenset({"robots", "talk"}))
+    listener = board.services.hub.listen(role=Role.MEMBER)
     topic = post_topic(op)["topic"]["id"]
     wanted = 30
     for n in range(wanted):
@@ -356,3 +356,41 @@ def test_law_16_a_hub_must_prove_delivery_again_after_a_moment(
         hub.proven(newest)
         assert (listener.closed, hub.last_id) == (True, now(board.client("op")))
     engine.dispose()
+
+
+def test_law_13_a_stop_in_a_board_that_was_added_later_is_delivered(board: RunningBoard) -> None:
+    admin = board.client("admin")
+    with stream(board.client("quadruped"), heartbeat=0.25) as events:
+        next(events)
+        admin.post("/admin/boards", json={"id": "lab", "name": "Lab"}).raise_for_status()
+        post = {"board_id": "lab", "title": "t", "body": "@quadruped stop"}
+        written = admin.post("/topics", json=post).raise_for_status().json()["post"]
+        (event,) = until(events, 1)
+    assert event["data"]["post"]["id"] == written["id"]
+
+
+def test_a_stream_follows_who_may_read_a_board(board: RunningBoard) -> None:
+    admin = board.client("admin")
+
+    def write(text: str, role: str) -> str:
+        admin.patch("/admin/boards/talk", json={"read_role": role, "post_role": role}).raise_for_status()
+        return post_topic(admin, text)["post"]["raw"]
+
+    with stream(board.client("member"), heartbeat=0.25) as events:
+        next(events)
+        write("closed", "moderator")
+        opened = write("opened", "member")
+        write("closed again", "operator")
+        last = admin.post("/topics", json={"board_id": "robots", "title": "t", "body": "last"}).json()["post"]["raw"]
+        assert [event["data"]["post"]["raw"] for event in until(events, 2)] == [opened, last]
+
+
+def test_a_changed_role_ends_the_stream_which_is_opened_again_with_other_boards(
+    board: RunningBoard, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agentrob.board.events.streams.RECHECK_S", 0.05)
+    account = board.add("climber")
+    with stream(board.client("climber"), heartbeat=0.25) as events:
+        next(events)
+        local_admin.change_account(board.settings, account, role=Role.OPERATOR)
+        assert all(e["event"] == "heartbeat" for e in events)

@@ -310,7 +310,7 @@ def viewer_events(board: RunningBoard) -> tuple[Listener, Callable[[], list[str]
 
 
 async def _listen(board: RunningBoard) -> Listener:
-    return board.services.hub.listen(boards=None)
+    return board.services.hub.listen(role=None)
 
 
 def test_opening_and_closing_the_camera_writes_nothing(fresh_board: Callable[..., RunningBoard]) -> None:

@@ -66,7 +66,8 @@ class EventStream(Response):
     async def _replay(self, send: Send) -> None:
         assert self._hub.reader is not None
         while not self._listener.closed:
-            events = self._hub.reader.events(self._after, 100, self._listener.topic_id, self._listener.boards)
+            boards = self._hub.boards_of(self._listener)
+            events = self._hub.reader.events(self._after, 100, self._listener.topic_id, boards)
             if not events:
                 return
             for event in events:

@@ -62,7 +62,7 @@ from agentrob.board.robots import commands
 from agentrob.board.search.search import MAX_QUERY
 from agentrob.board.services import AppServices, Services
 from agentrob.errors import BoardError
-from agentrob.model import Account, AccountKind
+from agentrob.model import Account, AccountKind, Role
 
 router = APIRouter(prefix="/api/v1", responses=documented())
 
@@ -357,5 +357,12 @@ async def stream_events(
     read = services.store.reader
     start = read.known_event(resume) if resume is not None else event_number(read.newest_event_id())
     topic = services.store.reader.topic(topic_id).id if topic_id is not None else None
-    listener = services.hub.listen(topic, who.account.id if who.account else None, visibility.readable_boards())
-    return EventStream(services.hub, listener, who.account, start, heartbeat, still_allowed(services, who))
+    account_id, role = (who.account.id, who.account.role) if who.account else (None, Role.GUEST)
+
+    def check_role(account: Account | None) -> None:
+        if account is not None and account.role is not role:
+            raise BoardError(403, "role_changed", "the role of this account has changed", "open the stream again")
+
+    listener = services.hub.listen(topic, account_id, role)
+    allowed = still_allowed(services, who, check_role)
+    return EventStream(services.hub, listener, who.account, start, heartbeat, allowed)

@@ -10,13 +10,15 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import structlog
 
 from agentrob.board.db.reader import BEFORE_ALL, Reader, event_number
-from agentrob.board.db.records import StoredEvent
+from agentrob.board.db.records import Board, StoredEvent
 from agentrob.errors import BoardError
+from agentrob.model import Role
 
 #: A listener with more pending events than this does not read, and is closed.
 MAX_PENDING = 1000
@@ -57,13 +59,14 @@ class Listener:
     """The queue of one open stream of an account (None: not signed in), for one topic or all.
 
     `ended` is set when the stream must end: it was closed, or its queue overflowed because its client does not read.
-    `boards` are those whose posts it receives; None means every board, for the server's own listeners only.
+    It receives the posts of the boards that its `role` may read when they are written; None means every board, for the
+    server's own listeners only.
     """
 
     def __init__(
-        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
+        self, topic_id: str | None = None, account_id: str | None = None, role: Role | None = Role.GUEST
     ) -> None:
-        self.topic_id, self.account_id, self.boards = topic_id, account_id, boards
+        self.topic_id, self.account_id, self.role = topic_id, account_id, role
         self.ended = asyncio.Event()
         self._pending: deque[EncodedEvent] = deque()
         self._waiter: asyncio.Future[None] | None = None
@@ -72,11 +75,15 @@ class Listener:
     def closed(self) -> bool:
         return self.ended.is_set()
 
-    def offer(self, encoded: EncodedEvent) -> None:
+    def may_read(self, board: Board | None) -> bool:
+        """Whether it receives the posts of a board; None is one that is not known."""
+        return self.role is None or (board is not None and self.role.rank >= board.read_role.rank)
+
+    def offer(self, encoded: EncodedEvent, board: Board | None) -> None:
+        """Queue an event, if it is for this listener. `board` is that of its post."""
         if self.closed or self.topic_id not in (None, encoded.topic_id):
             return
-        post = encoded.event.post
-        if post is not None and self.boards is not None and post.board_id not in self.boards:
+        if encoded.event.post is not None and not self.may_read(board):
             return
         self._pending.append(encoded)
         if len(self._pending) > MAX_PENDING:
@@ -115,6 +122,7 @@ class Hub:
         self.closed = False
         self.reader: Reader | None = None
         self._listeners: set[Listener] = set()
+        self._boards: tuple[Board, ...] = ()
         self._last, self._last_id = 0, BEFORE_ALL
         self._proven_s: float | None = None
         self._written_s: float | None = None
@@ -225,7 +233,7 @@ class Hub:
         self._tell(event, written=False)
 
     def listen(
-        self, topic_id: str | None = None, account_id: str | None = None, boards: frozenset[str] | None = frozenset()
+        self, topic_id: str | None = None, account_id: str | None = None, role: Role | None = Role.GUEST
     ) -> Listener:
         """Open a listener; close it with `leave`. 503 if there are too many, 429 if this account has too many."""
         if self.closed or len(self._listeners) >= MAX_LISTENERS:
@@ -235,7 +243,7 @@ class Hub:
             who = "visitors who are not signed in have" if account_id is None else "this account has"
             hint = f"at most {most}: close one, or poll /api/v1/changes"
             raise BoardError(429, "too_many_streams", f"{who} too many event streams open", hint, 5.0)
-        listener = Listener(topic_id, account_id, boards)
+        listener = Listener(topic_id, account_id, role)
         self._listeners.add(listener)
         return listener
 
@@ -251,8 +259,23 @@ class Hub:
         """The id of the newest event that was delivered."""
         return self._last_id
 
+    def boards_of(self, listener: Listener) -> frozenset[str] | None:
+        """The boards whose posts a listener receives now; None for all."""
+        if listener.role is None:
+            return None
+        return frozenset(board.id for board in self._current_boards() if listener.may_read(board))
+
+    def _current_boards(self) -> tuple[Board, ...]:
+        """All boards, as they are now; as they were when the database could be read last."""
+        if self.reader is not None:
+            with suppress(BoardError):
+                self._boards = self.reader.all_boards()
+        return self._boards
+
     def _tell(self, event: StoredEvent, written: bool = True) -> None:
-        encoded = self.encode(event, written)
+        encoded, post = self.encode(event, written), event.post
+        boards = self._current_boards() if post is not None else ()
+        board = next((board for board in boards if post is not None and board.id == post.board_id), None)
         for listener in self._listeners:
-            listener.offer(encoded)
+            listener.offer(encoded, board)
         self.count(event)

@@ -46,7 +46,7 @@ async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> Non
 
 async def _tell(hub: Hub, outbox: Outbox) -> None:
     """Until the hub closes the listener; then events may have been missed, so receivers are asked to look."""
-    listener = hub.listen(account_id=LISTENER, boards=None)
+    listener = hub.listen(account_id=LISTENER, role=None)
     try:
         while not listener.closed:
             if (encoded := await listener.next(60.0)) is not None:

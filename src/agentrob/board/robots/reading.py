@@ -27,10 +27,6 @@ class Reading:
     line: str = ""
     robots: tuple[RobotReading, ...] = ()
 
-    @property
-    def would_move(self) -> bool:
-        return any(one.outcome in ("would", "needs_approval") for one in self.robots)
-
 
 async def read(services: Services, by: Account, text: str, board_id: str = "", topic_id: str = "") -> Reading:
     """Read a text for the robots of the topic or board, else for all. 404 if the forum reads no commands, 413, 429."""

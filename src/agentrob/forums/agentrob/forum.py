@@ -52,6 +52,7 @@ class BoardForum:
 
     max_edits: int | None = None
     live = True
+    readable_by_role = True
     fastest_poll_s = 0.0
 
     def __init__(self, settings: ForumConfig, token: str) -> None:

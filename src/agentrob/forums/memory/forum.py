@@ -62,6 +62,7 @@ class MemoryForum:
         self._name = name
         self.max_edits = self._world.max_edits
         self.live = self._world.live
+        self.readable_by_role = True
         self.fastest_poll_s = self._world.fastest_poll_s
 
     @staticmethod
