@@ -27,6 +27,7 @@ from agentrob.agent.understanding.surroundings import Surroundings
 from agentrob.agent.understanding.understand import Assessor
 from agentrob.agent.understanding.visual_goal import local_task_of, visual_task_of
 from agentrob.config.robots import RobotConfig
+from agentrob.errors import ForumDenied, ForumError, ForumNotFound
 from agentrob.forums.protocol import Forum
 from agentrob.language.messages.catalog import say
 from agentrob.minds.visual_loop.pursuit import without_model
@@ -37,6 +38,9 @@ from agentrob.robots.driver.client import DriverClient
 EXECUTION = TypeAdapter(Execution)
 #: How long a command waits between its steps for another robot of its room.
 ROOM_S = 120.0
+#: How often the post of a command that moves is read again, where steps may last longer than this, and how many denials
+#: in a row end the command: one may be temporary.
+READ_AGAIN_S, MOST_DENIALS = 5.0, 2
 
 
 @dataclass(frozen=True)
@@ -104,15 +108,35 @@ class Motion:
             enter_room=enter_room,
             on_run=partial(setattr, job, "run"),
         )
+        reading = asyncio.create_task(self._end_when_unreadable(job))
         try:
             key = job.command.key
             with self.event_stream, self.recorder.filming(key), self.poses.recording(key, plan.steps):
                 execution = await self._execute_plan(job, plan, hooks)
         finally:
+            reading.cancel()
             job.moving = False
         with job.log_errors("poses not written"):
             await self.poses.written()
         return self._encode_result(job, execution)
+
+    async def _end_when_unreadable(self, job: QueuedCommand) -> None:
+        """End a command whose post was removed or can no longer be read, for instance because its topic was moved: a
+        stop in its thread would not be received (law 13). Where steps are short, each checks this by itself."""
+        denials = 0
+        while self.forum.live and job.ended is None:
+            await asyncio.sleep(READ_AGAIN_S)
+            try:
+                gone, denials = (await self.forum.post(job.command.post_id)).removed, 0
+            except ForumNotFound:
+                gone = True
+            except ForumDenied:
+                denials += 1
+                gone = denials >= MOST_DENIALS
+            except ForumError:  # whoever waits for the forum stops by law 16
+                continue
+            if gone and job.ended is None:
+                job.end(EndReason.REMOVED)
 
     async def _permitted(
         self, job: QueuedCommand, terms: CommandTerms, plan: Plan

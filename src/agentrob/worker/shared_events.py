@@ -30,7 +30,7 @@ from agentrob.forums.protocol import Event, Events, Forum, ReadableByRole
 from agentrob.model import CommandState, EventKind, Role
 
 #: For how long, and how many, events are kept for agents that take over a robot.
-KEPT_S, MOST_KEPT = 60.0, 5_000
+KEPT_S, MOST_KEPT = 60.0, 2_000
 #: Events of this long are given again to a listener that read what it missed with its own account: that reading may be
 #: older.
 OVERLAP_S = 5.0

@@ -4,19 +4,23 @@ motion."""
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
+from uuid import uuid4
 
 import pytest
 
+from agentrob.agent import motion
 from agentrob.agent.agent import RobotAgent
 from agentrob.board.admin import local_admin, management, moderation
 from agentrob.board.auth.rights import MaintenanceWindow
 from agentrob.board.db.audit import SHELL
+from agentrob.board.db.records import Board
 from agentrob.board.db.writer import Transaction
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
@@ -202,3 +206,26 @@ async def queued(poster: Poster, topic: str) -> None:
     async with asyncio.timeout(60):
         while await poster.states(topic) != ["queued"]:  # noqa: ASYNC110 (another process is waited for)
             await asyncio.sleep(0.02)
+
+
+async def test_law_13_a_robot_stops_when_its_account_may_no_longer_read_the_thread(
+    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stop in that thread would not reach it."""
+    monkeypatch.setattr(motion, "READ_AGAIN_S", 0.1)
+    async with driver.client() as client:
+        before = (await client.state()).pose
+    async with serving_on(board, DriverClient(driver.name, driver.socket), tmp_path):
+        topic = await pilot.post(f"@{ROBOT} walk forward 5 metres slowly")
+        await until(driver, lambda state: any(state.velocity_mps or ()))
+        vault = Board(f"vault-{uuid4().hex[:8]}", "Vault", read_role=Role.ADMIN, post_role=Role.ADMIN)
+        with local_admin.writing(board.settings) as connection:
+            management.add_board(connection, SHELL, vault)
+            shell = Account("0", SHELL, role=Role.ADMIN)
+            moderation.move(Transaction(connection), shell, topic, vault.id)
+        await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
+    async with driver.client() as client:
+        after = (await client.state()).pose
+    assert before is not None
+    assert after is not None
+    assert math.dist((before.x_m, before.y_m), (after.x_m, after.y_m)) < 4.0, "it would have walked 5 m"
