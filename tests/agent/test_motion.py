@@ -57,7 +57,7 @@ async def test_law_13_a_command_ends_when_its_post_can_no_longer_be_read(
     scene.person(ROBOT, kind=AccountKind.ROBOT_AGENT)
     forum = ScriptedForum(scene.world, ROBOT)
     async with scene.agent(forum=forum):
-        post = await scene.post("alice", "@quadruped walk forward 2 metres slowly")
+        post = await scene.post("alice", "@quadruped walk forward 4 metres slowly")
         await scene.state(post, "running")
         forum.answers, forum.scripted = list(answers), post.id
         async with asyncio.timeout(60):
