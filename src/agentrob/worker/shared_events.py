@@ -84,14 +84,14 @@ class AccountEvents:
 
     async def changes(self, after: str, limit: int = 100) -> tuple[Event, ...]:
         stream = self._streams.get(await self._current_role()) if self._streams else None
-        if stream is not None and (events := self._kept_after(stream, after)) is not None:
+        if stream is not None and (events := self._missed(stream, after)) is not None:
             return tuple(events[:limit])
         return await self._forum.changes(after, limit)
 
     async def stream(self, after: str, heartbeat_s: float = 0.5) -> AsyncIterator[Event]:
         role = await self._current_role()
         stream = self._streams.setdefault(role, _Stream(role))
-        missed = self._kept_after(stream, after)
+        missed = stream.events_after(after)
         listener = stream.join(self._forum, heartbeat_s, missed)
         try:
             await listener.opened()
@@ -114,9 +114,9 @@ class AccountEvents:
             self._role_s = -math.inf
             stream.leave(listener)
 
-    def _kept_after(self, stream: _Stream, after: str) -> list[Event] | None:
+    def _missed(self, stream: _Stream, after: str) -> list[Event] | None:
         """The events that the stream has after one; None if it may lack one that `now` had reported, such as a stop."""
-        events = stream.events_after(after)
+        events = stream.events_after(after) if stream.alive else None
         if events is None or self._newest is None:
             return None
         if self._newest and self._newest not in (after, *(event.id for event in events)):
@@ -193,10 +193,13 @@ class _Stream:
         self._after = ""
         self._woken_s = -math.inf
 
+    @property
+    def alive(self) -> bool:
+        """Whether something was delivered just now."""
+        return self._open and time.monotonic() - self._delivered_s <= ALIVE_S
+
     def events_after(self, after: str) -> list[Event] | None:
-        """The events that came after one; None if the stream does not have all of them."""
-        if not self._open or time.monotonic() - self._delivered_s > ALIVE_S:
-            return None
+        """The events that were delivered after one; None if the stream does not have all of them."""
         recent = [event for _, event in self._recent]
         if after == self._kept_after:
             return recent
