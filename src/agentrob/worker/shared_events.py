@@ -26,7 +26,7 @@ import structlog
 
 from agentrob.agent.intake.triage import NOT_OBEYED
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnreachable
-from agentrob.forums.protocol import Event, Events, Forum, ReadableByRole
+from agentrob.forums.protocol import Event, Forum, ReadableByRole
 from agentrob.model import CommandState, EventKind, Role
 
 #: For how long, and how many, events are kept for agents that take over a robot.
@@ -54,7 +54,7 @@ class SharedEvents:
     def __init__(self) -> None:
         self._streams: dict[Role, _Stream] = {}
 
-    def of(self, forum: Forum) -> Events:
+    def of(self, forum: Forum) -> AccountEvents | Forum:
         """The events of a forum as one account reads them."""
         shared = isinstance(forum, ReadableByRole) and forum.readable_by_role
         return AccountEvents(forum, self._streams) if shared else forum
