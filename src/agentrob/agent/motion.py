@@ -38,8 +38,8 @@ from agentrob.robots.driver.client import DriverClient
 EXECUTION = TypeAdapter(Execution)
 #: How long a command waits between its steps for another robot of its room.
 ROOM_S = 120.0
-#: How often the post of a command that moves is read again, where steps may last longer than this, and how many denials
-#: in a row end the command: one may be temporary.
+#: How often the post of a command that moves is read again, where a step may last longer than this. So many denials
+#: without an answer in between end the command: one may be temporary.
 READ_AGAIN_S, MOST_DENIALS = 5.0, 2
 
 
@@ -122,9 +122,9 @@ class Motion:
 
     async def _end_when_unreadable(self, job: QueuedCommand) -> None:
         """End a command whose post was removed or can no longer be read, for instance because its topic was moved: a
-        stop in its thread would not be received (law 13). Where steps are short, each checks this by itself."""
+        stop in its thread would not be received (law 13). Where steps are short, the check before each is enough."""
         denials = 0
-        while self.forum.live and job.ended is None:
+        while self.event_stream.step_s > READ_AGAIN_S and job.ended is None:
             await asyncio.sleep(READ_AGAIN_S)
             try:
                 gone, denials = (await self.forum.post(job.command.post_id)).removed, 0
@@ -133,7 +133,7 @@ class Motion:
             except ForumDenied:
                 denials += 1
                 gone = denials >= MOST_DENIALS
-            except ForumError:  # whoever waits for the forum stops by law 16
+            except ForumError:  # law 16 stops a robot whose forum is silent
                 continue
             if gone and job.ended is None:
                 job.end(EndReason.REMOVED)

@@ -4,7 +4,6 @@ motion."""
 from __future__ import annotations
 
 import asyncio
-import math
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -27,6 +26,7 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, ActionClass, ActionResult, Capabilities, Primitive, Role
 from agentrob.robots.driver.client import DriverClient
+from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_process import Poster, RunningBoard, until
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.agent.store.journal_store import open_journal
@@ -208,24 +208,28 @@ async def queued(poster: Poster, topic: str) -> None:
             await asyncio.sleep(0.02)
 
 
+@pytest.fixture
+def slow_driver(tmp_path: Path) -> Iterator[Driver]:
+    made = Driver(tmp_path, robot_settings(options={"time_scale": 1}), name="slow", lease_s=TTL_S)
+    yield made
+    made.end()
+
+
 async def test_law_13_a_robot_stops_when_its_account_may_no_longer_read_the_thread(
-    board: RunningBoard, driver: Driver, pilot: Poster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    board: RunningBoard, slow_driver: Driver, pilot: Poster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A stop in that thread would not reach it."""
     monkeypatch.setattr(motion, "READ_AGAIN_S", 0.1)
-    async with driver.client() as client:
-        before = (await client.state()).pose
-    async with serving_on(board, DriverClient(driver.name, driver.socket), tmp_path):
+    async with serving_on(board, DriverClient(slow_driver.name, slow_driver.socket), tmp_path):
         topic = await pilot.post(f"@{ROBOT} walk forward 5 metres slowly")
-        await until(driver, lambda state: any(state.velocity_mps or ()))
+        await until(slow_driver, lambda state: any(state.velocity_mps or ()))
         vault = Board(f"vault-{uuid4().hex[:8]}", "Vault", read_role=Role.ADMIN, post_role=Role.ADMIN)
         with local_admin.writing(board.settings) as connection:
             management.add_board(connection, SHELL, vault)
             shell = Account("0", SHELL, role=Role.ADMIN)
             moderation.move(Transaction(connection), shell, topic, vault.id)
-        await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
-    async with driver.client() as client:
-        after = (await client.state()).pose
-    assert before is not None
-    assert after is not None
-    assert math.dist((before.x_m, before.y_m), (after.x_m, after.y_m)) < 4.0, "it would have walked 5 m"
+        await until(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
+    async with slow_driver.client() as client:
+        pose = (await client.state()).pose
+    assert pose is not None
+    assert pose.x_m < 4.0, "it would have walked 5 m, in 25 s"

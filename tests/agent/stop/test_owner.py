@@ -346,16 +346,14 @@ async def test_law_17_where_the_forum_has_no_buttons_the_reply_names_the_command
 
 
 class SlowPages(MemoryForum):
-    """A forum that does not tell the address of a robot's page."""
+    """A forum that never answers where the page of a robot is."""
 
     async def robot_page(self, robot: str) -> str:
         await asyncio.Event().wait()
         raise AssertionError
 
 
-async def test_law_17_a_forum_that_does_not_tell_the_robot_s_page_delays_neither_the_start_nor_the_reply(
-    owned: Scene,
-) -> None:
+async def test_law_17_the_reply_names_the_page_without_a_link_if_the_forum_does_not_answer(owned: Scene) -> None:
     owned.world.sign_in(ROBOT, kind=AccountKind.ROBOT_AGENT)
     async with owned.agent(forum=SlowPages(owned.world, ROBOT)):
         stop = await owned.post("bob", "@quadruped emergency stop")

@@ -1,4 +1,4 @@
-"""The guard reads a robot's states: senseless values are unknown, and a home stays where it is."""
+"""The guard reads a robot's states: implausible values are unknown, and a home stays where it is."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class OwnerActions:
         return say(f"agent.how.{action}", language, who=who, page=page, robot=self._name)
 
     async def _page_address(self, forum: RobotControls) -> str:
-        """The address of the robot's page; empty if the forum does not tell it within `ASK_S`."""
+        """The address of the robot's page; empty if the forum does not answer within `ASK_S`."""
         if not self._page:
             with contextlib.suppress(ForumError, TimeoutError):
                 async with asyncio.timeout(ASK_S):

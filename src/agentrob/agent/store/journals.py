@@ -211,7 +211,7 @@ def _read_file(path: Path) -> old_journals.Rows:
 
 
 def _open_sqlite(path: Path, files: ExitStack) -> Connection:
-    """Connect to a file until `files` is closed. Commits are on disk."""
+    """Connect to a file until `files` is closed. Committed rows are on disk."""
     engine = create_engine(
         URL.create("sqlite", database=str(path)), poolclass=NullPool, hide_parameters=True,
         isolation_level="AUTOCOMMIT", connect_args={"timeout": 30.0, "check_same_thread": False},
