@@ -84,7 +84,7 @@ def _driver(settings: RobotConfig, folder: Path) -> None:
 
 def _agent(settings: RobotConfig, folder: Path, url: str, token: str, told: Connection) -> None:
     log_to_stderr()
-    retention.EVERY_S, journals.AT_LEAST_S = PRUNED_EVERY_S, 0.0
+    retention.FIRST_S, retention.EVERY_S, journals.AT_LEAST_S = (0.0, 0.0), PRUNED_EVERY_S, 0.0
     presence.DEBOUNCE_S = SHOWN_EVERY_S
 
     async def run() -> None:

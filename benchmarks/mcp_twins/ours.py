@@ -7,7 +7,7 @@ import sys
 
 
 def main() -> None:
-    from agentrob.process.memory import importing
+    from agentrob.process.interpreter import importing
 
     with importing():
         from agentrob.forums.memory.forum import MemoryForum

@@ -2,7 +2,7 @@
 
 import sys
 
-from agentrob.process.memory import importing
+from agentrob.process.interpreter import importing
 
 #: The exit code of a program that Ctrl-C ended.
 INTERRUPTED = 130

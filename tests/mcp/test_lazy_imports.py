@@ -37,4 +37,4 @@ def test_the_command_line_imports_no_library_before_a_command_needs_it() -> None
 
 def test_garbage_is_collected_again_after_the_imports() -> None:
     use = "with importing():\n    import json\nassert gc.isenabled()"
-    imported(f"import gc\nfrom agentrob.process.memory import importing\n{use}")
+    imported(f"import gc\nfrom agentrob.process.interpreter import importing\n{use}")

@@ -38,6 +38,7 @@ from agentrob.board.web import routes
 from agentrob.board.web.templating import error_page
 from agentrob.errors import BoardError
 from agentrob.process.http_server import HttpServer
+from agentrob.process.interpreter import prefer_event_loop
 from agentrob.process.listen import base_url, open_listener
 from agentrob.process.metrics import RequestMetrics, serving_metrics
 from agentrob.process.problem import (
@@ -245,6 +246,7 @@ def serve(
         if settings.port == 0:
             host, port = listener.getsockname()[:2]
             settings = replace(settings, port=port, base_url=base_url(host, port))
+        prefer_event_loop()
         with serve_database(settings):
             metrics = BoardMetrics() if settings.metrics else None
             with serving_metrics(metrics.registry, settings.metrics) if metrics else nullcontext():

@@ -18,7 +18,8 @@ from agentrob.config.robots import RehearsalConfig, RobotConfig
 from agentrob.errors import BoardError, ConfigError
 from agentrob.model import Account, AccountKind, Capabilities, Role, StopResult
 from agentrob.plugins import find
-from agentrob.process.child import freeze_objects, print_line, print_ready
+from agentrob.process.child import print_line, print_ready
+from agentrob.process.interpreter import freeze_objects, prefer_event_loop
 from agentrob.process.logs import log_to_stderr
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
     from agentrob.worker.metrics import WorkerMetrics
 
 load = configuration.load
-#: How long after the last agent of a worker got ready its objects are frozen.
-FREEZE_S = 1.0
 
 
 def make_forum(config: Config, token: str) -> Forum:
@@ -277,7 +276,7 @@ def run_agent(config: Config, name: str, once: bool) -> None:
     from agentrob.worker.control import draining_on_request
 
     log_to_stderr()
-
+    prefer_event_loop()
     metrics = make_metrics(config) if not once else None
 
     async def serve() -> None:
@@ -356,20 +355,18 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
     if shared := [name for name in names if list(tokens.values()).count(tokens[name]) > 1]:
         raise ConfigError(f"{', '.join(shared)} have the same forum token; each robot needs an account of its own")
     preload()
+    freeze_objects()
+    prefer_event_loop()
 
     async def serve() -> None:
         events = SharedEvents()
-        freezing: asyncio.TimerHandle | None = None
         agents: dict[str, RobotAgent] = {}
 
         def tell_ready(name: str) -> None:
-            nonlocal freezing
             print_line(ready=True, robot=name)
             if metrics is not None:
                 metrics.serve(agents[name])
-            if freezing is not None:
-                freezing.cancel()
-            freezing = asyncio.get_running_loop().call_later(FREEZE_S, freeze_objects)  # once for all that start now
+            freeze_objects()  # of this agent; those of all that start together would take 0.1 s or more
 
         def make(name: str, journal: Journal) -> RobotAgent:
             async def opened() -> Journal:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from agentrob.config.load import Config
 from agentrob.process.child import print_ready
+from agentrob.process.interpreter import importing
 from agentrob.process.logs import log_to_stderr
-from agentrob.process.memory import importing
 from agentrob.wiring import app
 
 if TYPE_CHECKING:

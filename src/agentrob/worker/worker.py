@@ -20,9 +20,10 @@ from agentrob.agent.store.journals import Journals
 from agentrob.errors import JournalError, JournalHeld
 
 #: How often a worker looks for robots that nobody holds.
-TAKE_S = 3.0
-#: How many robots are taken at a time. A robot counts until its agent is ready, for `START_S` at most.
-AT_A_TIME, START_S = 8, 2.0
+TAKE_S = 1.0
+#: How many robots are taken at a time. A robot counts until its agent is ready, for `START_S` at most. More at a time
+#: would not be served sooner, and the stops of others would wait behind their requests.
+AT_A_TIME, START_S = 2, 0.5
 #: A standby lets other workers take the robots during this time.
 STANDBY_S = 5.0
 #: How long until an agent that failed is started again, at first and at most.

@@ -150,6 +150,7 @@ def test_records_and_pictures_go_by_age_size_and_number(tmp_path: Path) -> None:
 
 
 async def test_an_agent_lets_go_of_what_ended_while_it_serves(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(retention, "FIRST_S", (0.0, 0.0))
     monkeypatch.setattr(retention, "EVERY_S", 0.05)
     scene.settings = scene.settings.model_copy(update={"retention": RetentionConfig(commands=1)})
     prune, rounds = retention.prune, asyncio.Semaphore(0)
@@ -185,6 +186,18 @@ async def test_a_disk_that_fails_does_not_end_the_agent(scene: Scene, monkeypatc
         raise OSError("no such disk")
 
     monkeypatch.setattr(Records, "prune", fails)
+    monkeypatch.setattr(retention, "FIRST_S", (0.0, 0.0))
     async with scene.agent():
         await asyncio.wait_for(tried.wait(), 60)
         assert (await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))).card.state == "done"
+
+
+async def test_an_agent_that_starts_answers_posts_before_it_prunes(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pruned = []
+    monkeypatch.setattr(retention, "FIRST_S", (1e3, 1e3))
+    monkeypatch.setattr(Records, "prune", lambda *_: pruned.append(1))
+    async with scene.agent():
+        assert (await scene.final(await scene.post("alice", "@quadruped turn left 10 degrees"))).card.state == "done"
+        assert not pruned

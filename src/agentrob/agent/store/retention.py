@@ -1,17 +1,19 @@
-"""Delete what an agent kept of commands that ended long ago, at the start and then hourly, and return free memory."""
+"""Delete what an agent kept of commands that ended long ago, once an hour, and return free memory."""
 
 from __future__ import annotations
 
 import asyncio
+import random
 
 import structlog
 
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
-from agentrob.process.memory import release_free_memory
+from agentrob.process.interpreter import release_free_memory
 
-EVERY_S = 3600.0
+#: The first time, which differs from agent to agent, and then how often.
+FIRST_S, EVERY_S = (30.0, 90.0), 3600.0
 _log = structlog.get_logger()
 
 
@@ -25,7 +27,9 @@ async def prune(journal: Journal, records: Records, keep: RetentionConfig) -> No
 
 
 async def keep_pruning(journal: Journal, records: Records, keep: RetentionConfig) -> None:
-    """Prune now and then once an hour, and return free memory to the system, until cancelled."""
+    """Prune once an hour and return free memory to the system, until cancelled. The first time is about a minute after
+    the start: a worker that takes over the robots of another has more urgent work."""
+    await asyncio.sleep(random.uniform(*FIRST_S))
     while True:
         await prune(journal, records, keep)
         await asyncio.to_thread(release_free_memory)

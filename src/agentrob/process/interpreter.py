@@ -1,11 +1,15 @@
-"""When a process looks for garbage, and what it does with memory that it no longer needs."""
+"""Settings of the Python interpreter that shorten waits: garbage collection, free memory, turns of threads."""
 
 from __future__ import annotations
 
 import ctypes
 import gc
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+#: For how long a thread that computes may keep Python's lock while another wants it; Python's default is 5 ms.
+SWITCH_S = 0.001
 
 
 @contextmanager
@@ -19,6 +23,22 @@ def importing() -> Iterator[None]:
         if collecting:
             gc.freeze()
             gc.enable()
+
+
+def freeze_objects() -> None:
+    """Exclude all present objects from garbage collection: in a robot's agent a full collection took 0.1 to 0.2 s,
+    during which it could not receive a stop."""
+    gc.collect()
+    gc.freeze()
+
+
+def prefer_event_loop() -> None:
+    """Let the event loop run sooner beside threads that compute.
+
+    After each wait for the network the loop needs Python's lock, and a stop passes several such waits on its way to
+    the robot.
+    """
+    sys.setswitchinterval(SWITCH_S)
 
 
 def release_free_memory() -> None:
