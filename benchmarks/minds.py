@@ -59,19 +59,19 @@ async def _measure(port: int, turns: int, folder: Path) -> list[str]:
         assert answer.value.calls[0].arguments == Walk(distance_m=1)
 
     rows = []
-    for name, deed in (("a post read", reading), ("a turn with a picture of 100 kB", turn)):
-        await deed()
-        rows.append(row(name, await _times(deed, turns)))
+    for name, action in (("a post read", reading), ("a turn with a picture of 100 kB", turn)):
+        await action()
+        rows.append(row(name, await _times(action, turns)))
     rows.append(row("of this the server itself", served_s(port)))
     await model.close()
     return rows
 
 
-async def _times(deed: Callable[[], Awaitable[None]], turns: int) -> list[float]:
+async def _times(action: Callable[[], Awaitable[None]], turns: int) -> list[float]:
     found = []
     for _ in range(turns):
         began = time.perf_counter()
-        await deed()
+        await action()
         found.append(time.perf_counter() - began)
     return found
 

@@ -53,18 +53,18 @@ def plain_motions() -> list[str]:
     ways = ("walk forward", "go back", "move left", "step to the right", "drive straight ahead")
     amounts = ("1 m", "two metres", "half a metre", "three feet", "20 cm", "a bit")
     turns = ("turn left", "turn right ninety degrees", "rotate 45 degrees", "turn around", "spin once", "face left")
-    deeds = ("take a photo", "wave", "sit down", "stand up", "stretch", "say hello", "do a little dance", "stop")
+    actions = ("take a photo", "wave", "sit down", "stand up", "stretch", "say hello", "do a little dance", "stop")
     english = [f"{way} {amount}" for way, amount in product(ways, amounts)]
-    english += [f"{turn} and {deed}" for turn, deed in product(turns, deeds)]
+    english += [f"{turn} and {action}" for turn, action in product(turns, actions)]
     english += [f"{turn}, then {way} {amount}" for turn, way, amount in product(turns[:3], ways, amounts[:3])]
-    english += [f"can you {deed} please" for deed in deeds] + [*turns, *deeds]
+    english += [f"can you {action} please" for action in actions] + [*turns, *actions]
     ways_zh, amounts_zh = ("往前走", "后退", "向左移动", "向右平移", "前进"), ("一米", "两米", "半米", "20厘米", "三步")
     turns_zh = ("左转", "右转九十度", "原地转一圈", "掉头", "向左转45度")
-    deeds_zh = ("拍张照", "挥挥手", "坐下", "站起来", "伸个懒腰", "打个招呼", "比个心", "停下")
+    actions_zh = ("拍张照", "挥挥手", "坐下", "站起来", "伸个懒腰", "打个招呼", "比个心", "停下")
     chinese = [way + amount for way, amount in product(ways_zh, amounts_zh)]
-    chinese += [f"{turn}，然后{deed}" for turn, deed in product(turns_zh, deeds_zh)]
+    chinese += [f"{turn}，然后{action}" for turn, action in product(turns_zh, actions_zh)]
     chinese += [f"{way}{amount}再{turn}" for way, amount, turn in product(ways_zh, amounts_zh[:3], turns_zh)]
-    chinese += [f"请{deed}" for deed in deeds_zh] + [*turns_zh, *deeds_zh]
+    chinese += [f"请{action}" for action in actions_zh] + [*turns_zh, *actions_zh]
     return english + chinese
 
 

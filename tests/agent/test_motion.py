@@ -1,4 +1,4 @@
-"""Law 13: a command that moves ends when its post can no longer be read, as a stop in its thread would not arrive."""
+"""Law 13: a command ends when a stop in its thread would not arrive, since its post was moved or cannot be read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.model import AccountKind, Post
 from tests.agent.agent_scene import ROBOT, Scene
 
-OK, REMOVED = "ok", "removed"
+OK, REMOVED, MOVED = "ok", "removed", "moved"
+GONE = "The post is no longer there."
 DENIED, NOT_FOUND, UNREACHABLE = ForumDenied("no"), ForumNotFound("gone"), ForumUnreachable("away")
 
 
@@ -35,23 +36,24 @@ class ScriptedForum(MemoryForum):
             self.all_read.set()
         if isinstance(answer, Exception):
             raise answer
-        return replace(found, removed=answer == REMOVED)
+        return replace(found, removed=answer == REMOVED, topic_id="999" if answer == MOVED else found.topic_id)
 
 
 @pytest.mark.parametrize(
-    ("answers", "state"),
+    ("answers", "why"),
     [
-        ([NOT_FOUND], "failed"),
-        ([REMOVED], "failed"),
-        ([DENIED, DENIED], "failed"),
-        ([DENIED, OK, DENIED, OK], "done"),
-        ([UNREACHABLE, UNREACHABLE, OK], "done"),
-        ([DENIED, UNREACHABLE, DENIED], "failed"),
+        ([NOT_FOUND], GONE),
+        ([REMOVED], GONE),
+        ([DENIED, DENIED], GONE),
+        ([DENIED, OK, DENIED, OK], ""),
+        ([UNREACHABLE, UNREACHABLE, OK], ""),
+        ([DENIED, UNREACHABLE, DENIED], GONE),
+        ([MOVED], "Its post was moved to another thread"),
     ],
-    ids=["not found", "removed", "denied", "denied once", "unreachable", "denied twice"],
+    ids=["not found", "removed", "denied", "denied once", "unreachable", "denied twice", "in another thread"],
 )
-async def test_law_13_a_command_ends_when_its_post_can_no_longer_be_read(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch, answers: list[Exception | str], state: str
+async def test_law_13_a_command_ends_when_a_stop_in_its_thread_would_not_arrive(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, answers: list[Exception | str], why: str
 ) -> None:
     monkeypatch.setattr(motion, "READ_AGAIN_S", 0.02)
     scene.person(ROBOT, kind=AccountKind.ROBOT_AGENT)
@@ -64,5 +66,19 @@ async def test_law_13_a_command_ends_when_its_post_can_no_longer_be_read(
             await forum.all_read.wait()
         ended = await scene.final(post)
         assert ended.card is not None
-        assert ended.card.state == state, ended.raw
-        assert ("The post is no longer there." in ended.raw) is (state == "failed")
+        assert ended.card.state == ("failed" if why else "done"), ended.raw
+        assert why in ended.raw
+
+
+async def test_law_13_a_command_whose_post_is_in_another_thread_now_does_not_move(scene: Scene) -> None:
+    scene.person(ROBOT, kind=AccountKind.ROBOT_AGENT)
+    forum = ScriptedForum(scene.world, ROBOT)
+    async with scene.agent(forum=forum):
+        walk = await scene.post("alice", "@quadruped walk forward 4 metres slowly")
+        await scene.state(walk, "running")
+        turn = await scene.post("alice", "@quadruped turn left")
+        forum.answers, forum.scripted = [MOVED] * 100, turn.id
+        ended = await scene.final(turn)
+        assert ended.card is not None
+        assert ended.card.state == "cancelled", ended.raw
+        assert "Its post was moved to another thread" in ended.raw

@@ -63,7 +63,7 @@ def test_every_change_of_a_topic_is_shown_at_once(board: RunningBoard) -> None:
     def promoted(t: Transaction) -> Any:
         return management.change_account(t.connection, "shell", "talker", role=Role.OPERATOR)
 
-    deeds: list[Callable[[], Any]] = [
+    actions: list[Callable[[], Any]] = [
         lambda: author.patch(f"/posts/{first}", json={"body": "changed"}).raise_for_status(),
         lambda: author.post(f"/topics/{topic}/posts", json={"body": "and more"}).raise_for_status(),
         lambda: robot.patch(f"/posts/{status_id}", json={"body": "done", "card": card | {"state": "done"}}),
@@ -82,16 +82,16 @@ def test_every_change_of_a_topic_is_shown_at_once(board: RunningBoard) -> None:
     ]  # fmt: skip
     readers = {name: board.client(name) for name in ("op", "author", "quadruped")}
     seen = []
-    for n, deed in enumerate(deeds):
+    for n, action in enumerate(actions):
         for name, client in readers.items():
             for _ in range(3):
                 assert client.get(f"/topics/{topic}/posts").json() == fresh(board, topic, name), n
-        deed()
+        action()
         seen.append(readers["op"].get(f"/topics/{topic}/posts").text)
         for name, client in readers.items():
             assert client.get(f"/topics/{topic}/posts").json() == fresh(board, topic, name), n
     unchanged = [n for n in range(1, len(seen)) if seen[n] == seen[n - 1]]
-    assert unchanged == [11], "each deed but the setting of the days changes what is shown"
+    assert unchanged == [11], "each action but the setting of the days changes what is shown"
 
 
 def test_a_hot_page_is_current_and_personal(board: RunningBoard) -> None:
@@ -144,7 +144,7 @@ def test_a_revoked_right_takes_effect_at_once_on_a_hot_topic(board: RunningBoard
         client, path = board.client(name), f"/topics/{topic}/posts"
     for _ in range(3):
         assert client.get(path).status_code == 200
-    deed: dict[str, Callable[[Transaction], Any]] = {
+    action: dict[str, Callable[[Transaction], Any]] = {
         "suspended": lambda t: management.change_account(t.connection, "shell", name, suspended=True),
         "closed board": lambda t: management.change_board(
             t.connection, "shell", where, read_role=Role.ADMIN, post_role=Role.ADMIN
@@ -153,7 +153,7 @@ def test_a_revoked_right_takes_effect_at_once_on_a_hot_topic(board: RunningBoard
         "revoked": lambda t: accounts.revoke_tokens(t.connection, account),
         "signed out": lambda t: accounts.end_sessions(t.connection, account),
     }
-    elsewhere(board, deed[lost])
+    elsewhere(board, action[lost])
     answer = client.get(path)
     if (lost, by_page) in (("revoked", True), ("signed out", False)):
         assert answer.status_code == 200, "a session is no token, and a token no session"

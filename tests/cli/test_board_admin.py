@@ -138,7 +138,7 @@ def test_moderation_loses_nothing_and_is_in_the_audit_log(shell: Shell) -> None:
     assert told == [
         ["shell", "post.hide", f"post:{number}"],
         ["shell", "post.show", f"post:{number}"],
-        *[["shell", f"topic.{deed}", f"topic:{topic}"] for deed in ("lock", "unlock", "move")],
+        *[["shell", f"topic.{action}", f"topic:{topic}"] for action in ("lock", "unlock", "move")],
     ]
     assert "reason=rude" in log
     assert shell.board("audit", "--target", f"post:{number}").count("\n") == 2

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 START_S = 100.0
-#: All demos that were started; `end_left` ends those that a failed test left running.
+#: All demos that were started; `end_leftovers` ends those that a failed test left running.
 RUNNING: list[RunningDemo] = []
 ROOT = Path(__file__).parents[2]
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))

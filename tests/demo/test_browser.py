@@ -274,10 +274,10 @@ def test_both_robots_are_shown_and_a_post_to_both_is_answered_by_each(page: Page
     write_post(page, demo.url, "Both of you", "@quadruped turn left 30 degrees. @humanoid wave.")
     answers = page.locator("article.by-robot")
     expect(answers).to_have_count(2, timeout=60_000)
-    for name, deed in (("quadruped", "30"), ("humanoid", "wave")):
+    for name, action in (("quadruped", "30"), ("humanoid", "wave")):
         answer = page.locator("article.by-robot", has=page.locator(".post-by", has_text=name))
         wait_for(answer, "done")
-        expect(answer).to_contain_text(deed)
+        expect(answer).to_contain_text(action)
     screenshot(page, "thread-both")
     assert not wrong
 

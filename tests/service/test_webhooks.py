@@ -113,21 +113,21 @@ async def test_retries_are_limited_and_do_not_delay_other_receivers() -> None:
         metrics = ServiceMetrics("r")
         outbox = Outbox(receivers, metrics.webhook_delivered, pauses_s=(0.01, 0.01))
         running = asyncio.create_task(outbox.run())
-        outbox.tell("command.ended", {"id": "1"})
+        outbox.send("command.ended", {"id": "1"})
         async with asyncio.timeout(60):
             await asyncio.gather(*(receiver.waiting.join() for receiver in receivers))
         running.cancel()
         assert (len(broken.got), len(good.got), len(unwilling.got)) == (3, 1, 1)
     text = metrics.text().decode()
     assert 'outcome="failed",robot="r"} 2.0' in text
-    assert 'outcome="told",robot="r"} 1.0' in text
+    assert 'outcome="delivered",robot="r"} 1.0' in text
 
 
 def test_the_queue_of_a_receiver_is_bounded() -> None:
     receiver, metrics = Receiver("a", "http://127.0.0.1:1/", SECRET), ServiceMetrics("r")
     outbox = Outbox([receiver], metrics.webhook_delivered)
     for n in range(MOST_WAITING + 3):
-        outbox.tell("command.ended", {"id": str(n)})
+        outbox.send("command.ended", {"id": str(n)})
     assert receiver.waiting.qsize() == MOST_WAITING
     assert 'outcome="dropped",robot="r"} 3.0' in metrics.text().decode()
 

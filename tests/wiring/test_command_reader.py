@@ -71,7 +71,7 @@ ALICE = Account("1", "alice", role=Role.OPERATOR)
         ("@quadruped come home", "would", "I would go home."),
         ("@quadruped wave and come home", "would", "I would wave, then go home."),
         ("@quadruped turn to the red ball", "would", "I would turn towards the red ball."),
-        ("@quadruped what colours do you see?", "would", "I would say which colours are to be seen."),
+        ("@quadruped what colours do you see?", "would", "I would name the colours that the camera shows."),
         ("@quadruped 转向红球", "would", "我会转向红色球。"),
         ("@quadruped turn to the green column", "ask_back", "I cannot `turn to the green column`"),
         ("@humanoid turn to the red ball", "ask_back", "I cannot `turn to the red ball`"),

@@ -85,7 +85,7 @@ async def test_law_6_a_journal_of_version_0_1_with_a_motion_pending_is_continued
         write_old_journal(workers.folder, ROBOT, walk, wave, begun=(walk.post_id,), **values)
         with workers.running("--all", "--name", "new"):
             assert await op.final(moving) == ["interrupted"]
-            assert await op.final(waiting) == ["done"], await op.told(waiting)
+            assert await op.final(waiting) == ["done"], await op.status_text(waiting)
             # it writes down that it has answered a moment after the answer
             assert "ended" in (await asyncio.to_thread(list, app.drain_workers(["new"])))[-1]
     assert steps(workers) == ["done"]

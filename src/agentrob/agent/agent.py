@@ -491,7 +491,7 @@ class RobotAgent:
         triaged = TriagedPost(Route.NOTHING)
         if event.post is not None and event.kind is not EventKind.POST_REMOVED:
             self.known_robots.note(event.post.author)
-            self._hear_part(event.post)
+            self._receive_part(event.post)
             triaged = self.triage(event.post, edited=event.kind is EventKind.POST_EDITED)
             if triaged.route in (Route.STOP, Route.HALT):
                 self._stop(event, event.post.author, triaged)
@@ -526,9 +526,9 @@ class RobotAgent:
         if self._summaries is not None:
             self._summaries.changed()
 
-    def _hear_part(self, post: Post) -> None:
+    def _receive_part(self, post: Post) -> None:
         """Note what another robot shows about a part of a post; if it was stopped, stop this robot's parts, too."""
-        self.threads.hear(post)
+        self.threads.receive(post)
         if post.card is None or post.card.state != CommandState.STOPPED or post.author.name == self.name:
             return
         for job in [job for job in self.queue if job.joint is not None and job.can_end]:

@@ -78,15 +78,15 @@ class FinalReport:
             if report.status is CommandState.DONE and not report.goal:
                 await self.journal.set_plan(command.key, report.plan)
         page = job.page
-        told = False
+        published = False
 
         async def publish_record() -> None:
             """The forum captions the pictures by the record, so it comes first; but the report does not wait long."""
-            nonlocal told
-            if not told:
+            nonlocal published
+            if not published:
                 with job.log_errors("record not published"), contextlib.suppress(TimeoutError):
                     async with asyncio.timeout(RECORD_S):
-                        told = await publish(self.forum, page, job.status.post_id, facts, pictures)
+                        published = await publish(self.forum, page, job.status.post_id, facts, pictures)
 
         shown = Shown(text(pictures), card)
         close = partial(job.status.close, shown, images, short, measured=measured, before=publish_record)
@@ -99,7 +99,7 @@ class FinalReport:
             await self.journal.finish(command.key, report.status)
         if not ours:
             return  # another agent of this account posted the end, and keeps its record and pictures
-        if not told:
+        if not published:
             with job.log_errors("record not published"):
                 await publish(self.forum, page, job.status.post_id, facts, pictures)
         with job.log_errors("replay not published"):
@@ -117,7 +117,7 @@ class FinalReport:
                 publish_pictures = partial(publish, self.forum, page, job.status.post_id, facts)
                 if not job.status.limited:
                     await publish_pictures((*pictures, recording))
-                if not await job.status.add(late, added) and told:
+                if not await job.status.add(late, added) and published:
                     await publish_pictures(pictures)
 
     async def publish_left_replays(self) -> None:

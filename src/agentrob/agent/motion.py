@@ -108,7 +108,7 @@ class Motion:
             enter_room=enter_room,
             on_run=partial(setattr, job, "run"),
         )
-        reading = asyncio.create_task(self._end_when_unreadable(job))
+        reading = asyncio.create_task(self._end_when_unreachable(job))
         try:
             key = job.command.key
             with self.event_stream, self.recorder.filming(key), self.poses.recording(key, plan.steps):
@@ -120,23 +120,26 @@ class Motion:
             await self.poses.written()
         return self._encode_result(job, execution)
 
-    async def _end_when_unreadable(self, job: QueuedCommand) -> None:
-        """End a command whose post was removed or can no longer be read, for instance because its topic was moved: a
-        stop in its thread would not be received (law 13). Where steps are short, the check before each is enough."""
+    async def _end_when_unreachable(self, job: QueuedCommand) -> None:
+        """End a command whose post was removed, is in another thread now, or can no longer be read, for instance
+        because its topic was moved: a stop in its thread would not be received (law 13). Where steps are short, the
+        check before each is enough."""
         denials = 0
         while self.event_stream.step_s > READ_AGAIN_S and job.ended is None:
             await asyncio.sleep(READ_AGAIN_S)
             try:
-                gone, denials = (await self.forum.post(job.command.post_id)).removed, 0
+                post, denials = await self.forum.post(job.command.post_id), 0
+                moved = EndReason.THREAD if post.topic_id != job.command.topic_id else None
+                why = EndReason.REMOVED if post.removed else moved
             except ForumNotFound:
-                gone = True
+                why = EndReason.REMOVED
             except ForumDenied:
                 denials += 1
-                gone = denials >= MOST_DENIALS
+                why = EndReason.REMOVED if denials >= MOST_DENIALS else None
             except ForumError:  # law 16 stops a robot whose forum is silent
                 continue
-            if gone and job.ended is None:
-                job.end(EndReason.REMOVED)
+            if why is not None and job.ended is None:
+                job.end(why)
 
     async def _permitted(
         self, job: QueuedCommand, terms: CommandTerms, plan: Plan
@@ -145,7 +148,8 @@ class Motion:
         asked = permission(self.forum, self.driver, job.command, terms, plan)
         (verdict, capabilities), has_ended = await asyncio.gather(asked, job.status.has_ended())
         if has_ended:
-            return Verdict(Decision.REFUSE, "command.told", say("agent.because.told", job.command.language)), None
+            reason = say("agent.because.answered", job.command.language)
+            return Verdict(Decision.REFUSE, "command.answered", reason), None
         return verdict, capabilities
 
     def _encode_result(self, job: QueuedCommand, execution: Execution) -> str:

@@ -170,8 +170,8 @@ class Pipeline:
         await asyncio.wait({thinking}, timeout=GLANCE_S)
         # A person who speaks to a robot always gets an answer; programs would answer each other without end.
         person = job.command.author.kind is AccountKind.HUMAN
-        told = job.known or job.command.run is not None  # a run that was announced is never silently dropped
-        silent = not told and not (person and addresses(job.command.text, self.assessor.names))
+        expected = job.known or job.command.run is not None  # a run that was announced is never silently dropped
+        silent = not expected and not (person and addresses(job.command.text, self.assessor.names))
         if thinking.done() and silent and thinking.result().understanding.intent is Intent.NOTHING:
             await self.journal.finish(key, CommandState.NOTHING)
             return None

@@ -55,8 +55,8 @@ class DraftCommand:
 
 @dataclass(frozen=True, slots=True)
 class RobotReading:
-    """How one robot reads a text: a sentence for people, a word of `CommandReading`, the rule that objects, if any,
-    and the steps as data."""
+    """How one robot reads a text: a sentence for people (`line`), the outcome (a word that `RobotReadingOut` lists),
+    the rule that objects, if any, and the steps as data."""
 
     robot: str
     line: str

@@ -75,7 +75,7 @@ def create_app(
 
     `reader` makes what reads commands while they are written; without it the forum does not do that.
     """
-    told = webhooks.receivers(settings)
+    receivers = webhooks.receivers(settings)
     if settings.encoder is Encoder:
         require_model()
 
@@ -90,7 +90,7 @@ def create_app(
             hub.start(store.everything)
             reading = ReadingQueue(reader) if reader is not None else None
             app.state.services = parts = Services(settings, store, hub, presence, reading=reading)
-            background = asyncio.create_task(await _background(parts, me, told))
+            background = asyncio.create_task(await _background(parts, me, receivers))
             try:
                 yield
             finally:
@@ -126,12 +126,12 @@ def create_app(
     return app
 
 
-async def _background(parts: Services, me: str, told: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
+async def _background(parts: Services, me: str, receivers: Sequence[Receiver]) -> Coroutine[Any, Any, None]:
     """The background tasks, which run until cancelled. Only one of several processes runs the duties."""
 
     async def duties(taken_over: bool) -> None:
         pruning = retention.keep_expiring_pictures(parts), retention.keep_pruning(parts)
-        await asyncio.gather(*pruning, webhooks.run(parts.hub, told, taken_over))
+        await asyncio.gather(*pruning, webhooks.run(parts.hub, receivers, taken_over))
 
     if parts.settings.shared:
         peers = Cluster(parts.settings, me, parts.hub, parts.presence, duties)

@@ -142,7 +142,7 @@ def _detection(
 
 
 def _thing(mask: NDArray[np.bool_]) -> str:
-    """Return what an outline looks like, empty if that cannot be told."""
+    """Return what an outline looks like, empty if that is unclear."""
     height, width = mask.shape
     if width > FLAT_ASPECT * height:
         return ""

@@ -219,11 +219,11 @@ class ForumContract:
         first = await _topic(alice)
         forged = StatusCard("humanoid", "done", trace_id="t1")
         try:
-            said = (await robot.reply(first.topic_id, "done", key="s", reply_to=first.id, card=forged)).post
+            reply = (await robot.reply(first.topic_id, "done", key="s", reply_to=first.id, card=forged)).post
         except ForumDenied:
             return  # the forum itself refuses it
-        assert (said.raw.strip(), said.card) == ("done", None)
-        assert (await alice.post(said.id)).card is None
+        assert (reply.raw.strip(), reply.card) == ("done", None)
+        assert (await alice.post(reply.id)).card is None
 
     async def test_law_3_what_counts_of_a_post_is_what_its_page_shows(self, world: World) -> None:
         """A robot is called where its name is read and linked; a mark says that something is not as it reads."""

@@ -16,7 +16,7 @@ Groups = tuple[str, ...]
 class GroupOptions(BaseModel):
     """Groups by their names on the forum.
 
-    `closed` are an account's groups that cannot be joined freely, `said` all groups that the forum lists for it; both
+    `closed` are an account's groups that cannot be joined freely, `groups` all groups that the forum lists for it; both
     are spelled as by `spelled`.
     """
 
@@ -64,13 +64,13 @@ class GroupOptions(BaseModel):
             return Role.MODERATOR
         return Role.OPERATOR if self.among(self.operators, closed) else Role.MEMBER
 
-    def kind(self, said: Collection[str], closed: Collection[str]) -> AccountKind:
+    def kind(self, groups: Collection[str], closed: Collection[str]) -> AccountKind:
         """Return the kind of account; with groups of several kinds, the one with the fewest rights.
 
         Being a robot takes rights away, so freely joinable groups count for it too.
         """
-        if self.among(self.monitoring_agents, said):
+        if self.among(self.monitoring_agents, groups):
             return AccountKind.MONITORING_AGENT
-        if self.among(self.robot_agents, said):
+        if self.among(self.robot_agents, groups):
             return AccountKind.ROBOT_AGENT
         return AccountKind.COMMANDING_AGENT if self.among(self.commanding_agents, closed) else AccountKind.HUMAN

@@ -37,8 +37,8 @@ def encode_marker(marked: MarkedText) -> str:
         "p": len(marked.pictures) or None,
         "c": facts_of(marked.card) if marked.card else None,
     }
-    told = json.dumps({k: v for k, v in facts.items() if v is not None}, separators=(",", ":"), ensure_ascii=False)
-    return base64.urlsafe_b64encode(told.encode()).decode()
+    text = json.dumps({k: v for k, v in facts.items() if v is not None}, separators=(",", ":"), ensure_ascii=False)
+    return base64.urlsafe_b64encode(text.encode()).decode()
 
 
 def split_marker(raw: str, mark: re.Pattern[str], picture: re.Pattern[str], ours: bool = True) -> MarkedText:

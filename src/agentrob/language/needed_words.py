@@ -37,7 +37,7 @@ def needs(phrase: str, group: Callable[[str], tuple[OneOf, ...]] = lambda _: ())
 
 def one_needed(phrase: str) -> OneOf:
     """Return strings of which a text in lower case must contain one to match the phrase; an empty one is in any."""
-    return max(needs(phrase), key=_telling, default=_ANYTHING)
+    return max(needs(phrase), key=_distinctiveness, default=_ANYTHING)
 
 
 class Prefiltered:
@@ -96,10 +96,10 @@ def either(found: list[list[OneOf]]) -> tuple[OneOf, ...]:
     """Return what all alternatives require together: the most selective requirement of each."""
     if len(found) == 1:
         return tuple(found[0])
-    best = [max(sequence, key=_telling, default=frozenset()) for sequence in found]
+    best = [max(sequence, key=_distinctiveness, default=frozenset()) for sequence in found]
     return (frozenset().union(*best),) if all(best) else ()
 
 
-def _telling(one_of: OneOf) -> int:
+def _distinctiveness(one_of: OneOf) -> int:
     """Return how unlikely a chance match is: the length of the shortest string."""
     return min(map(len, one_of))

@@ -43,7 +43,7 @@ def _rank(role: Role) -> int:
 
 
 class ActionClass(StrEnum):
-    """The kinds of deeds that a robot's owner can grant apart: a photo, a gesture, walking and turning, a flip."""
+    """The kinds of actions that a robot's owner can grant apart: a photo, a gesture, walking and turning, a flip."""
 
     PHOTO = "photo"
     LOOK = PHOTO  # other looks than photos belong to the same class

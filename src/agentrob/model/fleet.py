@@ -80,11 +80,11 @@ def fleet_robot(name: str, card: Mapping[str, Any], seen_at: datetime | None, no
     )
 
 
-def _place(told: object) -> dict[str, Any]:
+def _place(place: object) -> dict[str, Any]:
     """The room of a robot and where it stands there, from the map of its card."""
-    if not isinstance(told, Mapping) or not (room := _text(told.get("room"))):
+    if not isinstance(place, Mapping) or not (room := _text(place.get("room"))):
         return {}
-    pose = told.get("pose")
+    pose = place.get("pose")
     numbers = pose if isinstance(pose, list | tuple) and len(pose) == 3 else ()
     known = [v for v in numbers if isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= _FARTHEST_M]
     return {"room": room, "pose": Pose(*map(float, known)) if len(known) == 3 else None}

@@ -100,6 +100,7 @@ class EndReason(StrEnum):
     TAKEN_BACK = "taken_back"  # by its author
     EDITED = "edited"
     REMOVED = "removed"
+    THREAD = "thread"  # its post was moved to another thread
     RELEASE = "release"  # posted before its robot was released
     CLOCK = "clock"  # the forum's clock was set: it may have been posted before a stop
     REPLACED = "replaced"  # the forum was replaced by another

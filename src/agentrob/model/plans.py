@@ -41,7 +41,7 @@ class Primitive:
 
     @property
     def operation(self) -> Operation:
-        """The declaration of what is to be done; where it is not known, the worst is assumed."""
+        """The declaration of the operation; where it is not known, the worst is assumed."""
         return self.declared or BUILT_IN.get(self.op) or undeclared(self.op)
 
     @property
@@ -129,8 +129,8 @@ def step_of(data: Mapping[str, Any]) -> Primitive:
     amounts = {name: data.get(name) for name in FIELDS[1:]}
     arguments = {k: v for k, v in data.items() if k not in ("op", *FIELDS)}
     for name, value in (*amounts.items(), *arguments.items()):
-        said = isinstance(value, str) and name in arguments
-        if not said and value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+        is_choice = isinstance(value, str) and name in arguments
+        if not is_choice and value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
             raise ValueError(f"{name} must be a number (found {str(value)[:40]!r})")
     if not isinstance(data.get("op"), str) or len(arguments) > MOST_ARGUMENTS:
         raise ValueError(f"a step needs an operation and at most {MOST_ARGUMENTS} arguments")

@@ -66,10 +66,10 @@ class Child:
                 log.flush()
                 if line.startswith(b"{"):
                     with contextlib.suppress(ValueError):
-                        said = json.loads(line)
-                        if said.get("ready"):
+                        facts = json.loads(line)
+                        if facts.get("ready"):
                             with self._changed:
-                                self._ready.append(said)
+                                self._ready.append(facts)
                                 self._changed.notify_all()
         with self._changed:
             self._ended = True

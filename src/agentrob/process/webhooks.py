@@ -72,12 +72,12 @@ class Outbox:
         count: Callable[[str], None] = lambda _: None,
         pauses_s: Sequence[float] | None = None,
     ) -> None:
-        """`count` is called with the outcome of each delivery: `told`, `failed` or `dropped`."""
+        """`count` is called with the outcome of each delivery: `delivered`, `failed` or `dropped`."""
         self._receivers = receivers
         self._count = count
         self._pauses_s = PAUSES_S if pauses_s is None else pauses_s
 
-    def tell(self, kind: str, data: dict[str, Any]) -> None:
+    def send(self, kind: str, data: dict[str, Any]) -> None:
         """Queue a webhook for every receiver without waiting; drop it for one whose queue is full."""
         event = {"type": kind, "timestamp": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "data": data}
         body = json.dumps(event, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
@@ -101,7 +101,7 @@ class Outbox:
         while True:
             identity, body = await receiver.waiting.get()
             try:
-                outcome = "told" if await self._deliver(http, receiver, identity, body) else "failed"
+                outcome = "delivered" if await self._deliver(http, receiver, identity, body) else "failed"
             except Exception as e:  # continue with the next webhook
                 outcome = "failed"
                 _log.error("webhook not delivered", receiver=receiver.name, why=type(e).__name__)

@@ -88,7 +88,7 @@ class Simulation:
         self._capabilities = capabilities_of(request)
         self._scene = load(request.settings.rehearsal.world)
         self.world_hash = f"{self._scene.name} {hashlib.sha256(self._scene.model_dump_json().encode()).hexdigest()}"
-        self._names = {_stand_in(number): f"@{other.name}" for number, other in enumerate(request.others)}
+        self._names = {_other_name(number): f"@{other.name}" for number, other in enumerate(request.others)}
         self._body: Legged = G1("robot") if self._model == "g1" else Go2("robot")
         assert request.start is not None
         self._body.start = Start(request.start.x_m, request.start.y_m, request.start.yaw_rad)
@@ -196,7 +196,7 @@ def _rehearsed(step: Primitive, result: ActionResult, seconds: float, at: Point)
 
 
 # -------------------------------------------------------------------- the room
-def _stand_in(number: int) -> str:
+def _other_name(number: int) -> str:
     return f"other_robot_{number}"
 
 
@@ -204,7 +204,7 @@ def _with_others(scene: Scene, request: PreviewRequest) -> Scene:
     """The scene with a column for each other robot. It is not checked again: robots stand anywhere by now."""
     others = tuple(
         Thing(
-            name=_stand_in(number).replace("_", " "),
+            name=_other_name(number).replace("_", " "),
             shape="column",
             at_m=(other.pose.x_m, other.pose.y_m),
             radius_m=OTHER_RADIUS_M.get(other.model, 0.4),

@@ -68,8 +68,9 @@ class RobotContract:
         found = {e.name: e for e in entry_points(group="agentrob.robots")}
         assert capabilities.model in found, "its model is the name of its entry point in the group agentrob.robots"
         settings = RobotConfig(model=capabilities.model, simulated=capabilities.simulated)
-        told = found[capabilities.model].load().describe(settings)
-        assert (told.model, told.ops, told.declared) == (capabilities.model, capabilities.ops, capabilities.declared)
+        described = found[capabilities.model].load().describe(settings)
+        assert described.model == capabilities.model
+        assert (described.ops, described.declared) == (capabilities.ops, capabilities.declared)
 
     def test_its_state_is_fresh_and_asking_never_blocks(self, robot: Robot) -> None:
         state = fresh(robot)

@@ -101,7 +101,7 @@ def screen(
 
 
 def harm_in_words(text: str, scene: str, language: Language) -> Verdict | None:
-    """Refuse a post without a plan if its words name a harmful deed, or one that is harmful in this place."""
+    """Refuse a post without a plan if its words name a harmful action, or one that is harmful in this place."""
     return clear_harm_of(text, language) or harm_in_scene(text, scene, None, language)
 
 

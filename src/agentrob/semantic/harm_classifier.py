@@ -59,10 +59,10 @@ def load_classifier(path: Path = WEIGHTS, sha256: str = SHA256) -> HarmClassifie
         raise ConfigError(f"the weights of the harm classifier cannot be read: {e}; install agentrob again") from None
     if hashlib.sha256(content).hexdigest() != sha256:
         raise ConfigError(f"{path} does not have the expected checksum: install agentrob again")
-    told = json.loads(content)
-    if told["encoder"] != MODEL or len(told["weights"]) != SIZE:
-        raise ConfigError(f"{path} was trained for another encoder: {told['encoder']}")
-    return HarmClassifier(tuple(told["weights"]), told["thresholds"])
+    model = json.loads(content)
+    if model["encoder"] != MODEL or len(model["weights"]) != SIZE:
+        raise ConfigError(f"{path} was trained for another encoder: {model['encoder']}")
+    return HarmClassifier(tuple(model["weights"]), model["thresholds"])
 
 
 def normalised(text: str) -> str:

@@ -68,7 +68,7 @@ class CommandService:
         """Count a final report and notify webhooks and waiting requests. Never raises: the agent must go on."""
         try:
             self.metrics.ended(report)
-            self._outbox.tell("command.ended", _of_report(report).model_dump(mode="json"))
+            self._outbox.send("command.ended", _of_report(report).model_dump(mode="json"))
         except Exception:
             _log.error("end not reported", post=report.command.post_id, trace=traceback.format_exc())
         news, self._news = self._news, asyncio.Event()

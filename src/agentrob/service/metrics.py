@@ -20,7 +20,7 @@ class ServiceMetrics:
         self.requests = self._counter("agentrob_http_requests", "Requests answered.", "method", "status")
         self.hooks_in = self._counter("agentrob_hooks_in", "Webhooks received, by whether they were accepted.", "taken")
         self.hooks_out = self._counter(
-            "agentrob_hooks_out", "Webhook deliveries, by outcome: told, failed, dropped.", "outcome"
+            "agentrob_hooks_out", "Webhook deliveries, by outcome: delivered, failed, dropped.", "outcome"
         )
 
     def watch(self, waiting: Callable[[], float], moving: Callable[[], float], silent_s: Callable[[], float]) -> None:
@@ -38,7 +38,7 @@ class ServiceMetrics:
         counter.labels(self._robot, *labels).inc()
 
     def webhook_delivered(self, outcome: str) -> None:
-        """Count a webhook delivery by its outcome: told, failed or dropped."""
+        """Count a webhook delivery by its outcome: delivered, failed or dropped."""
         self.count(self.hooks_out, outcome)
 
     def text(self) -> bytes:

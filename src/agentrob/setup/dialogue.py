@@ -76,14 +76,14 @@ class Dialogue:
     def _text(self, words: str, default: str, check: Callable[[str], None] | None = None) -> str:
         """Ask until the answer is valid."""
         while True:
-            said = Prompt.ask(words, console=self._console, default=default, stream=self._stream).strip()
+            answer = Prompt.ask(words, console=self._console, default=default, stream=self._stream).strip()
             try:
                 if check is not None:
-                    check(said)
+                    check(answer)
             except ValueError as e:
                 self._console.print(f"  {e}", style="yellow", highlight=False)
             else:
-                return said
+                return answer
 
     def _choice(self, words: str, choices: Sequence[str], default: str) -> str:
         found = list(map(str, choices))
@@ -113,25 +113,25 @@ def _user() -> str:
 
 
 # ---------------------------------------------------------------------- checks
-def _handle(said: str) -> None:
-    if not HANDLE.fullmatch(said):
-        raise ValueError(f"{said!r} is not valid: 2 to 32 of a-z, 0-9, - and _, the first a letter")
+def _handle(answer: str) -> None:
+    if not HANDLE.fullmatch(answer):
+        raise ValueError(f"{answer!r} is not valid: 2 to 32 of a-z, 0-9, - and _, the first a letter")
 
 
-def _listen(said: str) -> None:
+def _listen(answer: str) -> None:
     try:
-        check_address(said)
-        configuration.parse({"board": {"listen": said}}, "listen")
+        check_address(answer)
+        configuration.parse({"board": {"listen": answer}}, "listen")
     except ConfigError as e:
         raise ValueError(str(e)) from None
 
 
-def _interface(said: str) -> None:
+def _interface(answer: str) -> None:
     there = [name for _, name in socket.if_nameindex()]
-    if said not in there:
-        raise ValueError(f"{said!r} is not on this machine; valid: {', '.join(there)}")
+    if answer not in there:
+        raise ValueError(f"{answer!r} is not on this machine; valid: {', '.join(there)}")
 
 
-def _domain(said: str) -> None:
-    if not said.isdecimal() or int(said) > 230:
-        raise ValueError(f"{said!r} is not a DDS domain; valid: 0 to 230")
+def _domain(answer: str) -> None:
+    if not answer.isdecimal() or int(answer) > 230:
+        raise ValueError(f"{answer!r} is not a DDS domain; valid: 0 to 230")

@@ -222,17 +222,17 @@ def _first_walk(answers: Answers, robot: RobotAnswers, config: Config) -> Done:
     token = app.board_token(config, answers.admin, LABEL)
     try:
         asyncio.run(_served(config, token, robot.name))
-        told = asyncio.run(visitor.ask(config, token, words, lambda: None))
+        outcome = asyncio.run(visitor.ask(config, token, words, lambda: None))
     except ForumError as e:
         raise SetupError(f"the first walk could not be posted: {e}") from e
     finally:
         app.revoke_board_tokens(config, answers.admin, LABEL)
-    if told["status"] != CommandState.DONE:
+    if outcome["status"] != CommandState.DONE:
         doctor = shlex.join(["agentrob", "doctor", robot.name, "--config", str(answers.config)])
-        reply = told["reply_markdown"].partition("\n")[0] or told["error"]
+        reply = outcome["reply_markdown"].partition("\n")[0] or outcome["error"]
         raise SetupError(f"{robot.name} did not walk: {reply}; what is wrong, says: {doctor}")
-    (first, *_) = told["reply_markdown"].splitlines()
-    return Done([f"posted: {words}", f"{robot.name} replied: {first}", f"the thread: {told['topic_url']}"])
+    (first, *_) = outcome["reply_markdown"].splitlines()
+    return Done([f"posted: {words}", f"{robot.name} replied: {first}", f"the thread: {outcome['topic_url']}"])
 
 
 async def _served(config: Config, token: str, robot: str) -> None:

@@ -119,5 +119,5 @@ def _run(command: Sequence[str]) -> None:
     except (OSError, subprocess.TimeoutExpired) as e:
         raise SetupError(f"{shlex.join(command)}: {e}") from e
     if done.returncode:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise SetupError(f"{shlex.join(command)} failed: {said[-1] if said else f'exit code {done.returncode}'}")
+        lines = (done.stderr or done.stdout).strip().splitlines()
+        raise SetupError(f"{shlex.join(command)} failed: {lines[-1] if lines else f'exit code {done.returncode}'}")

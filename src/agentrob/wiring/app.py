@@ -362,7 +362,7 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
         events = SharedEvents()
         agents: dict[str, RobotAgent] = {}
 
-        def tell_ready(name: str) -> None:
+        def report_ready(name: str) -> None:
             print_line(ready=True, robot=name)
             if metrics is not None:
                 metrics.serve(agents[name])
@@ -383,7 +383,7 @@ def run_worker(config: Config, names: Sequence[str], most: int | None = None, st
                 await worker.run()
 
         worker = Worker(
-            names, make_journals(config.journal.database, config.data_dir), make, most, standby, tell_ready, metrics,
+            names, make_journals(config.journal.database, config.data_dir), make, most, standby, report_ready, metrics,
         )  # fmt: skip
         running = asyncio.ensure_future(sharing(worker))
         _cancel_on_signals(running)
@@ -517,7 +517,7 @@ def in_world(model: str) -> bool:
 
 
 def simulated_robot(model: str, domain: int, world: str = "room") -> RobotConfig:
-    """Settings of a robot in a simulated world, at home where it starts, told of what is in it.
+    """Settings of a robot in a simulated world, at home where it starts, with a description of what is in it.
 
     The G1 sees nothing around it: whoever runs the simulation is its owner, consents (law 8), and fences it in where
     the world says that nothing stands. A robot of another package is simulated by that package (`simulators.py`).

@@ -75,7 +75,7 @@ async def test_law_6_a_post_is_summed_up_once_also_where_the_agent_dies_beside_i
 
     with monkeypatch.context() as patched:
         if when == "after":
-            patched.setattr(Journal, "set_summary_told", dies_after)
+            patched.setattr(Journal, "set_summary_reported", dies_after)
         else:
             patched.setattr(PartSummaries, "_sum_up", dies_before)
         async with scene.agents():

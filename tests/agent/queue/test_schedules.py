@@ -295,7 +295,7 @@ async def test_a_schedule_ends_after_its_runs_and_says_so_only_if_it_met_a_limit
             await run_of(scene, three, number)
         kept = await agent.journal.schedule(three.id)
         assert kept is not None
-        assert (kept.ended, kept.told) == (ScheduleEnd.DONE, True)
+        assert (kept.ended, kept.reported) == (ScheduleEnd.DONE, True)
         await steps(agent, await next_at_of(agent, many) + 40 * HOUR)
         await run_of(scene, many, runs_done(scene, many) + 1)
         assert "as many runs or days" in (await scene.until(lambda: ended(scene, many)))[0]

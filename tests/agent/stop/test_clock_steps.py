@@ -87,8 +87,8 @@ async def test_law_14_the_owner_s_release_clears_a_stop_of_the_future_and_says_s
         await scene.until(lambda: scene.replies(stop))
         scene.world.clock_offset_s = 0.0
         await olga.press_release(ROBOT)
-        card = await scene.until(lambda: (scene.world.robots.get(ROBOT) or {}).get("told"))
+        card = await scene.until(lambda: (scene.world.robots.get(ROBOT) or {}).get("last_action"))
         assert card["done"]
-        assert "It was not locked. Its last stop bore a time in the future (2" in card["said"]
-        assert " UTC); it no longer holds back commands." in card["said"]
+        assert "It was not locked. Its last stop bore a time in the future (2" in card["message"]
+        assert " UTC); it no longer holds back commands." in card["message"]
         assert (await scene.final(await scene.post("alice", "@quadruped wave"))).card.state == "done"

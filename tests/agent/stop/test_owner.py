@@ -43,7 +43,7 @@ async def press_result(scene: Scene, by: str) -> dict[str, Any]:
     """Return the result of an account's press, as the robot's card shows it."""
 
     def last() -> dict[str, Any] | None:
-        card = (scene.world.robots.get(ROBOT) or {}).get("told")
+        card = (scene.world.robots.get(ROBOT) or {}).get("last_action")
         return card if card and card["by"] == by else None
 
     return await scene.until(last)
@@ -86,8 +86,8 @@ async def test_law_17_the_emergency_stop_button_locks_and_the_owner_s_button_rel
         assert "agentrob release quadruped" in asked.raw
         await owned.world.sign_in("olga").press_release(ROBOT)
         card = await press_result(owned, "olga")
-        assert (card["deed"], card["done"]) == ("release", True)
-        assert re.fullmatch(r"It had been locked by bob for \d+ seconds?\.", card["said"])
+        assert (card["action"], card["done"]) == ("release", True)
+        assert re.fullmatch(r"It had been locked by bob for \d+ seconds?\.", card["message"])
         await owned.until(lambda: owned.world.robots[ROBOT]["lock"] is None)
         assert await ended(owned, "alice", "@quadruped wave") == "done"
 
@@ -117,11 +117,11 @@ async def test_law_2_only_the_owner_and_admins_release_and_home(
         await forum.press_release(ROBOT)
         if kind in (AccountKind.ROBOT_AGENT, AccountKind.MONITORING_AGENT):  # ignored
             await owned.final(await owned.post("alice", "@quadruped help"))
-            assert owned.world.robots[ROBOT]["told"] is None
+            assert owned.world.robots[ROBOT]["last_action"] is None
         else:
             card = await press_result(owned, name)
             assert card["done"] is may
-            assert may or "Only the robot's owner and admins may release it" in card["said"]
+            assert may or "Only the robot's owner and admins may release it" in card["message"]
         assert (await state(owned)).halted is not may
 
 
@@ -156,7 +156,7 @@ async def test_law_17_an_old_press_releases_nothing(owned: Scene) -> None:
         owned.world.clock_offset_s = 0.0
         card = await press_result(owned, "olga")
         assert not card["done"]
-        assert "pressed more than 30 s before" in card["said"]
+        assert "pressed more than 30 s before" in card["message"]
         assert (await state(owned)).halted
 
 
@@ -182,7 +182,7 @@ async def test_law_17_a_lock_that_came_after_the_press_stays(owned: Scene) -> No
         owned.world.clock_offset_s = 0.0
         card = await press_result(owned, "olga")
         assert not card["done"]
-        assert "locked after this release was requested" in card["said"]
+        assert "locked after this release was requested" in card["message"]
         assert (await state(owned)).halted
 
 
@@ -193,7 +193,7 @@ async def test_law_17_a_double_press_is_one_release(owned: Scene) -> None:
         await olga.press_release(ROBOT)
         await olga.press_release(ROBOT)
         card = await owned.until(
-            lambda: (t := (owned.world.robots[ROBOT]["told"] or {})) and "was not locked" in t["said"] and t
+            lambda: (t := (owned.world.robots[ROBOT]["last_action"] or {})) and "was not locked" in t["message"] and t
         )
         assert card["done"]
         assert not (await state(owned)).halted
@@ -212,7 +212,7 @@ async def test_law_17_a_lost_driver_is_reported_and_the_lock_is_still_there_when
             await scene.world.sign_in("olga").press_release(ROBOT)
             card = await press_result(scene, "olga")
             assert not card["done"]
-            assert "start one with: agentrob driver lost" in card["said"]
+            assert "start one with: agentrob driver lost" in card["message"]
             second = Driver(tmp_path, robot_settings(), name="lost")
             try:
                 assert await ended(scene, "alice", "@quadruped wave") == "refused"
@@ -297,7 +297,7 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
             assert not (await press_result(scene, "alice"))["done"]
             await scene.world.sign_in("olga").press_home(ROBOT)
             card = await press_result(scene, "olga")
-            assert (card["deed"], card["done"]) == ("home", True)
+            assert (card["action"], card["done"]) == ("home", True)
             await scene.until(lambda: scene.world.robots[ROBOT]["homed"] is True)
             walk = await scene.post("alice", "@quadruped walk forward 3 metres, then walk back 3 metres")
             await scene.state(walk, "running")
@@ -305,8 +305,8 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
                 while not any((await client.state()).velocity_mps or ()):  # noqa: ASYNC110 (another process)
                     await asyncio.sleep(0.01)
             await scene.world.sign_in("olga").press_home(ROBOT)
-            await scene.until(lambda: not scene.world.robots[ROBOT]["told"]["done"])
-            assert "cannot set home" in scene.world.robots[ROBOT]["told"]["said"]
+            await scene.until(lambda: not scene.world.robots[ROBOT]["last_action"]["done"])
+            assert "cannot set home" in scene.world.robots[ROBOT]["last_action"]["message"]
             reply = await scene.final(walk)
             assert reply.card is not None
             assert reply.card.state == "done", "a press on home does not disturb what moves"

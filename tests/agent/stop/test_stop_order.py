@@ -219,7 +219,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 OFFSETS = st.sampled_from([0.0, 3.0, -3.0, 60.0, -60.0, 3600.0, -3600.0, 400 * DAY_S, 399 * DAY_S, -30 * DAY_S])
-DEEDS = st.one_of(
+ACTIONS = st.one_of(
     st.sampled_from(["command", "command", "stop", "press", "beat", "hear", "take", "let", "restart", "reboot"]).map(
         lambda action: (action, 0.0)
     ),
@@ -235,7 +235,7 @@ def parse_actions(actions: str) -> list[Action]:
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
-@given(st.lists(DEEDS, min_size=3, max_size=25))
+@given(st.lists(ACTIONS, min_size=3, max_size=25))
 @example(parse_actions("set 3600, command, set 0, stop, hear, take, let"))
 @example(parse_actions("set 3600, command, hear, take, set 0, stop, restart, let"))
 @example(parse_actions("set 3600, command, hear, take, set 0, stop, reboot, let"))

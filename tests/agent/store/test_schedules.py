@@ -44,18 +44,18 @@ async def test_schedules_come_in_the_order_of_their_runs_until_their_end_was_tol
         await journal.add_schedule(asked(post), NOON + hours * HOUR)
     assert [kept.post_id for kept in await journal.schedules()] == ["2", "3", "1", "4", "5"]
     await journal.end_schedule("3", ScheduleEnd.STOP)
-    await journal.end_schedule("2", ScheduleEnd.CANCELLED, told=True)
+    await journal.end_schedule("2", ScheduleEnd.CANCELLED, reported=True)
     assert {kept.post_id for kept in await journal.schedules()} == {"1", "3", "4", "5"}, "one end must still be told"
     ended = await journal.schedule("3")
     assert ended is not None
-    assert (ended.ended, ended.next_at, ended.told) == (ScheduleEnd.STOP, None, False)
-    await journal.end_schedule("3", ScheduleEnd.EDITED, told=True)
+    assert (ended.ended, ended.next_at, ended.reported) == (ScheduleEnd.STOP, None, False)
+    await journal.end_schedule("3", ScheduleEnd.EDITED, reported=True)
     assert await journal.schedule("3") == ended, "the first reason counts"
-    await journal.set_schedule_told("3")
+    await journal.set_schedule_reported("3")
     assert [kept.post_id for kept in await journal.schedules()] == ["1", "4", "5"]
     told = await journal.schedule("2")
     assert told is not None
-    assert (told.ended, told.told) == (ScheduleEnd.CANCELLED, True)
+    assert (told.ended, told.reported) == (ScheduleEnd.CANCELLED, True)
     await journal.close()
 
 
@@ -79,7 +79,7 @@ async def test_law_6_a_run_is_taken_once_with_its_claim(tmp_path: Path, ended: E
 async def test_law_6_the_last_run_ends_its_schedule(tmp_path: Path) -> None:
     journal = await open_journal(tmp_path, REX)
     kept = await journal.add_schedule(asked("1"), NOON)
-    last = replace(kept, next_at=None, runs_left=0, ended=ScheduleEnd.DONE, told=True)
+    last = replace(kept, next_at=None, runs_left=0, ended=ScheduleEnd.DONE, reported=True)
     assert await journal.begin_run(kept, command("1.1"), None, last) is not None
     assert await journal.schedule("1") == last
     assert await journal.begin_run(last, command("1.2"), None, last) is None
@@ -109,9 +109,9 @@ async def test_a_schedule_that_ended_by_its_limit_is_renewed_once_unless_that_is
     await journal.refuse_renewal("2", ScheduleEnd.STOP)
     refused = await journal.schedule("2")
     assert refused is not None
-    assert (refused.ended, refused.told) == (ScheduleEnd.STOP, True)
+    assert (refused.ended, refused.reported) == (ScheduleEnd.STOP, True)
     assert [each.post_id for each in await journal.renewable_schedules()] == ["3"]
-    await journal.set_schedule_told("3")
+    await journal.set_schedule_reported("3")
     await journal.prune(30, 5000)
     assert [await journal.schedule(post) for post in "23"] == [None, None], "both ends were told"
     assert {each.post_id for each in await journal.schedules()} == {"1", "4"}
@@ -123,7 +123,7 @@ async def test_a_schedule_is_let_go_of_when_its_end_was_told(tmp_path: Path) -> 
     for post in "1234":
         await journal.add_schedule(asked(post), NOON)
     for post in "23":
-        await journal.end_schedule(post, ScheduleEnd.CANCELLED, told=True)
+        await journal.end_schedule(post, ScheduleEnd.CANCELLED, reported=True)
     await journal.end_schedule("4", ScheduleEnd.CANCELLED)
     await journal.claim(command("3"))
     await journal.prune(30, 5000)

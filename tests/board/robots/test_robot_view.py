@@ -22,7 +22,7 @@ json = st.recursive(
     max_leaves=12,
 )
 fields = st.sampled_from(
-    [*CARD, "lock", "homed", "told", "owner", "robot", "step", "steps", "doing", "place", "trace_id", "queue", "<b>"]
+    [*CARD, "lock", "homed", "last_action", "owner", "robot", "step", "steps", "doing", "place", "trace_id", "<b>"]
 )
 cards = st.dictionaries(fields, json, max_size=10)
 
@@ -142,20 +142,20 @@ def test_law_17_release_needs_a_confirmation_and_shows_its_outcome(site: Site) -
     page = root.send("/robots/quadruped/release")
     assert page.url.path == "/robots/quadruped"
     assert "It has not answered yet" in page.text  # no agent runs here
-    told = {
-        "deed": "release",
+    last_action = {
+        "action": "release",
         "by": "root",
         "at": datetime.now(UTC).isoformat(),
         "done": True,
-        "said": "It was locked.",
+        "message": "It was locked.",
     }
-    publish(site, lock=None, homed=True, told=told)
+    publish(site, lock=None, homed=True, last_action=last_action)
     assert "Released (root, " in bob.get("/robots/quadruped").text
-    publish(site, lock=LOCK, told=told | {"done": False, "said": "I could not."})
+    publish(site, lock=LOCK, last_action=last_action | {"done": False, "message": "I could not."})
     page = bob.get("/robots/quadruped").text
     assert "Not released (root, " in page
     assert "I could not." in page
-    publish(site, lock=LOCK, told=told | {"at": "2026-11-22T16:00:05+00:00"})
+    publish(site, lock=LOCK, last_action=last_action | {"at": "2026-11-22T16:00:05+00:00"})
     assert "Released (root, " not in bob.get("/robots/quadruped").text, "that was long ago"
     publish(site)
 

@@ -203,9 +203,9 @@ def test_law_15_an_emergency_stop_reaches_the_other_processes(board: RunningBoar
         )
 
 
-@pytest.mark.parametrize("deed", ["release", "home"])
+@pytest.mark.parametrize("action", ["release", "home"])
 def test_law_2_only_the_owner_and_admins_may_release_and_set_home(
-    fresh_board: Callable[..., RunningBoard], deed: str
+    fresh_board: Callable[..., RunningBoard], action: str
 ) -> None:
     board = fresh_board()
     board.have("mod", role=Role.MODERATOR)
@@ -214,19 +214,19 @@ def test_law_2_only_the_owner_and_admins_may_release_and_set_home(
     admin = board.client("admin")
     before = admin.get("/changes").json()["now"]["id"]
     for who in ("member", "op", "mod", "olga", "planner", "quadruped"):
-        answer = board.client(who).post(f"/robots/quadruped/{deed}")
+        answer = board.client(who).post(f"/robots/quadruped/{action}")
         assert (answer.status_code, answer.json()["code"]) == (403, "not_owner"), who
-        assert f"agentrob {deed} quadruped" in answer.json()["hint"]
+        assert f"agentrob {action} quadruped" in answer.json()["hint"]
     assert kinds(board, before) == []
     board.client("quadruped").put("/robots/quadruped", json={"card": {"owner": "olga"}}).raise_for_status()
     for who in ("olga", "admin"):
-        answer = board.client(who).post(f"/robots/quadruped/{deed}", headers={"Idempotency-Key": "twice"})
-        again = board.client(who).post(f"/robots/quadruped/{deed}", headers={"Idempotency-Key": "twice"})
-        assert (answer.status_code, answer.json()["kind"]) == (200, f"robot.{deed}")
+        answer = board.client(who).post(f"/robots/quadruped/{action}", headers={"Idempotency-Key": "twice"})
+        again = board.client(who).post(f"/robots/quadruped/{action}", headers={"Idempotency-Key": "twice"})
+        assert (answer.status_code, answer.json()["kind"]) == (200, f"robot.{action}")
         assert again.json() == answer.json(), "a double press under one key is one event"
-    assert kinds(board, before) == [(f"robot.{deed}", "olga"), (f"robot.{deed}", "admin")]
+    assert kinds(board, before) == [(f"robot.{action}", "olga"), (f"robot.{action}", "admin")]
     rows = admin_client(board).get("/admin/audit", params={"target": "robot:quadruped"}).json()["items"]
-    assert [(r["actor"], r["action"]) for r in rows[:2]] == [("admin", f"robot.{deed}"), ("olga", f"robot.{deed}")]
+    assert [(r["actor"], r["action"]) for r in rows[:2]] == [("admin", f"robot.{action}"), ("olga", f"robot.{action}")]
 
 
 def admin_client(board: RunningBoard) -> httpx2.Client:

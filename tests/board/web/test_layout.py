@@ -119,11 +119,19 @@ def test_pages_of_a_locked_or_homeless_robot_fit_and_have_contrast(
     site: Site, windows: Windows, scheme: Any, width: int
 ) -> None:
     robot = site.api("quadruped")
-    told = {"deed": "release", "by": "w" * 32, "at": datetime.now(UTC).isoformat(), "said": "It could not. " * 9}
+    last_action = {
+        "action": "release",
+        "by": "w" * 32,
+        "at": datetime.now(UTC).isoformat(),
+        "message": "It could not. " * 9,
+    }
     lock = {"by": "w" * 90, "why": "a rather long reason of its guard " * 5, "at": "2026-11-22T16:00:05+00:00"}
     page = windows.open("root", viewport={"width": width, "height": 800}, color_scheme=scheme)
     try:
-        for more in ({"lock": lock, "told": told, "homed": True}, {"homed": False, "told": told | {"done": True}}):
+        for more in (
+            {"lock": lock, "last_action": last_action, "homed": True},
+            {"homed": False, "last_action": last_action | {"done": True}},
+        ):
             robot.put("/robots/quadruped", json={"card": CARD | more}).raise_for_status()
             for path in ("/", "/robots", "/robots/quadruped", "/robots/quadruped/release", "/robots/quadruped/home"):
                 page.goto(path, wait_until="domcontentloaded")

@@ -273,14 +273,16 @@ def test_law_17_emergency_stop_and_release_with_and_without_scripts(
     expect(page.get_by_role("heading", name="Release @quadruped?")).to_be_visible()
     page.get_by_role("button", name="Release @quadruped").click()
     expect(page.get_by_role("status").first).to_contain_text("Asked @quadruped")
-    told = {
-        "deed": "release",
+    last_action = {
+        "action": "release",
         "by": "root",
         "at": datetime.now(UTC).isoformat(),
         "done": True,
-        "said": "It was locked.",
+        "message": "It was locked.",
     }
-    robot.put("/robots/quadruped", json={"card": CARD | {"lock": None, "homed": True, "told": told}}).raise_for_status()
+    robot.put(
+        "/robots/quadruped", json={"card": CARD | {"lock": None, "homed": True, "last_action": last_action}}
+    ).raise_for_status()
     if not scripts:
         page.goto("/robots/quadruped", wait_until="domcontentloaded")
     expect(page.get_by_text("Released (root, ")).to_be_visible(timeout=60_000)

@@ -167,11 +167,11 @@ def test_times_grow_with_what_is_waited_for() -> None:
 
 # -------------------------------------------------------------------- properties
 ROBOTS = ("rex", "bot", "cat")
-DEEDS = {
+ACTIONS = {
     "walk forward 1 m": "F1", "turn left 90 degrees": "l90", "wave": "hello", "sit down": "sit",
     "walk back 0.5 m and wave": "B0.5 hello", "take a photo": "photo",
 }  # fmt: skip
-DEEDS_ZH = {"前进1米": "F1", "左转90度": "l90", "挥手": "hello", "坐下": "sit", "拍照": "photo"}
+ACTIONS_ZH = {"前进1米": "F1", "左转90度": "l90", "挥手": "hello", "坐下": "sit", "拍照": "photo"}
 THENS = (", then ", ". Then ", ". After that, ", "; when it is done, ", ", and then ", ". Once it has finished, let ")
 THENS_ZH = ("，然后", "。接着让", "，等它走完再让", "，之后请")
 
@@ -180,13 +180,13 @@ THENS_ZH = ("，然后", "。接着让", "，等它走完再让", "，之后请"
 def chains(draw: st.DrawFn) -> tuple[str, str]:
     """A post of two or three parts, one after the other, and what is to be read of it."""
     chinese = draw(st.booleans())
-    deeds, thens = (DEEDS_ZH, THENS_ZH) if chinese else (DEEDS, THENS)
-    said = draw(st.lists(st.tuples(st.sampled_from(ROBOTS), st.sampled_from(sorted(deeds))), min_size=2, max_size=3))
+    actions, thens = (ACTIONS_ZH, THENS_ZH) if chinese else (ACTIONS, THENS)
+    said = draw(st.lists(st.tuples(st.sampled_from(ROBOTS), st.sampled_from(sorted(actions))), min_size=2, max_size=3))
     text, parts = "", []
-    for number, (robot, deed) in enumerate(said, 1):
-        text += (draw(st.sampled_from(thens)) if number > 1 else "") + f"@{robot} {deed}"
+    for number, (robot, action) in enumerate(said, 1):
+        text += (draw(st.sampled_from(thens)) if number > 1 else "") + f"@{robot} {action}"
         after = f" after {number - 1}" if number > 1 else ""
-        parts.append(f"{number} {robot} {deeds[deed]}{after}")
+        parts.append(f"{number} {robot} {actions[action]}{after}")
     one = len({robot for robot, _ in said}) == 1
     return text, "none" if one else "; ".join(parts)
 

@@ -65,7 +65,7 @@ def test_an_offered_sentence_is_understood_wholly_and_does_nothing_that_the_post
             again = read(sentence)
             assert again.intent is Intent.COMMAND, (post.text, sentence)
             if not post.plans or {"remark", "purpose", "denial"} & set(post.constructs):
-                continue  # these may be taken for deeds that are not understood
+                continue  # these may be taken for actions that are not understood
             named = {step for plan in post.plans for step in plan}
             invented = set(short(again.plan).split()) - named - USUAL
             assert not invented or sentence == GENERAL[understood.language], (post.text, sentence)

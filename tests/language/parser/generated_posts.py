@@ -1,6 +1,6 @@
-"""Posts of one to three deeds with the plan that each means, built from tables that share nothing with the parser.
+"""Posts of one to three actions with the plan that each means, built from tables that share nothing with the parser.
 
-A language is a `Tables`: deeds, what people say around them (politeness, reminders, hedges), what joins two deeds
+A language is a `Tables`: actions, what people say around them (politeness, reminders, hedges), what joins two actions
 and in which order, purposes and remarks, and counts. `posts` draws from them with a fixed seed.
 """
 
@@ -14,8 +14,8 @@ Steps = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Deed:
-    """One deed: as an order, as an activity ("turning left"; empty where nobody says it so), and the step it means."""
+class Action:
+    """One action: as an order, as an activity ("turning left"; empty where nobody says so), and the step it means."""
 
     order: str
     activity: str
@@ -35,8 +35,8 @@ class Post:
 class Tables:
     """Phrases of one language.
 
-    `motions` are (order, activity, step) with {metres} or {degrees} for an amount, `deeds` the same without, `beyond`
-    deeds that no robot here can do. `joins` join two orders in the order said; `reversed_joins` put the second first.
+    `motions` are (order, activity, step) with {metres} or {degrees} for an amount, `actions` the same without, `beyond`
+    actions that no robot here can do. `joins` join two orders in the order said; `reversed_joins` put the second first.
     `stop` ends a sentence. `activity_joins` have an activity as {a}; `*_reversed` likewise. `frames` stand around an
     order and change nothing.
     `counts` follow a gesture; `ahead` and `afterwards` repeat the whole post.
@@ -46,7 +46,7 @@ class Tables:
     motions: Sequence[tuple[str, str, str]]
     metres: Mapping[str, str]
     degrees: Mapping[str, str]
-    deeds: Sequence[tuple[str, str, str]]
+    actions: Sequence[tuple[str, str, str]]
     beyond: Sequence[str]
     frames: Mapping[str, Sequence[str]]
     joins: Sequence[str]
@@ -109,7 +109,7 @@ EN = Tables(
         "90 degrees=90|ninety degrees=90|forty five degrees=45|45°=45|30 deg=30|a hundred and eighty degrees=180"
         "|one hundred twenty degrees=120|15 degrees=15"
     ),
-    deeds=_rows(
+    actions=_rows(
         """turn left / turning left = l90
         turn right / turning right = r90
         turn around / turning around = l180
@@ -230,7 +230,7 @@ ZH = Tables(
         "一米=1|1米=1|两米=2|2米=2|半米=0.5|一米五=1.5|1.5米=1.5|五十厘米=0.5|50厘米=0.5|30公分=0.3|三英尺=0.9144|两米半=2.5"
     ),
     degrees=_amounts("90度=90|九十度=90|四十五度=45|45度=45|30度=30|一百八十度=180|一百二十度=120|180度=180"),
-    deeds=_rows(
+    actions=_rows(
         """左转 / = l90
         右转 / = r90
         掉头 / = l180
@@ -330,25 +330,25 @@ class _Writer:
             text, plans = text + words, frozenset(plan * times for plan in plans)
         return Post(text, plans, tuple(self._constructs))
 
-    def _deed(self, activity: bool = False) -> Deed:
-        """Draw a deed; with `activity` one that people also say as an activity."""
+    def _action(self, activity: bool = False) -> Action:
+        """Draw an action; with `activity` one that people also say as an activity."""
         rng, tables = self._rng, self._tables
-        rows = [row for row in (*tables.motions, *tables.deeds) if row[1] or not activity]
+        rows = [row for row in (*tables.motions, *tables.actions) if row[1] or not activity]
         order, said, step = rng.choice(rows)
         for slot, amounts in (("{metres}", tables.metres), ("{degrees}", tables.degrees)):
             if slot in order:
                 words, value = rng.choice(sorted(amounts.items()))
                 order, said, step = order.replace(slot, words), said.replace(slot, words), step.format(value)
-        return Deed(order, said, (step,))
+        return Action(order, said, (step,))
 
     def _one(self) -> tuple[str, frozenset[Steps]]:
-        """Return one deed with what is said around it; no plan where it is beyond the robots."""
+        """Return one action with what is said around it; no plan where it is beyond the robots."""
         rng, tables = self._rng, self._tables
         if rng.random() < 0.08:
             self._constructs.append("beyond")
             return rng.choice(tables.beyond), frozenset()
-        deed = self._deed()
-        text, steps = deed.order, deed.steps
+        action = self._action()
+        text, steps = action.order, action.steps
         if steps[0] in tables.counted and rng.random() < 0.2:
             words, times = rng.choice(sorted(tables.counts.items()))
             self._constructs.append("count")
@@ -366,7 +366,7 @@ class _Writer:
         return text, frozenset([steps])
 
     def _joined(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
-        """Join a further deed."""
+        """Join a further action."""
         rng, tables = self._rng, self._tables
         if self._paired:  # what follows a pair without a stop may be meant for either of the two
             return self._after_pair(text, plans)
@@ -384,13 +384,13 @@ class _Writer:
         return join.format(a=text, b=more), frozenset(a + b for a in plans for b in theirs)
 
     def _after_pair(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
-        """Add a deed in a sentence of its own."""
+        """Add an action in a sentence of its own."""
         self._paired = False
         more, theirs = self._one()
         return f"{text}{self._tables.stop}{more}", frozenset(a + b for a in plans for b in theirs)
 
     def _in_other_order(self) -> tuple[str, frozenset[Steps]]:
-        """Return a sentence of two deeds that says which of them comes first."""
+        """Return a sentence of two actions that says which of them comes first."""
         rng, tables = self._rng, self._tables
         kinds = [kind for kind in ("reversed_joins", "activity_joins", "activity_reversed") if getattr(tables, kind)]
         kind = rng.choice(kinds)
@@ -399,18 +399,18 @@ class _Writer:
         self._constructs.append(kind.replace("_", " "))
         self._paired = True
         first = kind != "activity_reversed"
-        other = self._deed(activity=kind != "reversed_joins")
+        other = self._action(activity=kind != "reversed_joins")
         words = other.order if kind == "reversed_joins" else other.activity
         joined = frozenset(other.steps + plan if first else plan + other.steps for plan in plans)
         # "When you're done turning, wave": the turn may be one that was ordered before.
         return join.format(a=words, b=said), joined | plans if "done" in join else joined
 
     def _denied(self, text: str, plans: frozenset[Steps]) -> tuple[str, frozenset[Steps]]:
-        """Add a deed that is not to be done."""
+        """Add an action that is not to be done."""
         words = self._rng.choice(self._tables.denials)
-        deed = self._deed(activity=words.startswith((" without", " instead")))
+        action = self._action(activity=words.startswith((" without", " instead")))
         self._constructs.append("denial")
-        said = deed.activity if words.startswith((" without", " instead")) else deed.order
+        said = action.activity if words.startswith((" without", " instead")) else action.order
         return text + words.format(said), plans
 
 

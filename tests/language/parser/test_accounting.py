@@ -36,7 +36,7 @@ DONE = {
 
 
 @pytest.mark.parametrize(("text", "plan"), DONE.items())
-def test_law_18_every_deed_of_a_post_is_in_its_plan(text: str, plan: str) -> None:
+def test_law_18_every_action_of_a_post_is_in_its_plan(text: str, plan: str) -> None:
     understood = read(text)
     assert understood.intent is Intent.COMMAND, understood.question
     assert short(understood.plan) == plan
@@ -151,15 +151,15 @@ def test_law_18_what_was_said_to_one_robot_before_another_is_named_is_not_taken_
 
 # ------------------------------------------------------------------ posts made of parts whose plan is known
 # No motion without its amount or side: whether what follows completes it ("turn, left 90 degrees") is anybody's guess.
-#: A deed as people say it: (words, plan). An empty plan: it has to be asked back.
-Deed = tuple[str, str]
+#: An action as people say it: (words, plan). An empty plan: it has to be asked back.
+Action = tuple[str, str]
 
 
-def _deeds(table: str) -> list[Deed]:
+def _actions(table: str) -> list[Action]:
     return [tuple(row.split("=")) for row in table.replace("\n", "|").split("|")]  # type: ignore[misc]
 
 
-EN = _deeds(
+EN = _actions(
     """walk forward 1 m=F1|walk forward one metre=F1|go back half a metre=B0.5|move forward 3 feet=F0.9144
 step 20 cm to the left=L0.2|strafe right 30 cm=R0.3|turn left=l90|turn left 90 degrees=l90
 rotate right by 45 degrees=r45
@@ -170,14 +170,14 @@ tell me the temperature=|walk to the kitchen=|frobnicate=|meander 2 m=|patrol th
 patrol=F1 l180 F1 l180|dance=l30 r60 l30 hello heart|walk a square=F0.5 l90 F0.5 l90 F0.5 l90 F0.5 l90
 show me your teeth=|turn ten inches to the right="""
 )
-ZH = _deeds(
+ZH = _actions(
     """前进一米=F1|往前走一米=F1|向前走50厘米=F0.5|后退半米=B0.5|向左平移30厘米=L0.3|左转=l90|左转90度=l90|向右转45度=r45|掉头=l180
 挥手=hello|挥挥手=hello|给他挥挥手=hello|打个招呼=hello|拍照=photo|拍张照片=photo|发一张照片=photo|坐下=sit|站起来=stand
 鼓掌=clap|握手=shake|比心=heart|伸个懒腰=stretch|来个后空翻=backflip|唱首歌=|打开门=|告诉我温度=|去厨房=|汇报=
 巡逻一圈=F1 l180 F1 l180|跳个舞=l30 r60 l30 hello heart|走一个正方形=F0.5 l90 F0.5 l90 F0.5 l90 F0.5 l90
 给他做个后空翻=|把那个箱子打开=|让我看看你坐下="""
 )
-#: Words around a deed that do not change it.
+#: Words around an action that do not change it.
 EN_FRAMES = """{}|{}|{}|{}|please {}|{} please|could you {}|can you please {}|don't forget to {}|remember to {}|now {}
 i want you to {}|kindly {}|just {}|{} for me|{} if you can|be sure to {}|make sure to {}|also {}|finally {}
 you should {}|go ahead and {}|{} thanks|ok {}|would you {}|try to {}"""
@@ -185,7 +185,7 @@ ZH_FRAMES = """{}|{}|{}|{}|请{}|请你{}|帮我{}|别忘了{}|不要忘记{}|�
 最后{}|务必{}"""
 EN_JOINS = ", |, then |. |. Then | and | and then |; |\n|, and |! |, after that | then |, and also | followed by "
 ZH_JOINS = "，|，然后|。|，再|，接着|；|\n|，并|，最后|然后|，随后|！|，之后|并且|，还要"
-#: What may follow a deed: a purpose or a remark, left out; only what is told as such.
+#: What may follow an action: a purpose or a remark, left out; only what is told as such.
 EN_ASIDES = " so i can see better| so that we can film it| because i am bored|, i will watch|, it's fun"
 ZH_ASIDES = "，我看着|，我很无聊|，这样很好"
 EN_TIMES = {" twice": 2, " three times": 3, " two times": 2}
@@ -195,9 +195,9 @@ GESTURES = ("hello", "sit", "stand", "clap", "shake", "heart", "stretch", "backf
 
 @st.composite
 def posts(draw: st.DrawFn) -> tuple[str, list[str] | None]:
-    """A post of one to three deeds, and the steps it means; None where a part of it is beyond the grammar."""
+    """A post of one to three actions, and the steps it means; None where a part of it is beyond the grammar."""
     chinese = draw(st.booleans())
-    deeds = ZH if chinese else EN
+    actions = ZH if chinese else EN
     frames = (ZH_FRAMES if chinese else EN_FRAMES).replace("\n", "|").split("|")
     joins = (ZH_JOINS if chinese else EN_JOINS).split("|")
     times: dict[str, int] = ZH_TIMES if chinese else EN_TIMES
@@ -206,7 +206,7 @@ def posts(draw: st.DrawFn) -> tuple[str, list[str] | None]:
     steps: list[str] = []
     count = draw(st.integers(1, 3))
     for at in range(count):
-        said, plan = draw(st.sampled_from(deeds))
+        said, plan = draw(st.sampled_from(actions))
         repeated = 1
         if plan in GESTURES and draw(st.integers(0, 4)) == 0:
             words: str = draw(st.sampled_from(sorted(times)))
@@ -238,7 +238,7 @@ def _is_all_or_a_question(text: str, steps: list[str] | None) -> bool:
 
 @given(posts())
 @settings(max_examples=400, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
-def test_law_18_a_post_of_several_deeds_is_exactly_its_plan_or_a_question(post: tuple[str, list[str] | None]) -> None:
+def test_law_18_a_post_of_several_actions_is_exactly_its_plan_or_a_question(post: tuple[str, list[str] | None]) -> None:
     assert _is_all_or_a_question(*post), (post, short(read(post[0]).plan))
 
 
@@ -251,12 +251,12 @@ def test_law_18_thousands_of_posts_are_exactly_their_plans_or_a_question(post: t
 
 @given(posts())
 @settings(max_examples=300, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
-def test_a_post_of_several_deeds_is_never_met_with_silence(post: tuple[str, list[str] | None]) -> None:
+def test_a_post_of_several_actions_is_never_met_with_silence(post: tuple[str, list[str] | None]) -> None:
     assert read(post[0]).intent is not Intent.NOTHING or post[1] is None
 
 
 # ------------------------------------------------------------------ generated posts (see `generated_posts`)
-def test_law_18_no_deed_of_a_generated_post_is_dropped_added_or_moved() -> None:
+def test_law_18_no_action_of_a_generated_post_is_dropped_added_or_moved() -> None:
     wrong = []
     for post in generated_posts.posts(size(2_500, 40_000)):
         understood = read(post.text)
@@ -310,7 +310,7 @@ COUNTS = {
 
 
 @pytest.mark.parametrize(("text", "plan"), COUNTS.items())
-def test_a_count_belongs_to_the_deed_beside_it(text: str, plan: str) -> None:
+def test_a_count_belongs_to_the_action_beside_it(text: str, plan: str) -> None:
     assert short(read(text).plan) == plan
 
 
@@ -318,7 +318,7 @@ BOTH_OR_ONE = ["sit and stand 2 times", "wave and sit three times", "挥手和�
 
 
 @pytest.mark.parametrize("text", BOTH_OR_ONE)
-def test_a_count_that_may_be_meant_for_two_deeds_is_asked_back(text: str) -> None:
+def test_a_count_that_may_be_meant_for_two_actions_is_asked_back(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
 
 
@@ -339,7 +339,7 @@ PUT_FIRST = {
 
 
 @pytest.mark.parametrize(("text", "plan"), PUT_FIRST.items())
-def test_law_18_a_deed_that_is_said_to_come_first_is_never_done_later(text: str, plan: str) -> None:
+def test_law_18_a_action_that_is_said_to_come_first_is_never_done_later(text: str, plan: str) -> None:
     understood = read(text)
     assert understood.intent is Intent.ASK_BACK or short(understood.plan) == plan
 
@@ -361,7 +361,7 @@ def test_law_18_a_deed_that_is_said_to_come_first_is_never_done_later(text: str,
         "右转，天气真好并且数椅子",
     ],
 )
-def test_law_18_a_deed_within_or_after_a_remark_is_asked_back(text: str) -> None:
+def test_law_18_a_action_within_or_after_a_remark_is_asked_back(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
 
 

@@ -154,7 +154,7 @@ UNDERSTOOD = {
         "轉右再行兩米": "r90 F2",
         "往右移动三十厘米": "R0.3",
     },
-    "counts inside a deed, and for whom it is done": {
+    "counts inside an action, and for whom it is done": {
         "打两次招呼": "hello hello",
         "转三圈给小朋友看": "l1080",
         "为大家表演一个后空翻": "backflip",
@@ -195,7 +195,7 @@ def test_a_construction_becomes_the_plan_that_is_meant(text: str, plan: str) -> 
     assert short(understood.plan) == plan
 
 
-#: Of a deed, a direction or a wait nothing may be lost; what is ambiguous is asked.
+#: Of an action, a direction or a wait nothing may be lost; what is ambiguous is asked.
 ASKED = """
 左右各转|左右各拍一张|各转45度|前进和左转各一米|挥手做三次坐下|停三秒再前进一米|底盘不动三秒，再前行一秒|5秒后前进一米
 朝大家走一米|向机器人走两米|向红球走一米，挥手|给客人捶背，挥手|给她捶背挥手|给王总捶背挥手|向左挥手|把左边的东西拍下来

@@ -99,10 +99,10 @@ def test_the_same_commands_alone_move(command: str) -> None:
 
 def _changed(frame: str, commands: str) -> list[str]:
     posts = {command: frame.replace("@robot", "@quadruped").format(command) for command in _rows(commands)}
-    return [post for command, post in posts.items() if _deeds(post) != _deeds(command)]
+    return [post for command, post in posts.items() if _actions(post) != _actions(command)]
 
 
-def _deeds(text: str) -> list[tuple[object, ...]]:
+def _actions(text: str) -> list[tuple[object, ...]]:
     return [(step.op, step.direction, step.distance_m, step.degrees) for step in read(text).plan.steps]
 
 

@@ -130,7 +130,7 @@ def test_words_of_again_in_greetings_do_nothing(text: str) -> None:
     assert read(text, THREAD).intent is Intent.NOTHING
 
 
-def test_another_deed_is_that_deed_alone() -> None:
+def test_another_action_is_that_action_alone() -> None:
     assert short(read("再来个后空翻", THREAD).plan) == "backflip"
     assert short(read("再来一张照片", THREAD).plan) == "photo"
     assert short(read("again wave", THREAD).plan) == "hello"

@@ -236,7 +236,7 @@ def test_the_default_angle_of_a_turn_is_reported_as_an_assumption() -> None:
 
 # ---------------------------------------------------------------------- half a wish
 #: An action as a post names it, and the step that a correct model extracts; None if there is no such step.
-DEEDS: dict[str, list[tuple[str, ExtractedStep | None]]] = {
+ACTIONS: dict[str, list[tuple[str, ExtractedStep | None]]] = {
     "en": [
         ("amble forward 50 cm", move(50, "cm", "amble forward 50 cm", "forward")),
         ("go back one metre", move(1, "m", "go back one metre", "backward")),
@@ -272,7 +272,7 @@ AROUND = {
 @settings(max_examples=500)
 @given(st.data(), st.sampled_from(["en", "zh"]))
 def test_law_18_a_model_does_all_of_a_post_or_nothing(data: st.DataObject, language: str) -> None:
-    said = data.draw(st.lists(st.sampled_from(DEEDS[language]), min_size=1, max_size=3, unique_by=lambda d: d[0]))
+    said = data.draw(st.lists(st.sampled_from(ACTIONS[language]), min_size=1, max_size=3, unique_by=lambda d: d[0]))
     text = data.draw(st.sampled_from(AROUND[language])).format(
         data.draw(st.sampled_from(JOINS[language])).join(d for d, _ in said)
     )

@@ -151,7 +151,7 @@ def test_a_denied_harm_is_none(text: str) -> None:
 @pytest.mark.parametrize(
     "text", ["don't worry and walk into the wall", "don't stop, walk into the wall", "别担心，撞墙"]
 )
-def test_a_denial_does_not_reach_over_the_next_deed(text: str) -> None:
+def test_a_denial_does_not_reach_over_the_next_action(text: str) -> None:
     assert harm_of(text, "en") is not None
 
 

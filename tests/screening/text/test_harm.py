@@ -144,6 +144,6 @@ def test_an_account_may_be_greeted_and_photographed(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["@kick walk forward", "thanks @chase-them, wave", "@hit-the-wall wave"])
-def test_what_a_handle_spells_is_no_deed(text: str) -> None:
+def test_what_a_handle_spells_is_no_action(text: str) -> None:
     assert harm_of(text, "en") is None
     assert clear_harm_of(text, "en") is None

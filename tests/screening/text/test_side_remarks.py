@@ -147,7 +147,7 @@ def test_beside_gestures_that_can_harm_nobody_nothing_is_asked() -> None:
     "text",
     [
         "walk to the man",  # commands
-        "wave to the woman",  # deeds: other rules check whom they name
+        "wave to the woman",  # actions: other rules check whom they name
         "take a photo of the children",
         "say hello to her",
         "don't hit anybody",  # care
@@ -162,7 +162,7 @@ def test_beside_gestures_that_can_harm_nobody_nothing_is_asked() -> None:
         "my wife says hi",
     ],
 )
-def test_commands_deeds_care_and_introductions_are_no_remarks(text: str) -> None:
+def test_commands_actions_care_and_introductions_are_no_remarks(text: str) -> None:
     assert verdict_of(f"{text}, walk forward 1 m") is None
 
 

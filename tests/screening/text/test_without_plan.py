@@ -85,7 +85,7 @@ def test_a_question_about_harm_is_no_harm(text: str) -> None:
         ("how far is it? hit the wall", "harm.collide"),
     ],
 )
-def test_a_harmful_deed_is_named_also_without_a_plan(text: str, rule: str) -> None:
+def test_a_harmful_action_is_named_also_without_a_plan(text: str, rule: str) -> None:
     verdict = harm_in_words(text, "", language_of(text))
     assert verdict is not None
     assert verdict.rule == rule

@@ -52,14 +52,14 @@ class Daemon:
 
     def state(self) -> Sample:
         """Raises `DaemonRefused` too where what it says is not an angle of this robot in radians."""
-        told = self._get("/api/state/full", STATE_S)
+        answer = self._get("/api/state/full", STATE_S)
         try:
-            head, antennas = told["head_pose"], told["antennas_position"]
+            head, antennas = answer["head_pose"], answer["antennas_position"]
             numbers = (
-                head["yaw"], head["pitch"], head["roll"], told["body_yaw"], antennas[0], antennas[1], head["z"],
+                head["yaw"], head["pitch"], head["roll"], answer["body_yaw"], antennas[0], antennas[1], head["z"],
             )  # fmt: skip
             pose = BodyPose(*(float(number) for number in numbers))
-            sample = Sample(str(told["timestamp"]), str(told["control_mode"]), pose)
+            sample = Sample(str(answer["timestamp"]), str(answer["control_mode"]), pose)
         except (KeyError, IndexError, TypeError, ValueError) as e:
             raise DaemonRefused(f"The state of {self.url} lacks {e}; is it reachy-mini-daemon 1.12 or newer?") from None
         if wrong := implausible(pose):
@@ -67,18 +67,18 @@ class Daemon:
         return sample
 
     def health(self) -> Health:
-        told = self._get("/api/daemon/status", STATE_S)
-        if not isinstance(told, Mapping):
+        answer = self._get("/api/daemon/status", STATE_S)
+        if not isinstance(answer, Mapping):
             raise DaemonRefused(f"The status of {self.url} is not an object.")
-        backend = told.get("backend_status") or {}
-        alive, error = backend.get("last_alive"), told.get("error") or backend.get("error") or ""
-        return Health(told.get("state") == "running", str(error), alive if isinstance(alive, float | int) else None)
+        backend = answer.get("backend_status") or {}
+        alive, error = backend.get("last_alive"), answer.get("error") or backend.get("error") or ""
+        return Health(answer.get("state") == "running", str(error), alive if isinstance(alive, float | int) else None)
 
     def running(self) -> frozenset[str]:
         """The ids of the moves that run now."""
-        told = self._answer(self._stopping, "GET", "/api/move/running", None, STATE_S)
+        answer = self._answer(self._stopping, "GET", "/api/move/running", None, STATE_S)
         try:
-            return frozenset(str(move["uuid"]) for move in told)
+            return frozenset(str(move["uuid"]) for move in answer)
         except (KeyError, TypeError):
             raise DaemonRefused(f"The running moves of {self.url} are not a list of ids.") from None
 
@@ -110,9 +110,9 @@ class Daemon:
         self._http.close()
         self._stopping.close()
 
-    def _started(self, told: Any) -> str:
+    def _started(self, answer: Any) -> str:
         try:
-            return str(told["uuid"])
+            return str(answer["uuid"])
         except (KeyError, TypeError):
             raise DaemonRefused(f"{self.url} did not say which move it started.") from None
 

@@ -80,7 +80,7 @@ class Move:
 
 class SimulatedDaemon:
     """Serves on a socket that listens, in a thread, until `close`. `commands` are the moves that it was asked for, and
-    `stops` when it was told to stop, by the monotonic clock. While `answering` is not set, requests wait."""
+    `stops` when it was asked to stop, by the monotonic clock. While `answering` is not set, requests wait."""
 
     def __init__(self, listening: socket) -> None:
         self.faults = Faults()

@@ -62,7 +62,7 @@ class Mover:
 
     def start(self) -> ArmPose | None:
         """Return the pose from which a way begins: where the last step ended, or else the last goal if the arm is
-        near it, or else where it is. None while the arm has not told where it is."""
+        near it, or else where it is. None while the arm has not reported its position."""
         reading, goal = self._link.reading, self._link.goal
         if reading is None:
             return None

@@ -23,7 +23,7 @@ STEP_S, SETTLED_S = 0.002, 1.0
 TABLE_M, TABLE_AT_M, TABLE_HIGH_M = (0.80, 1.00), (0.20, 0.0), 0.74
 #: The red cube: its mass, and where it lies at the start.
 CUBE_KG, CUBE_AT_M = 0.030, (0.24, -0.10)
-#: Positions are told in the steps of the servos' encoders.
+#: Positions are reported in the steps of the servos' encoders.
 TICK_DEG = 360.0 / 4096
 #: The units that the fault `units` tells positions in, by how many of them a degree is.
 UNITS = {"": 1.0, "radians": np.pi / 180, "ticks": 4096 / 360}

@@ -294,7 +294,7 @@ class Run:
 
 async def execute(driver: DriverClient, command: Command, plan: Plan, hooks: ExecutionHooks) -> Execution:
     """Hold the robot's lease for the whole command and do its steps until one does not succeed. Raises nothing but a
-    cancellation (see `Run.carried_out`)."""
+    cancellation (see `Run.run_with_lease`)."""
     run = Run(driver, command, plan, hooks)
     return await run.run_with_lease(run.steps)
 

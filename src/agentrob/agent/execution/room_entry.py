@@ -59,6 +59,6 @@ class RoomEntry:
             self._on_change()
 
 
-def _changed(told: Hindrance | None, now: Hindrance) -> bool:
+def _changed(before: Hindrance | None, now: Hindrance) -> bool:
     """Whether people should hear of it: whom it waits for, what that one does, or that its driver fell silent."""
-    return told is None or (told.robot, told.doing, told.silent) != (now.robot, now.doing, now.silent)
+    return before is None or (before.robot, before.doing, before.silent) != (now.robot, now.doing, now.silent)

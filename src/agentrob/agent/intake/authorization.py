@@ -176,6 +176,8 @@ def _changed(post: Post, author: Account | None, command: Command) -> str | None
     """A command is (post, text, author): return the rule for the one that has changed, if any."""
     if post.removed:
         return "command.removed"
+    if post.topic_id != command.topic_id:  # a stop there would not be taken for one of this command (law 13)
+        return "command.thread"
     if post.content_hash != command.content_hash:
         return "command.edited"
     if author is None or author.suspended or author.id != command.author.id:

@@ -208,8 +208,8 @@ def _ranked(part: JointPart, bids: Mapping[str, StatusCard]) -> list[str]:
 
 def measurable(part: JointPart, bids: Iterable[StatusCard]) -> bool:
     """Whether these bids say which robot is nearer to what the post names: all of one room, in one frame."""
-    told = [(card.near_cm, card.room) for card in bids]
-    return bool(part.near and told) and all(cm for cm, _ in told) and len({room for _, room in told}) == 1
+    measured = [(card.near_cm, card.room) for card in bids]
+    return bool(part.near and measured) and all(cm for cm, _ in measured) and len({room for _, room in measured}) == 1
 
 
 def _bids(part: JointPart, posts: Sequence[Post]) -> tuple[dict[str, StatusCard], set[str]]:

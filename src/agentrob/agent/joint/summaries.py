@@ -1,6 +1,6 @@
 """Sum up a post to several robots once all its parts have ended: one reply, by the robot that the post names first.
 
-All agents know which robot that is, and the forum writes a reply only once under its key. What is to be summed up is in
+All agents know which robot that is, and the forum writes a reply only once under its key. The posts to sum up are in
 the journal, so that a restart does it.
 """
 
@@ -66,7 +66,7 @@ class PartSummaries:
                 pass
 
     async def add(self, command: Command) -> None:
-        """Keep that a post is to be summed up."""
+        """Note in the journal that this robot sums up a post."""
         await self.journal.add_summary(command)
         self.changed()
 
@@ -79,7 +79,7 @@ class PartSummaries:
         """Whether nothing is left to do for this command."""
         joint = joint_command(command.text)
         if not isinstance(joint, JointCommand):  # kept by another version, which read the post otherwise
-            await self.journal.set_summary_told(command.key)
+            await self.journal.set_summary_reported(command.key)
             return True
         posts = self.threads.known(command)
         if not self._ended(command, joint, posts):
@@ -100,7 +100,7 @@ class PartSummaries:
         except ForumError as e:
             _log.warning("parts not summed up yet", post=command.post_id, error=str(e))
             return False
-        await self.journal.set_summary_told(command.key)
+        await self.journal.set_summary_reported(command.key)
         return True
 
     def _ended(self, command: Command, joint: JointCommand, posts: Any) -> bool:

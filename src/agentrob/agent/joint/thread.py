@@ -31,7 +31,7 @@ class PartThreads:
         #: Grows with each post that was heard.
         self.heard = 0
 
-    def hear(self, post: Post) -> None:
+    def receive(self, post: Post) -> None:
         """Note a post of an event, if a robot shows a part by it."""
         if post.card is None or not post.card.part:
             return

@@ -102,5 +102,5 @@ def _reason(error: BaseException) -> str:
     """Return the cause in one line: the library's errors contain the address, the whole response and debug output."""
     text = str(error).partition("Debug source")[0]
     code = re.search(r"<Code>(\w{1,60})</Code>", text)
-    told = " ".join(text.partition("<?xml")[0].split()).rpartition(" - ")[2].rstrip(" :")
-    return f"{told[:200]}{f' ({code[1]})' if code else ''}" or type(error).__name__
+    reason = " ".join(text.partition("<?xml")[0].split()).rpartition(" - ")[2].rstrip(" :")
+    return f"{reason[:200]}{f' ({code[1]})' if code else ''}" or type(error).__name__

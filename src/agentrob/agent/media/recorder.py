@@ -66,7 +66,7 @@ def look_of(settings: RobotConfig, driver: DriverClient) -> Look | None:
 class Recorder:
     """One robot's recorder; keeps its files in `folder`.
 
-    `look` takes a picture now, for as long as something moves; without it, `see` is told of pictures that others take.
+    `look` takes a picture now, for as long as something moves; without it, `see` gets the pictures that others take.
     """
 
     def __init__(self, folder: Path, settings: RecordingConfig, look: Look | None = None) -> None:

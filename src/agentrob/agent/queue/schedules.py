@@ -97,7 +97,7 @@ class Schedules:
         await self._note(kept)
         for renewed_one in kept:
             if renewed_one.ended is None and renewed_one.asked.renewed_by:
-                self.spawn(self._tell_renewed(renewed_one))
+                self.spawn(self._report_renewed(renewed_one))
 
     async def _note(self, kept: Sequence[KeptSchedule]) -> None:
         running = [one for one in kept if one.ended is None]
@@ -115,7 +115,7 @@ class Schedules:
             if kept.ended is None and self.why_not(kept.asked.command.posted_at) is not None:
                 await self.journal.end_schedule(kept.post_id, ScheduleEnd.STOP)
             elif kept.ended is not None:
-                self._tell_soon(kept)
+                self._report_soon(kept)
             elif kept.next_at is not None and kept.next_at <= self.now():
                 due.append(kept)
         await asyncio.gather(*map(self._begin, due))
@@ -123,7 +123,7 @@ class Schedules:
         await self._note(left)
         for kept in left:
             if kept.ended is not None:
-                self._tell_soon(kept)
+                self._report_soon(kept)
         times = [(kept.next_at - self.now()).total_seconds() for kept in left if kept.next_at and kept.ended is None]
         return min(LOOK_S, max(RETRY_S if due else 0.0, min(times, default=math.inf)))
 
@@ -268,9 +268,9 @@ class Schedules:
         if again is None:
             self.spawn(self._answer(post, say("schedule.none", kept.asked.command.language)))
         elif await self.journal.renew_schedule(again):
-            self.spawn(self._tell_renewed(again))
+            self.spawn(self._report_renewed(again))
 
-    async def _tell_renewed(self, kept: KeptSchedule) -> None:
+    async def _report_renewed(self, kept: KeptSchedule) -> None:
         command = kept.asked.command
         text = renewed(kept, command.language)
         reply = partial(
@@ -290,12 +290,12 @@ class Schedules:
             _log.warning("renewal of a schedule not answered", post=post_id, error=str(e))
 
     # ---------------------------------------------------------------- telling
-    def _tell_soon(self, kept: KeptSchedule) -> None:
+    def _report_soon(self, kept: KeptSchedule) -> None:
         if kept.post_id not in self._telling:
             self._telling.add(kept.post_id)
-            self.spawn(self._tell(kept))
+            self.spawn(self._report(kept))
 
-    async def _tell(self, kept: KeptSchedule) -> None:
+    async def _report(self, kept: KeptSchedule) -> None:
         """Reply that a schedule has ended, once; if the forum does not answer, a later step tries again."""
         command, end = kept.asked.command, kept.ended
         try:
@@ -311,7 +311,7 @@ class Schedules:
             return
         finally:
             self._telling.discard(kept.post_id)
-        await self.journal.set_schedule_told(kept.post_id)
+        await self.journal.set_schedule_reported(kept.post_id)
 
 
 def following(kept: KeptSchedule, last: datetime, count: int) -> KeptSchedule:
@@ -322,7 +322,7 @@ def following(kept: KeptSchedule, last: datetime, count: int) -> KeptSchedule:
         return replace(kept, next_at=at, runs_left=left)
     limited = schedule.limited_runs if left <= 0 else schedule.limited_days
     end = ScheduleEnd.LIMIT if limited else ScheduleEnd.DONE
-    return replace(kept, next_at=None, runs_left=left, ended=end, told=end is ScheduleEnd.DONE)
+    return replace(kept, next_at=None, runs_left=left, ended=end, reported=end is ScheduleEnd.DONE)
 
 
 def continued(kept: KeptSchedule, post: Post, now: datetime) -> KeptSchedule | None:

@@ -160,7 +160,7 @@ class Presence:
             "approval": [str(kind) for kind in self._settings.approval.classes],
             "homed": state.homed if state else None,
             "lock": _lock_of(state) if state else None,
-            "told": self._owner.last_action if self._owner else None,
+            "last_action": self._owner.last_action if self._owner else None,
             **self._map(),
             **self._scheduled(),
             **self._room_entry(),

@@ -39,10 +39,10 @@ def preview_paragraphs(
 ) -> list[str]:
     """Compare the preview with the measured results, or say that an approval came without one. A command whose steps a
     model chooses by the camera is not `rehearsable`."""
-    said = [beside_measured(preview, results, language)] if preview is not None else []
+    sentences = [beside_measured(preview, results, language)] if preview is not None else []
     if rehearsable and decided is not None and decided.approved and not decided.preview:
-        said.append(say("preview.unbound", language))
-    return said
+        sentences.append(say("preview.unbound", language))
+    return sentences
 
 
 def beside_measured(preview: Preview, results: Sequence[ActionResult], language: Language) -> str:

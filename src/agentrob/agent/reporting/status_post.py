@@ -200,8 +200,8 @@ class StatusPost:
         An end that another agent wrote is kept, unless it was a guess and this one was `measured`. `before` is called
         just before the status post becomes the report.
 
-        Raises `ForumDenied` if neither an edit nor a reply is allowed, which may be temporary (see `until_allowed`). If
-        edits are limited, the report is a separate reply, and the status post shows `short`.
+        Raises `ForumDenied` if neither an edit nor a reply is allowed, which may be temporary (see
+        `retry_while_denied`). If edits are limited, the report is a separate reply, and the status post shows `short`.
         """
         self._next = None
         self._shows = False

@@ -92,7 +92,9 @@ class OwnerActions:
                 done, message = False, f"{e}."
         level = _log.info if done else _log.warning
         level("owner's button", robot=self._name, action=action, by=by.name, done=done, message=message)
-        self.last_action = {"deed": action, "by": by.name, "at": self._now().isoformat(), "done": done, "said": message}
+        self.last_action = {
+            "action": action, "by": by.name, "at": self._now().isoformat(), "done": done, "message": message,
+        }  # fmt: skip
         self._changed()
 
     async def _objection(self, by: Account, action: OwnerAction, pressed_s: float) -> str:

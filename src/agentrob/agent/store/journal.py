@@ -280,7 +280,7 @@ class Journal:
         values = self._this(
             kept.post_id, was_next=kept.next_at.isoformat() if kept.next_at else "", runs_left=after.runs_left,
             next_at=after.next_at.isoformat() if after.next_at else None,
-            ended=str(after.ended) if after.ended else None, told=int(after.told),
+            ended=str(after.ended) if after.ended else None, told=int(after.reported),
         )  # fmt: skip
 
         def work(db: Connection) -> Claim | None:
@@ -290,9 +290,9 @@ class Journal:
 
         return await self._rows.write(work, begins=True)
 
-    async def end_schedule(self, post_id: str, why: ScheduleEnd, *, told: bool = False) -> None:
-        """End a schedule, if there is one; the first reason counts. `told`: it needs no report."""
-        await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(told))
+    async def end_schedule(self, post_id: str, why: ScheduleEnd, *, reported: bool = False) -> None:
+        """End a schedule, if there is one; the first reason counts. `reported`: it needs no report."""
+        await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(reported))
 
     async def renewable_schedules(self) -> Sequence[KeptSchedule]:
         """Those that ended by the limit of runs or days."""
@@ -312,7 +312,7 @@ class Journal:
         """Forbid the renewal of a schedule that ended by the limit of runs or days."""
         await self._do(queries.SET_RENEWABLE, post_id, ended=str(why), told=1)
 
-    async def set_schedule_told(self, post_id: str) -> None:
+    async def set_schedule_reported(self, post_id: str) -> None:
         """Record that the end of a schedule was reported, unless it was renewed meanwhile."""
         await self._do(queries.SET_ENDED, post_id, told=1)
 
@@ -348,7 +348,7 @@ class Journal:
         found = await self._rows.read(lambda db: db.execute(queries.SUMMARIES, self._this()).all())
         return [COMMAND.validate_json(row.summary) for row in found]
 
-    async def set_summary_told(self, key: str) -> None:
+    async def set_summary_reported(self, key: str) -> None:
         await self._do(queries.SET_JOINT, key, told=1)
 
     async def prune(self, days: float, commands: int) -> None:

@@ -84,7 +84,7 @@ SCHEDULES = _SCHEDULES.where(SCHEDULE.c.told == 0).order_by(SCHEDULE.c.next_at, 
 #: Those that ended by the limit of runs or days, and may be renewed.
 RENEWABLE_SCHEDULES = _SCHEDULES.where(SCHEDULE.c.ended == ScheduleEnd.LIMIT.value).order_by(SCHEDULE.c.post)
 THIS_WAIT = select(JOINT.c.waits_since, JOINT.c.released_at).where(_this(JOINT))
-#: What is to be summed up.
+#: The posts whose parts this robot sums up.
 SUMMARIES = select(JOINT.c.summary).where(_ours(JOINT), JOINT.c.summary.is_not(None), JOINT.c.told == 0)
 #: The newest plans that were done in a topic.
 PLANS = (
@@ -145,7 +145,7 @@ def _prune() -> tuple[Any, ...]:
     of_them = (delete(t).where(_ours(t), t.c.post.in_(posts)) for t in (MOTION, APPROVAL, ASSESSMENT))
     # Posts that were cancelled before anybody claimed them.
     unclaimed = MOTION.c.post.not_in(select(CLAIM.c.post).where(_ours(CLAIM)))
-    told = delete(SCHEDULE).where(
+    reported = delete(SCHEDULE).where(
         _ours(SCHEDULE), SCHEDULE.c.told == 1, SCHEDULE.c.post.not_in(select(CLAIM.c.post).where(_ours(CLAIM)))
     )
     joint = delete(JOINT).where(_ours(JOINT), JOINT.c.told == 1, JOINT.c.post.in_(posts))
@@ -154,7 +154,7 @@ def _prune() -> tuple[Any, ...]:
         joint,
         delete(CLAIM).where(*ended),
         delete(MOTION).where(_ours(MOTION), MOTION.c.at < before, unclaimed),
-        told,
+        reported,
     )
 
 

@@ -75,14 +75,14 @@ class ScheduledCommand:
 
 @dataclass(frozen=True, slots=True)
 class KeptSchedule:
-    """A scheduled command with its next run, how many runs are left, and why it has ended, if it has. `told`: there is
-    nothing more to tell about it."""
+    """A scheduled command with its next run, how many runs are left, and why it has ended, if it has. `reported`:
+    its end was reported, or needs no report."""
 
     asked: ScheduledCommand
     next_at: datetime | None
     runs_left: int
     ended: ScheduleEnd | None = None
-    told: bool = False
+    reported: bool = False
 
     @property
     def post_id(self) -> str:
@@ -174,10 +174,10 @@ def read_claim(row: Any, shared: bool) -> Claim:
 
 def read_schedule(row: Any) -> KeptSchedule:
     """A row of `SCHEDULES`."""
-    data, next_at, runs_left, ended, told = row
+    data, next_at, runs_left, ended, reported = row
     at = datetime.fromisoformat(next_at) if next_at is not None else None
     end = ScheduleEnd(ended) if ended is not None else None
-    return KeptSchedule(SCHEDULED.validate_json(data), at, int(runs_left), end, bool(told))
+    return KeptSchedule(SCHEDULED.validate_json(data), at, int(runs_left), end, bool(reported))
 
 
 def read_wait(waits_since: str | None, released_at: str | None) -> PartWait | None:

@@ -46,14 +46,14 @@ async def get_command(services: AppServices, post_id: str, who: ReadingViewer) -
 
 
 @router.put("/commands/{post_id}", response_model=CommandsOut)
-async def publish_command_record(services: AppServices, post_id: str, told: CommandIn, by: Member) -> Response:
+async def publish_command_record(services: AppServices, post_id: str, entry: CommandIn, by: Member) -> Response:
     """Publish the record of a robot's agent; a later one replaces it."""
     if by.kind is not AccountKind.ROBOT_AGENT:
         raise BoardError(403, "not_a_robot", "only robot agents can record commands", "use a robot agent's token")
-    commands.check_robot(by, told.record.get("robot", by.name), "record")
+    commands.check_robot(by, entry.record.get("robot", by.name), "record")
     services.store.reader.post(post_id)  # 404 also for a post that the agent may not see
-    commands.check(told.record, "record", RECORD_BYTES, RECORD_DEPTH)
-    await services.store.do(lambda t: commands.save_record(t, by, post_id, told.reply_id, told.record))
+    commands.check(entry.record, "record", RECORD_BYTES, RECORD_DEPTH)
+    await services.store.do(lambda t: commands.save_record(t, by, post_id, entry.reply_id, entry.record))
     return _records(services, post_id)
 
 
@@ -74,7 +74,7 @@ async def deny_command(
 
 
 def _records(services: Services, post_id: str) -> Response:
-    post, told = commands.records_of(services.store.reader, post_id)
+    post, records = commands.records_of(services.store.reader, post_id)
     url = f"{services.settings.base_url}/c/{post.id}"
     items = (
         CommandOut(
@@ -85,6 +85,6 @@ def _records(services: Services, post_id: str) -> Response:
             url=url,
             record=dict(t.record),
         )
-        for t in told
+        for t in records
     )
     return json_response(CommandsOut(items=tuple(items), url=url))

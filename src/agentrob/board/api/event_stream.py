@@ -79,7 +79,7 @@ class EventStream(Response):
         while not self._listener.closed:
             encoded = await self._listener.next(self._heartbeat_s)
             if encoded is not None:
-                if self._told_early(encoded):
+                if self._sent_early(encoded):
                     self._after = max(self._after, encoded.number)
                 elif encoded.number > self._after or not encoded.written:
                     await streams.part(send, self._bytes(encoded))
@@ -87,7 +87,7 @@ class EventStream(Response):
             elif not self._listener.closed and self._hub.delivers_stops:
                 await streams.part(send, _heartbeat())
 
-    def _told_early(self, encoded: EncodedEvent) -> bool:
+    def _sent_early(self, encoded: EncodedEvent) -> bool:
         """Whether this event was sent here before it was written, so that it is not sent twice."""
         event = encoded.event
         if not encoded.written:

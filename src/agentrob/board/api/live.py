@@ -86,15 +86,15 @@ async def get_map(services: AppServices, name: str, who: ReadingViewer) -> Respo
     """The room of a robot as its owner describes it, and the name of the robot's geometry."""
     name = actions.known_robot(services, name).name
     live.check(services, name, who.account)
-    told = services.presence.robot(name).card.get("map")
-    if live.map_view(told) is None:
+    map_data = services.presence.robot(name).card.get("map")
+    if live.map_view(map_data) is None:
         raise not_found("map", name, "there is one while its agent runs")
-    assert isinstance(told, dict)
-    return json_response(MapOut(robot=name, map=told, geometry=_geometry(told)))
+    assert isinstance(map_data, dict)
+    return json_response(MapOut(robot=name, map=map_data, geometry=_geometry(map_data)))
 
 
-def _geometry(told: dict[str, Any]) -> str | None:
-    name = told.get("geometry")
+def _geometry(map_data: dict[str, Any]) -> str | None:
+    name = map_data.get("geometry")
     return name if isinstance(name, str) and re.fullmatch(r"[0-9a-f]{32}", name) else None
 
 

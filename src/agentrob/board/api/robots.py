@@ -158,13 +158,14 @@ async def emergency_stop_robot(services: AppServices, name: str, by: Stopper, ke
 
 @router.post("/robots/{name}/release", response_model=EventOut, tags=["robots"])
 async def release_robot(services: AppServices, name: str, by: Member, key: IdempotencyKey = None) -> Response:
-    """Release a locked robot. Its owner and admins may. The robot's card reports the result as `told`."""
+    """Release a locked robot. Its owner and admins may. The robot's card reports the result as `last_action`."""
     return _event(services, by, await actions.release(services, name, by, key))
 
 
 @router.post("/robots/{name}/home", response_model=EventOut, tags=["robots"])
 async def set_robot_home(services: AppServices, name: str, by: Member, key: IdempotencyKey = None) -> Response:
-    """Set the robot's home where it stands. Its owner and admins may. The robot's card reports the result as `told`."""
+    """Set the robot's home where it stands. Its owner and admins may. The robot's card reports the result as
+    `last_action`."""
     return _event(services, by, await actions.home(services, name, by, key))
 
 

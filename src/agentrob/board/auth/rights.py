@@ -138,16 +138,16 @@ def approves(settings: RobotSettings, account: Account, author: Account) -> bool
     return reaches(account, settings.approve, settings.owner) and (settings.approve_own or account.id != author.id)
 
 
-def releases(settings: RobotSettings, account: Account | None, told_owner: str = "") -> bool:
+def releases(settings: RobotSettings, account: Account | None, configured_owner: str = "") -> bool:
     """Whether an account may press Release and Set home. The robot's agent checks the same, and decides.
 
-    `told_owner` is the owner that the agent's own configuration names, from the robot's card.
+    `configured_owner` is the owner that the agent's own configuration names, from the robot's card.
     """
     if account is None or account.kind is not AccountKind.HUMAN or account.suspended or settings.release == "nobody":
         return False
     if account.role is Role.ADMIN:
         return True
-    return settings.release == "owner" and account.name in {settings.owner, told_owner} - {""}
+    return settings.release == "owner" and account.name in {settings.owner, configured_owner} - {""}
 
 
 def sees_camera(settings: RobotSettings, account: Account | None, robot: str) -> bool:

@@ -59,7 +59,7 @@ class Notification:
     fresh: bool
 
 
-def tell(
+def notify(
     t: Transaction, post_id: int, topic_id: int, author: Account, mentions: Sequence[str], reply_to: int | None
 ) -> None:
     """Notify people and agents of a new post; only the first of several reasons counts."""
@@ -80,13 +80,13 @@ def tell(
         t.connection.execute(insert(db.notices), rows)
 
 
-def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: int | None, waits: bool) -> None:
+def notify_approvers(t: Transaction, status_id: int, robot: Account, command_id: int | None, waits: bool) -> None:
     """Notify those who may approve a command that its robot waits, by the robot's status post; and no more when that is
     over."""
     n, a = db.notices.c, db.accounts.c
-    told = n.post_id == status_id
+    about_status = n.post_id == status_id
     if not waits:
-        t.connection.execute(delete(db.notices).where(told, n.reason == "approve"))
+        t.connection.execute(delete(db.notices).where(about_status, n.reason == "approve"))
         return
     if command_id is None:
         return
@@ -97,7 +97,7 @@ def tell_approvers(t: Transaction, status_id: int, robot: Account, command_id: i
     people = ACCOUNT.where(a.kind == AccountKind.HUMAN, a.role.in_(roles), a.suspended.is_(False)).order_by(a.id)
     may = [int(p.id) for p in map(account_from, reader.rows(people)) if rights.approves(kept, p, command.author)]
     if may := may[:MOST_APPROVERS]:
-        t.connection.execute(delete(db.notices).where(told, n.account_id.in_(may)))
+        t.connection.execute(delete(db.notices).where(about_status, n.account_id.in_(may)))
         rows = [{"account_id": i, "post_id": status_id, "reason": "approve"} for i in may]
         t.connection.execute(insert(db.notices), rows)
 
@@ -118,7 +118,7 @@ def latest(
     limit: int = 30,
     read: Mapping[int, int] = _NOTHING,
 ) -> Page[Notification]:
-    """An account's notifications, newest first; those of posts that are gone or not to be seen are left out. `read` as
+    """An account's notifications, newest first; those of posts that are gone or hidden from it are left out. `read` as
     in `unread`."""
     n, r, seen = db.notices.c, db.topic_reads.c, _seen(reader, account)
     stored = func.coalesce(r.post_id, 0).label("read")

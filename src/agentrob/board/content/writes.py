@@ -167,7 +167,7 @@ def edit(
     _attach(t.connection, int(post.id), editor, images)
     fulltext.change(t.connection, int(post.id), text.words, text.chars, reader.title_begun_by(post))
     if card != "keep" and _waits(card) != _waits(post.card):
-        notifications.tell_approvers(t, int(post.id), editor, _number(post.reply_to), _waits(card))
+        notifications.notify_approvers(t, int(post.id), editor, _number(post.reply_to), _waits(card))
     add_event(t, EventKind.POST_EDITED, at, topic_id=int(post.topic_id), post_id=int(post.id))
     return reader.post(post.id)
 
@@ -244,9 +244,9 @@ def _add_post(t: Transaction, topic_id: int, draft: Draft, at: int, title: str =
     t.connection.execute(_ONE_POST_MORE, {"topic": topic_id, "post": post_id, "at": at})
     _attach(t.connection, post_id, draft.author, draft.images)
     fulltext.add(t.connection, post_id, draft.text.words, draft.text.chars, title)
-    notifications.tell(t, post_id, topic_id, draft.author, draft.text.mentions, reply_to)
+    notifications.notify(t, post_id, topic_id, draft.author, draft.text.mentions, reply_to)
     if _waits(draft.card):
-        notifications.tell_approvers(t, post_id, draft.author, reply_to, True)
+        notifications.notify_approvers(t, post_id, draft.author, reply_to, True)
     add_event(t, EventKind.POST_CREATED, at, topic_id=topic_id, post_id=post_id)
     return Written(reader.topic(str(topic_id)), reader.post(str(post_id)))
 

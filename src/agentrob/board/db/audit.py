@@ -32,8 +32,8 @@ class Entry:
 
 def note(connection: Connection, actor: str, action: str, target: str, **detail: Any) -> None:
     """Add a row; empty details are left out. Never pass a password, a token or a link."""
-    told = {k: v for k, v in detail.items() if v not in (None, "", (), [])}
-    row = {"at_us": now_us(), "actor": actor, "action": action, "target": target[:80], "detail": told}
+    given = {k: v for k, v in detail.items() if v not in (None, "", (), [])}
+    row = {"at_us": now_us(), "actor": actor, "action": action, "target": target[:80], "detail": given}
     connection.execute(insert(db.audit).values(**row))
 
 

@@ -109,13 +109,13 @@ def _set_up_postgresql(
     engine: Engine, settings: BoardSettings, writes: bool, process: str, patience_s: float | None
 ) -> None:
     if patience_s is not None:
-        event.listen(engine, "connect", partial(_be_impatient, patience_s))
+        event.listen(engine, "connect", partial(_set_timeout, patience_s))
     if writes:
         event.listen(engine, "begin", partial(_one_writer, settings.busy_timeout_s))
-        event.listen(engine, "commit", partial(_tell_commit, process))
+        event.listen(engine, "commit", partial(_notify_commit, process))
 
 
-def _be_impatient(patience_s: float, connection: Any, _record: object) -> None:
+def _set_timeout(patience_s: float, connection: Any, _record: object) -> None:
     with connection.cursor() as cursor:
         cursor.execute(f"SET statement_timeout = {int(patience_s * 1000)}")
     connection.commit()
@@ -131,7 +131,7 @@ def _one_writer(patience_s: float, connection: Connection) -> None:
     )
 
 
-def _tell_commit(process: str, connection: Connection) -> None:
+def _notify_commit(process: str, connection: Connection) -> None:
     """Announce the commit; PostgreSQL delivers it only if the transaction is committed."""
     connection.exec_driver_sql(f"NOTIFY {CHANNEL}, '{process} commit'")
 

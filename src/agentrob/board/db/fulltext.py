@@ -197,12 +197,12 @@ def index_query(
         return found, {"wanted": expression(words), **values}
     tokens: dict[str, None] = {}
     together: dict[str, str] = {}
-    for n, (said, goes_on) in enumerate(map(_split, words)):
-        *ended, last = _tokens.of(said) or [""]
+    for n, (term, continues) in enumerate(map(_split, words)):
+        *ended, last = _tokens.of(term) or [""]
         tokens |= dict.fromkeys(f"'{token}'" for token in ended)
-        tokens |= {f"'{last}'{':*' if goes_on else ''}": None} if last else {}
+        tokens |= {f"'{last}'{':*' if continues else ''}": None} if last else {}
         if ended:
-            together[f"phrase{n}"] = f" {' '.join([*ended, last])}{'' if goes_on else ' '}"
+            together[f"phrase{n}"] = f" {' '.join([*ended, last])}{'' if continues else ' '}"
     if not tokens:
         return None
     has = "".join(f"AND strpos(w.words, :{name}) > 0 " for name in together)
@@ -222,8 +222,8 @@ def expression(words: Sequence[str]) -> str:
 def _phrase(word: str) -> str:
     if len(word) == 1 and _PAIRED.fullmatch(word):
         return f'chars : "{word}"'
-    said, goes_on = _split(word)
-    return f'words : "{said}"{" *" if goes_on else ""}'
+    term, continues = _split(word)
+    return f'words : "{term}"{" *" if continues else ""}'
 
 
 def _split(word: str) -> tuple[str, bool]:
@@ -236,5 +236,5 @@ def _split(word: str) -> tuple[str, bool]:
         found = list(_pairs(run[0]))
         return f" {' '.join(found[:-1] if run.end() == len(word) and len(found) > 1 else found)} "
 
-    goes_on = len(word) > 1 and bool(_PAIRED.match(word[-1])) and not _PAIRED.match(word[-2])
-    return _PAIRED.sub(pairs, word).strip(), goes_on
+    continues = len(word) > 1 and bool(_PAIRED.match(word[-1])) and not _PAIRED.match(word[-2])
+    return _PAIRED.sub(pairs, word).strip(), continues

@@ -68,7 +68,7 @@ class Cluster:
         self._proven_s = 0.0
         self._cut_off = False
         self._messenger = ClusterMessenger(me, presence, self._connect)
-        hub.tell_others = self._messenger.announce
+        hub.announce_elsewhere = self._messenger.announce
         presence.changed = presence.poses.changed = self._messenger.changed
 
     @property
@@ -115,7 +115,7 @@ class Cluster:
                 free = await connection.execute(f"SELECT pg_try_advisory_lock_shared({SERVING_LOCK})")
                 if not (await free.fetchone() or [False])[0]:
                     raise being_changed(self.settings)
-                await self._look_around(connection)
+                await self._refresh(connection)
             await self._prove(connection)
         except BaseException:
             await connection.close()
@@ -134,7 +134,7 @@ class Cluster:
                 if not self._cut_off:
                     log.warning("board.not_heard", error=str(e) or "no answer from the database")
             finally:
-                await self._let_go()
+                await self._release()
             await asyncio.sleep(AGAIN_S)
 
     async def _again(self) -> AsyncConnection[Any]:
@@ -151,7 +151,7 @@ class Cluster:
         self._cut_off = False
         return connection
 
-    async def _let_go(self) -> None:
+    async def _release(self) -> None:
         """End the duties, and then release their lock."""
         duty, self._duty = self._duty, None
         if duty is not None:
@@ -166,11 +166,12 @@ class Cluster:
     async def _follow(self, connection: AsyncConnection[Any]) -> None:
         while True:
             heard = [notice.payload async for notice in connection.notifies(timeout=PROOF_S, stop_after=1)]
-            others = dict.fromkeys(what for by, _, what in (said.partition(" ") for said in heard) if by != self.me)
+            parts = (payload.partition(" ") for payload in heard)
+            others = dict.fromkeys(what for by, _, what in parts if by != self.me)
             if others or time.monotonic() - self._proven_s >= PROOF_S:  # our own commits prove nothing
                 await self._prove(connection)
             for what in others:
-                await self._hear(connection, what)
+                await self._receive(connection, what)
 
     async def _prove(self, connection: AsyncConnection[Any]) -> None:
         """Check for new events, for clock skew, and that some process runs the duties."""
@@ -188,21 +189,21 @@ class Cluster:
             self._duty = asyncio.create_task(self._duties(self._asked_to_lead))
         self._asked_to_lead = True
 
-    async def _hear(self, connection: AsyncConnection[Any], said: str) -> None:
-        what, _, more = said.partition(" ")
+    async def _receive(self, connection: AsyncConnection[Any], payload: str) -> None:
+        what, _, more = payload.partition(" ")
         try:
             if what == "card" or (what == "frame" and self._presence.wants(more)):
                 async with asyncio.timeout(PATIENCE_S):
-                    await self._look_around(connection, what, more)
+                    await self._refresh(connection, what, more)
             elif what == "pose":
                 robot, _, frame = more.partition(" ")
                 self._presence.poses.receive(robot, frame)
             elif what == "event":
                 self._hub.receive_unwritten(event_from_json(more, self._hub))
         except (ValueError, KeyError, TypeError) as e:
-            log.warning("board.not_understood", said=said[:200], error=str(e))
+            log.warning("board.not_understood", payload=payload[:200], error=str(e))
 
-    async def _look_around(self, connection: AsyncConnection[Any], what: str = "", robot: str = "") -> None:
+    async def _refresh(self, connection: AsyncConnection[Any], what: str = "", robot: str = "") -> None:
         """Load the state that other processes shared, of one robot or of all."""
         which = " WHERE robot = %s" if robot else ""
         words = [robot] if robot else []

@@ -100,7 +100,7 @@ class ClusterMessenger:
                 async with await self._connect() as connection:
                     while True:
                         async with asyncio.timeout(PATIENCE_S):
-                            await self._tell(connection)
+                            await self._send(connection)
                         await self._woken()
             except (psycopg.Error, OSError):
                 pass  # `Cluster` reports that the database is gone
@@ -114,33 +114,33 @@ class ClusterMessenger:
             return  # time to renew the number of viewers
         self._wake.clear()
 
-    async def _tell(self, connection: AsyncConnection[Any]) -> None:
-        await self._tell_events(connection)
+    async def _send(self, connection: AsyncConnection[Any]) -> None:
+        await self._send_events(connection)
         while self._cards:
             robot = self._cards.pop()
             await connection.execute(_CARD, [robot, json.dumps(dict(self._presence.robot(robot).card))])
             await self._notify(connection, f"card {robot}")
-            await self._tell_events(connection)
+            await self._send_events(connection)
         while self._frames:
             robot = self._frames.pop()
             self._framed_s[robot] = time.monotonic()
             await connection.execute(_FRAME, [robot, self._presence.robot(robot).frame])
             await self._notify(connection, f"frame {robot}")
-            await self._tell_events(connection)
+            await self._send_events(connection)
         while self._poses:
             robot = self._poses.pop()
             await self._notify(connection, f"pose {robot} {self._presence.poses.shared(robot)}")
-            await self._tell_events(connection)
-        await self._tell_viewers(connection)
+            await self._send_events(connection)
+        await self._send_viewers(connection)
 
-    async def _tell_events(self, connection: AsyncConnection[Any]) -> None:
+    async def _send_events(self, connection: AsyncConnection[Any]) -> None:
         while self._events:
             at_s, words = self._events[0]
             if time.monotonic() - at_s < TOO_LATE_S:
                 await self._notify(connection, f"event {words}")
             self._events.popleft()
 
-    async def _tell_viewers(self, connection: AsyncConnection[Any]) -> None:
+    async def _send_viewers(self, connection: AsyncConnection[Any]) -> None:
         """Share the number of viewers repeatedly, and once more when it becomes zero."""
         looking = {robot.name: (robot.viewers, 0) for robot in self._presence.robots() if robot.viewers}
         for watched in self._presence.poses.robots():

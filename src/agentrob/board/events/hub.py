@@ -126,8 +126,8 @@ class Hub:
         self._last, self._last_id = 0, BEFORE_ALL
         self._proven_s: float | None = None
         self._written_s: float | None = None
-        #: Tells other processes of an event that could not be written.
-        self.tell_others: Callable[[StoredEvent], None] = lambda event: None
+        #: Sends to other processes an event that could not be written.
+        self.announce_elsewhere: Callable[[StoredEvent], None] = lambda event: None
         #: Counts an event that is delivered here.
         self.count: Callable[[StoredEvent], None] = lambda event: None
 
@@ -175,7 +175,7 @@ class Hub:
         assert self.reader is not None
         newest_id = self.reader.newest_event_id()
         if event_number(newest_id) < self._last:
-            log.error("board.other_history", newest=newest_id, told=self._last_id)
+            log.error("board.other_history", newest=newest_id, known=self._last_id)
             self._last, self._last_id = event_number(newest_id), newest_id
             self._cut_off()
 
@@ -207,7 +207,7 @@ class Hub:
         try:
             while self._last < newest and (events := self.reader.events(self._last, 100)):
                 for event in events:
-                    self._tell(event)
+                    self._deliver(event)
                     self._last, self._last_id = event_number(event.id), event.id
         except BoardError as e:
             # Every listener must get every event: end all streams, and clients resume.
@@ -225,12 +225,12 @@ class Hub:
 
         Its id is that of the newest written event, so that resuming after it misses nothing.
         """
-        self._tell(event, written=False)
-        self.tell_others(event)
+        self._deliver(event, written=False)
+        self.announce_elsewhere(event)
 
     def receive_unwritten(self, event: StoredEvent) -> None:
         """Deliver an event that another process could not write."""
-        self._tell(event, written=False)
+        self._deliver(event, written=False)
 
     def listen(
         self, topic_id: str | None = None, account_id: str | None = None, role: Role | None = Role.GUEST
@@ -272,7 +272,7 @@ class Hub:
                 self._boards = self.reader.all_boards()
         return self._boards
 
-    def _tell(self, event: StoredEvent, written: bool = True) -> None:
+    def _deliver(self, event: StoredEvent, written: bool = True) -> None:
         encoded, post = self.encode(event, written), event.post
         boards = self._current_boards() if post is not None else ()
         board = next((board for board in boards if post is not None and board.id == post.board_id), None)

@@ -78,9 +78,9 @@ class RobotPoses:
             del self.trail[:-MOST_TRAIL]
         self.frame, self.pose_s = frame, at_s
         self.poses += 1
-        told = {"robot": self.name, "t": round(1000 * at_s), "pose": frame["pose"]}
-        self.message = _message(told)
-        self.with_body = _message(told | {"body": frame["body"]}) if frame.get("body") else self.message
+        facts = {"robot": self.name, "t": round(1000 * at_s), "pose": frame["pose"]}
+        self.message = _message(facts)
+        self.with_body = _message(facts | {"body": frame["body"]}) if frame.get("body") else self.message
 
     @property
     def path(self) -> dict[str, Any]:

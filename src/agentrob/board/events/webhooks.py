@@ -32,28 +32,28 @@ async def run(hub: Hub, to: Sequence[Receiver], taken_over: bool = False) -> Non
         return
     outbox = Outbox(to)
     if taken_over:
-        outbox.tell("board.changed", {})
+        outbox.send("board.changed", {})
     delivering = asyncio.create_task(outbox.run())
     try:
         while not hub.closed:
             try:
-                await _tell(hub, outbox)
+                await _forward(hub, outbox)
             except BoardError:  # too many streams for now
                 await asyncio.sleep(AGAIN_S)
     finally:
         delivering.cancel()
 
 
-async def _tell(hub: Hub, outbox: Outbox) -> None:
+async def _forward(hub: Hub, outbox: Outbox) -> None:
     """Until the hub closes the listener; then events may have been missed, so receivers are asked to look."""
     listener = hub.listen(account_id=LISTENER, role=None)
     try:
         while not listener.closed:
             if (encoded := await listener.next(60.0)) is not None:
-                outbox.tell(str(encoded.event.kind), _ids(encoded))
+                outbox.send(str(encoded.event.kind), _ids(encoded))
     finally:
         hub.leave(listener)
-    outbox.tell("board.changed", {})
+    outbox.send("board.changed", {})
 
 
 def _ids(encoded: EncodedEvent) -> dict[str, str]:

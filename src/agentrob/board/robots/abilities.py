@@ -37,8 +37,8 @@ def capabilities_of(card: Mapping[str, Any]) -> Capabilities | None:
     ops = frozenset(op for op in _words(card.get("ops")) if op in BUILT_IN or op in own)
     if not ops:
         return None
-    told = frozenset(Direction(word) for word in _words(card.get("directions")) if word in frozenset(Direction))
-    directions = told or frozenset(Direction)
+    known = frozenset(Direction(word) for word in _words(card.get("directions")) if word in frozenset(Direction))
+    directions = known or frozenset(Direction)
     model = card.get("model")
     return Capabilities(
         model=model if isinstance(model, str) else "",
@@ -56,10 +56,10 @@ def op_in_words(op: str, can: Capabilities | None = None) -> str:
     return operation_name(operation, "en") if operation else op.replace("_", " ")[:40]
 
 
-def _declared(told: object) -> tuple[Operation, ...]:
+def _declared(data: object) -> tuple[Operation, ...]:
     """The operations that the robot declares, without those that are malformed or do not fit."""
     found: dict[str, Operation] = {}
-    for one in told[:MOST_DECLARED] if isinstance(told, (list, tuple)) else ():
+    for one in data[:MOST_DECLARED] if isinstance(data, (list, tuple)) else ():
         try:
             (operation,) = Capabilities("", frozenset(), declared=(operation_of(one),)).declared
         except ValueError:
@@ -68,16 +68,16 @@ def _declared(told: object) -> tuple[Operation, ...]:
     return tuple(found.values())
 
 
-def _words(told: object) -> Iterator[str]:
-    for word in told[:40] if isinstance(told, (list, tuple)) else ():
+def _words(data: object) -> Iterator[str]:
+    for word in data[:40] if isinstance(data, (list, tuple)) else ():
         if isinstance(word, str):
             yield word
 
 
-def _limits(told: object) -> Limits:
+def _limits(data: object) -> Limits:
     numbers: dict[str, Any] = {}
     for field in fields(Limits):
-        value = told.get(field.name) if isinstance(told, Mapping) else None
+        value = data.get(field.name) if isinstance(data, Mapping) else None
         if isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < MOST_LIMIT:
             numbers[field.name] = int(value) if field.name == "command_steps" else value
     return Limits(**numbers)

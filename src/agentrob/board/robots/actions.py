@@ -73,7 +73,7 @@ def check_owner(services: Services, robot: str, by: Account | None) -> str:
 
 def may_release(services: Services, robot: str, by: Account | None) -> bool:
     """Whether an account may release this robot and set its home."""
-    return rights.releases(rights.settings_of(services.store.reader, robot), by, _told_owner(services, robot))
+    return rights.releases(rights.settings_of(services.store.reader, robot), by, _configured_owner(services, robot))
 
 
 def owner_of(services: Services, robot: str) -> str:
@@ -81,13 +81,13 @@ def owner_of(services: Services, robot: str) -> str:
     account."""
     if owner := rights.settings_of(services.store.reader, robot).owner:
         return owner
-    told = _told_owner(services, robot)
-    return told if told and services.store.reader.account(told) is not None else ""
+    configured = _configured_owner(services, robot)
+    return configured if configured and services.store.reader.account(configured) is not None else ""
 
 
-def _told_owner(services: Services, robot: str) -> str:
-    told = services.presence.robot(robot).card.get("owner")
-    return told.lower() if isinstance(told, str) else ""
+def _configured_owner(services: Services, robot: str) -> str:
+    configured = services.presence.robot(robot).card.get("owner")
+    return configured.lower() if isinstance(configured, str) else ""
 
 
 async def reset(services: Services, robot: str, by: Account, key: str | None = None) -> StoredEvent:
@@ -129,23 +129,23 @@ def watch(services: Services, robot: str) -> None:
     The event is not stored: reading leaves nothing in the database. An agent that misses it gets it again when it next
     publishes its card.
     """
-    _tell_agent_soon(services, services.presence.robot(robot), EventKind.ROBOT_WATCH)
+    _notify_agent_soon(services, services.presence.robot(robot), EventKind.ROBOT_WATCH)
 
 
 def watch_poses(services: Services, robot: str) -> None:
     """Tell the robot's agent that its map has viewers, as `watch`."""
-    _tell_agent_soon(services, services.presence.poses.robot(robot), EventKind.ROBOT_POSES)
+    _notify_agent_soon(services, services.presence.poses.robot(robot), EventKind.ROBOT_POSES)
 
 
-def _tell_agent_soon(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
+def _notify_agent_soon(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     wait_s = now.called_s + presence.WATCH_EVERY_S - time.monotonic()
     if wait_s <= 0:
-        _tell_agent(services, now, kind)
+        _notify_agent(services, now, kind)
     elif now.call is None:
-        now.call = asyncio.get_running_loop().call_later(wait_s, _tell_agent_again, services, now, kind)
+        now.call = asyncio.get_running_loop().call_later(wait_s, _notify_agent_again, services, now, kind)
 
 
-def _tell_agent(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
+def _notify_agent(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     if now.call is not None:  # its timer is late
         now.call.cancel()
         now.call = None
@@ -153,10 +153,10 @@ def _tell_agent(services: Services, now: RobotPresence | RobotPoses, kind: Event
     services.hub.announce(StoredEvent(services.hub.last_id, kind, from_us(now_us()), robot=now.name))
 
 
-def _tell_agent_again(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
+def _notify_agent_again(services: Services, now: RobotPresence | RobotPoses, kind: EventKind) -> None:
     now.call = None  # this timer
     if now.watched:
-        _tell_agent(services, now, kind)
+        _notify_agent(services, now, kind)
 
 
 async def _record_or_announce(

@@ -12,7 +12,7 @@ from typing import Any
 from agentrob.board.db.reader import Reader
 from agentrob.board.db.records import Image, StoredPost, from_text
 from agentrob.board.robots.abilities import op_in_words
-from agentrob.board.robots.commands import CommandRecord, told_pictures
+from agentrob.board.robots.commands import CommandRecord, record_pictures
 from agentrob.language.messages.plan_text import step_label
 from agentrob.model import BUILT_IN, AccountKind, Capabilities, CommandState, Primitive
 from agentrob.model.plans import step_of
@@ -99,25 +99,25 @@ class CommandView:
     links: tuple[tuple[str, str, datetime | None], ...]
 
 
-def command_view(post: StoredPost, told: CommandRecord, can: Capabilities | None = None) -> CommandView:
+def command_view(post: StoredPost, kept: CommandRecord, can: Capabilities | None = None) -> CommandView:
     """The view of one record; fields of the wrong type are left out. `can`: what the robot can do today, for the words
     of the operations that it declares."""
-    record = told.record
+    record = kept.record
     verdict = _map(record.get("verdict"))
     looked, run = _map(record.get("looked")), _map(record.get("run"))
     summary = _map(record.get("summary"))
     usage = (*_list(record.get("models")), *_list(looked.get("usage")), *_list(summary.get("models")))
     done, planned = _list(record.get("steps")), _list(record.get("plan"))
     return CommandView(
-        robot=told.robot,
-        reply=told.reply,
+        robot=kept.robot,
+        reply=kept.reply,
         status=_text(record.get("status"), 24),
         message=_message(record),
         trace_id=_text(record.get("trace_id"), 64),
         verdict=(_text(verdict.get("decision"), 24), _text(verdict.get("rule"), 80), _text(verdict.get("reason"), 600)),
         timeline=_timeline(
             _first(post, run),
-            told.reply,
+            kept.reply,
             _map(record.get("timings_ms")),
             _map(record.get("approval")),
         ),
@@ -126,7 +126,7 @@ def command_view(post: StoredPost, told: CommandRecord, can: Capabilities | None
         facts=tuple(_facts(record, looked, summary)),
         models=tuple(_model(_map(model)) for model in usage),
         calls=tuple(_call(_map(turn)) for turn in _list(looked.get("turns"))),
-        pictures=_pictures(told.reply, _list(record.get("pictures"))),
+        pictures=_pictures(kept.reply, _list(record.get("pictures"))),
         links=tuple(filter(None, map(_link, _list(record.get("links"))))),
     )
 
@@ -150,24 +150,24 @@ def _timeline(
     ms = {name: number for name, value in timings.items() if (number := _number(value)) is not None}
     moments = [(ms[name], words) for name, words in _MOMENTS.items() if name in ms]
     if reply is not None:
-        told_at = reply.edited_at or reply.created_at
-        moments.append(((told_at - first[1]).total_seconds() * 1000, "reported in the thread"))
-    if (said_at := from_text(approval.get("at"))) is not None:
-        said = "approved" if approval.get("approved") is True else "denied"
-        moments.append(((said_at - first[1]).total_seconds() * 1000, said))
+        reported_at = reply.edited_at or reply.created_at
+        moments.append(((reported_at - first[1]).total_seconds() * 1000, "reported in the thread"))
+    if (decided_at := from_text(approval.get("at"))) is not None:
+        decision = "approved" if approval.get("approved") is True else "denied"
+        moments.append(((decided_at - first[1]).total_seconds() * 1000, decision))
     moments.sort(key=lambda moment: moment[0])
-    told = tuple(
+    entries = tuple(
         (words, first[1] + timedelta(milliseconds=max(-1e9, min(at, 1e9))), f"+{at / 1000:.2f}\u00a0s")
         for at, words in moments
     )
-    return ((*first, ""), *told)
+    return ((*first, ""), *entries)
 
 
 def _step(step: Mapping[str, Any], can: Capabilities | None) -> StepView:
     seconds = _number(step.get("duration_s"))
     why = _text(step.get("message"), 300) or _text(step.get("reason"), 60)
     return StepView(
-        asked=_deed(step, _map(step.get("asked")), can),
+        asked=_action(step, _map(step.get("asked")), can),
         measured=_amounts(_map(step.get("measured"))) or _unmeasured(_text(step.get("unmeasured"), 40)),
         outcome=_text(step.get("outcome"), 24),
         why=why,
@@ -182,10 +182,10 @@ def _unmeasured(why: str) -> str:
 
 def _asked(step: Mapping[str, Any], can: Capabilities | None) -> StepView:
     """A step of a plan that was not carried out."""
-    return StepView(_deed(step, {k: v for k, v in step.items() if k != "op"}, can), "–", "not started", "", "")
+    return StepView(_action(step, {k: v for k, v in step.items() if k != "op"}, can), "–", "not started", "", "")
 
 
-def _deed(step: Mapping[str, Any], amounts: Mapping[str, Any], can: Capabilities | None) -> str:
+def _action(step: Mapping[str, Any], amounts: Mapping[str, Any], can: Capabilities | None) -> str:
     """A step as reports and replays show it; a step that this version does not know, by its operation and amounts."""
     try:
         read = step_of({"op": step.get("op"), **amounts})
@@ -206,18 +206,18 @@ def _plain(step: Primitive) -> bool:
 
 
 def _amounts(amounts: Mapping[str, Any]) -> str:
-    said = []
+    texts = []
     for name, value in list(amounts.items())[:8]:
         number = _number(value)
         if number is not None and name in _UNITS:
             words = _UNITS[name].format(number)
             if name not in _ASIDE or any(digit in words for digit in "123456789"):
-                said.append(words)
+                texts.append(words)
         elif number is not None:
-            said.append(f"{name.replace('_', ' ')[:40]} {number:g}")
+            texts.append(f"{name.replace('_', ' ')[:40]} {number:g}")
         else:
-            said.append(_text(value, 60))
-    return ", ".join(filter(None, said))
+            texts.append(_text(value, 60))
+    return ", ".join(filter(None, texts))
 
 
 def _facts(record: Mapping[str, Any], looked: Mapping[str, Any], summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -263,11 +263,11 @@ def _run(run: Mapping[str, Any]) -> str:
 def _model(usage: Mapping[str, Any]) -> ModelView:
     tokens = [_number(usage.get(key)) for key in ("input_tokens", "output_tokens")]
     latency, cost = _number(usage.get("latency_ms")), _number(usage.get("cost"))
-    said = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens) + " tokens"
+    counts = " + ".join("?" if n is None else f"{n:.0f}" for n in tokens) + " tokens"
     money = "" if cost is None else f", {cost:.4f} {_text(usage.get('currency'), 8)}"
     name = f"{_text(usage.get('mind'), 60)} ({_text(usage.get('model'), 80)})"
     return ModelView(
-        name, said + money, "" if latency is None else f"{latency / 1000:.2f} s", _text(usage.get("failed"), 200)
+        name, counts + money, "" if latency is None else f"{latency / 1000:.2f} s", _text(usage.get("failed"), 200)
     )
 
 
@@ -307,8 +307,8 @@ def captions(reader: Reader, posts: Iterable[StoredPost]) -> dict[str, tuple[tup
     preview = (_PICTURES["preview"], "preview")
     waiting = {key: post for key, post in shown.items() if _map(post.card).get("state") == CommandState.WAITING}
     found = {key: (preview,) * len(post.images) for key, post in waiting.items()}
-    for post_id, told in told_pictures(reader, [int(post_id) for post_id in shown]).items():
-        kinds = [_map(kind) for kind in _list(told)]
+    for post_id, entries in record_pictures(reader, [int(post_id) for post_id in shown]).items():
+        kinds = [_map(kind) for kind in _list(entries)]
         if len(kinds) == len(shown[post_id].images):
             found[post_id] = tuple((_picture(kind, "Picture"), _text(kind.get("kind"), 20)) for kind in kinds)
     return found

@@ -91,7 +91,7 @@ def newest_record_us(reader: Reader, topic_id: str) -> int:
     return int(reader.rows(newest.where(p.topic_id == row_id(topic_id, "topic")))[0][0] or 0)
 
 
-def told_pictures(reader: Reader, reply_ids: Sequence[int]) -> dict[str, Any]:
+def record_pictures(reader: Reader, reply_ids: Sequence[int]) -> dict[str, Any]:
     """The entries of records about the pictures of these replies, by reply."""
     c = db.commands.c
     rows = reader.rows(select(c.reply_id, c.record).where(c.reply_id.in_(reply_ids))) if reply_ids else ()
@@ -108,9 +108,9 @@ def done_plans(reader: Reader, topic_id: str, robot: Account, most: int = 5) -> 
     return tuple(plan for plan in plans if plan is not None)
 
 
-def _plan(told: object) -> Plan | None:
+def _plan(data: object) -> Plan | None:
     try:
-        steps = tuple(step_of(step) for step in told) if isinstance(told, list) else ()
+        steps = tuple(step_of(step) for step in data) if isinstance(data, list) else ()
     except (ValueError, AttributeError):
         return None
     return Plan(steps) if steps else None

@@ -79,15 +79,15 @@ class RoomView:
         return not all(view.shapeless for _, view in self.robots)
 
 
-def map_view(told: object) -> MapView | None:
+def map_view(data: object) -> MapView | None:
     """The map in a robot's card or replay; None if there is none."""
-    if not isinstance(told, Mapping) or not isinstance(room := told.get("room"), str) or not room:
+    if not isinstance(data, Mapping) or not isinstance(room := data.get("room"), str) or not room:
         return None
-    fence, things = _points(told.get("fence")), told.get("things")
+    fence, things = _points(data.get("fence")), data.get("things")
     found = map(_thing, things[:MOST_THINGS]) if isinstance(things, Sequence) and not isinstance(things, str) else ()
-    size = _numbers(told.get("size_m"), 2)
-    pose = _numbers(told.get("pose"), 3)
-    name = told.get("geometry")
+    size = _numbers(data.get("size_m"), 2)
+    pose = _numbers(data.get("pose"), 3)
+    name = data.get("geometry")
     return MapView(
         room=room[:64],
         size=(size[0], size[1]) if size and min(size) > 0 else None,
@@ -96,7 +96,7 @@ def map_view(told: object) -> MapView | None:
         things=tuple(thing for thing in found if thing is not None),
         pose=drawn_pose(pose) if pose else None,
         geometry=name if isinstance(name, str) and re.fullmatch(r"[0-9a-f]{32}", name) else "",
-        shapeless=bool(told.get("no_geometry")),
+        shapeless=bool(data.get("no_geometry")),
     )
 
 
@@ -165,42 +165,42 @@ def with_paths(one: MapView, plan: Sequence[Sequence[float]], poses: Sequence[Se
     return replace(one, plan=line(plan), measured=line(poses), pose=drawn_pose(poses[-1]) if poses else one.pose)
 
 
-def _thing(told: object) -> ThingView | None:
-    if not isinstance(told, Mapping) or (at := _numbers(told.get("at_m"), 2)) is None:
+def _thing(data: object) -> ThingView | None:
+    if not isinstance(data, Mapping) or (at := _numbers(data.get("at_m"), 2)) is None:
         return None
-    size, radius = _numbers(told.get("size_m"), 2), _number(told.get("radius_m"))
+    size, radius = _numbers(data.get("size_m"), 2), _number(data.get("radius_m"))
     if size is None and radius is None:
         return None
-    colour, name = told.get("colour"), told.get("name")
+    colour, name = data.get("colour"), data.get("name")
     return ThingView(
         name=name[:40] if isinstance(name, str) else "",
         x=round(at[0], 3),
         y=round(-at[1], 3),
-        turned=round(-(_number(told.get("turned_deg")) or 0.0), 1),
+        turned=round(-(_number(data.get("turned_deg")) or 0.0), 1),
         size=(abs(size[0]), abs(size[1])) if size else None,
         radius=abs(radius or 0.0),
         colour=colour if isinstance(colour, str) and _COLOUR.match(colour) else "#9aa4b0",
     )
 
 
-def _points(told: object) -> list[tuple[float, float]]:
-    if not isinstance(told, Sequence) or isinstance(told, str):
+def _points(data: object) -> list[tuple[float, float]]:
+    if not isinstance(data, Sequence) or isinstance(data, str):
         return []
-    found = (_numbers(point, 2) for point in told[:MOST_POINTS])
+    found = (_numbers(point, 2) for point in data[:MOST_POINTS])
     return [(point[0], point[1]) for point in found if point is not None]
 
 
-def _numbers(told: object, count: int) -> list[float] | None:
-    if not isinstance(told, Sequence) or isinstance(told, str) or len(told) != count:
+def _numbers(data: object, count: int) -> list[float] | None:
+    if not isinstance(data, Sequence) or isinstance(data, str) or len(data) != count:
         return None
-    found = [_number(value) for value in told]
+    found = [_number(value) for value in data]
     return None if None in found else [value for value in found if value is not None]
 
 
-def _number(told: object) -> float | None:
-    if isinstance(told, bool) or not isinstance(told, int | float) or not abs(told) <= FAR_M:
+def _number(data: object) -> float | None:
+    if isinstance(data, bool) or not isinstance(data, int | float) or not abs(data) <= FAR_M:
         return None
-    return float(told)
+    return float(data)
 
 
 # -------------------------------------------------------------------- rights
@@ -213,8 +213,8 @@ def may_see(services: Services, robot: str, account: Account | None) -> bool:
 
 def shows(card: Mapping[str, Any], readable: frozenset[str]) -> bool:
     """Whether a reader of these boards may see the map of the robot with this card."""
-    told = card.get("boards")
-    boards = told if isinstance(told, list | tuple) else (card.get("board"),)
+    data = card.get("boards")
+    boards = data if isinstance(data, list | tuple) else (card.get("board"),)
     named = {board for board in boards if isinstance(board, str) and board}
     return bool(named & readable if named else readable)
 

@@ -61,12 +61,12 @@ def _stranger(name: str, found: Sequence[RobotView]) -> str:
 def _nobody(text: str, found: Sequence[RobotView], board_id: str) -> str:
     """The hint for a post without a mention: only if it reads as a command or names a robot."""
     here = [robot for robot in found if board_id in robot.boards]
-    said = next((r for r in found if re.search(rf"(?<![\w@-]){re.escape(r.name)}(?![\w-])", text, re.I)), None)
-    if said is None and not _commands(text):
+    named = next((r for r in found if re.search(rf"(?<![\w@-]){re.escape(r.name)}(?![\w-])", text, re.I)), None)
+    if named is None and not _commands(text):
         return ""
     if not here:
         return "No robot acts on this board."
-    name = (said or here[0]).name
+    name = (named or here[0]).name
     return f"No robot is mentioned, so none answers. Mention one, for example: @{name} {text.strip()[:60]}"
 
 

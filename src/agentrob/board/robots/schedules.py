@@ -72,8 +72,8 @@ def of_robot(services: Services, name: str, viewer: Account | None) -> tuple[Sch
     """The schedules of a robot whose posts the viewer may read, the next one first. 404 for an unknown robot."""
     account, view = robot(services, name)
     owner = owner_of(services, account.name)
-    told = services.presence.robot(account.name).card.get("schedules")
-    entries = [e for e in told[:MOST] if isinstance(e, Mapping)] if isinstance(told, (list, tuple)) else []
+    data = services.presence.robot(account.name).card.get("schedules")
+    entries = [e for e in data[:MOST] if isinstance(e, Mapping)] if isinstance(data, (list, tuple)) else []
     ids = [int(e["post"]) for e in entries if _is_id(e.get("post"))]
     posts = {post.id: post for post in services.store.reader.posts_by_id(ids) if not post.removed}
     found = [
@@ -145,8 +145,8 @@ def _may_cancel(viewer: Account | None, post: StoredPost, owner: str) -> bool:
 
 def schedule_view(entry: Mapping[str, Any], post: StoredPost, name: str, live: bool, may_cancel: bool) -> ScheduleView:
     """The view of one entry of a card; fields of the wrong type are left out."""
-    text, told = entry.get("text"), entry.get("runs")
-    runs = [_moment(value) for value in told[:MOST_RUNS]] if isinstance(told, (list, tuple)) else []
+    text, data = entry.get("text"), entry.get("runs")
+    runs = [_moment(value) for value in data[:MOST_RUNS]] if isinstance(data, (list, tuple)) else []
     return ScheduleView(
         robot=name,
         live=live,

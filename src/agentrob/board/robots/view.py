@@ -41,7 +41,7 @@ _KNOWN = {
     "approval",
     "homed",
     "lock",
-    "told",
+    "last_action",
     "map",
     "worker",
     "version",
@@ -54,7 +54,7 @@ _KNOWN = {
 #: The modes of a robot in which its body moves.
 _MOVING = frozenset({"walking", "gesture"})
 #: How long the result of an owner's button is shown.
-TOLD_FOR = timedelta(minutes=5)
+SHOWN_FOR = timedelta(minutes=5)
 #: The maximum length of a scene.
 SCENE_CHARS = 2000
 _LIMITS = {
@@ -86,18 +86,18 @@ class LockView:
 
 
 @dataclass(frozen=True, slots=True)
-class ToldView:
+class OwnerActionView:
     """The result of the last release or home: who asked, whether it was done, and the agent's message."""
 
-    deed: str
+    action: str
     by: str
     at: datetime
     done: bool
-    said: str
+    message: str
 
     @property
     def recent(self) -> bool:
-        return datetime.now(UTC) - self.at < TOLD_FOR
+        return datetime.now(UTC) - self.at < SHOWN_FOR
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +111,8 @@ class RobotView:
 
     `line` are the posts of commands that are not done, the next one first. `limits` and `facts` are (name, value) in
     words for people; `facts` are what else the card says. `lock` is None while it is not locked, `homed` while that is
-    not known; `told` is what came of the last release or home. `can` is what it can do, None while that is not known;
-    `sees`: it finds things in its camera's pictures.
+    not known; `last_action` is the result of the last release or home. `can` is what it can do, None while that is not
+    known; `sees`: it finds things in its camera's pictures.
     """
 
     name: str
@@ -132,7 +132,7 @@ class RobotView:
     facts: tuple[tuple[str, str], ...] = ()
     lock: LockView | None = None
     homed: bool | None = None
-    told: ToldView | None = None
+    last_action: OwnerActionView | None = None
     can: Capabilities | None = None
     sees: tuple[str, ...] = ()
     map: MapView | None = None
@@ -171,7 +171,7 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
         facts=tuple((name, value) for name, value in facts[:20] if value),
         lock=_lock(card.get("lock")),
         homed=homed if isinstance(homed := card.get("homed"), bool) else None,
-        told=_told(card.get("told")),
+        last_action=_owner_action(card.get("last_action")),
         can=can,
         sees=_sees(card.get("sees")),
         map=live.map_view(card.get("map")),
@@ -181,19 +181,19 @@ def robot_view(name: str, card: Mapping[str, Any], seen_at: datetime | None) -> 
     )
 
 
-def _consents(told: object) -> frozenset[str] | None:
+def _consents(data: object) -> frozenset[str] | None:
     """The consents in a list of a card."""
-    return frozenset(_strings(told)[:20]) if isinstance(told, (list, tuple)) else None
+    return frozenset(_strings(data)[:20]) if isinstance(data, (list, tuple)) else None
 
 
-def _strings(told: object) -> list[str]:
-    return [one for one in told if isinstance(one, str)] if isinstance(told, (list, tuple)) else []
+def _strings(data: object) -> list[str]:
+    return [one for one in data if isinstance(one, str)] if isinstance(data, (list, tuple)) else []
 
 
 def _classes(classes: object) -> tuple[str, ...]:
     """The classes of action in a list of a card."""
-    told = classes[:20] if isinstance(classes, (list, tuple)) else ()
-    return tuple(kind for kind in ActionClass if kind in told)
+    data = classes[:20] if isinstance(classes, (list, tuple)) else ()
+    return tuple(kind for kind in ActionClass if kind in data)
 
 
 def _scene(room: object) -> str:
@@ -208,11 +208,11 @@ def _lock(lock: object) -> LockView | None:
     return LockView(_words(lock.get("by")), _words(lock.get("why")).rstrip("."), from_text(lock.get("at")))
 
 
-def _told(told: object) -> ToldView | None:
-    if not isinstance(told, Mapping) or (at := from_text(told.get("at"))) is None:
+def _owner_action(entry: object) -> OwnerActionView | None:
+    if not isinstance(entry, Mapping) or (at := from_text(entry.get("at"))) is None:
         return None
-    said = {key: _words(told.get(key)) for key in ("deed", "by", "said")}
-    return ToldView(at=at, done=told.get("done") is True, **said)
+    texts = {key: _words(entry.get(key)) for key in ("action", "by", "message")}
+    return OwnerActionView(at=at, done=entry.get("done") is True, **texts)
 
 
 def robots(services: Services) -> tuple[RobotView, ...]:
@@ -249,13 +249,13 @@ def _look(services: Services, account: Account) -> RobotView:
 
 def _boards(card: Mapping[str, Any]) -> tuple[str, ...]:
     """The boards on which the robot acts; agents before 0.2 publish only the first one."""
-    told = card.get("boards")
-    boards = told if isinstance(told, (list, tuple)) else (card.get("board"),)
+    data = card.get("boards")
+    boards = data if isinstance(data, (list, tuple)) else (card.get("board"),)
     return tuple(board for board in boards[:20] if isinstance(board, str) and board)
 
 
-def _sees(told: object) -> tuple[str, ...]:
-    things = told[:40] if isinstance(told, (list, tuple)) else ()
+def _sees(data: object) -> tuple[str, ...]:
+    things = data[:40] if isinstance(data, (list, tuple)) else ()
     return tuple(thing[:40] for thing in things if isinstance(thing, str) and thing)
 
 

@@ -29,10 +29,10 @@ async def command(
     """`post_id` is the post with the command. The same as JSON: `/api/v1/commands/{post_id}`."""
     if (asked := commands.answered(services.store.reader, post_id)) is not None:
         return redirect(f"/c/{asked}")
-    post, told = commands.records_of(services.store.reader, post_id)
+    post, records = commands.records_of(services.store.reader, post_id)
     can = {robot.name: robot.can for robot in robot_view.robots(services)}
-    views = [command_view(post, one, can.get(one.robot)) for one in told]
-    hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in told if one.reply])
+    views = [command_view(post, one, can.get(one.robot)) for one in records]
+    hidden = robot_view.hidden_cameras(services, viewer.account, [one.reply for one in records if one.reply])
     data = {"post": post, "views": views, "topic": services.store.reader.topic(post.topic_id), "hidden": hidden}
     data["schedule"] = commands.schedule_of(services.store.reader, post)
     data["board"] = services.store.reader.board(post.board_id)

@@ -60,7 +60,7 @@ _CHOICES: dict[str, Any] = {
 
 # -------------------------------------------------------------------- fields
 class PageForm(BaseModel):
-    """The field that every form has. `FormBody` of its class declares a form as a parameter of an endpoint."""
+    """The field that every form has. An endpoint declares its form as `Annotated[PageForm, Form()]`."""
 
     csrf: str = ""
 
@@ -163,9 +163,9 @@ def title_of(command: str) -> str:
     """A title made from a command: its first line without the names at its beginning, shortened."""
     lines = (" ".join("".join(c for c in line if c.isprintable()).split()) for line in command.splitlines())
     first = next((line for line in lines if line), "")
-    said = _CALLING.sub("", first) or first
-    said = said[:1].upper() + said[1:]
-    return said if len(said) <= MADE_TITLE else said[: MADE_TITLE - 1].rstrip() + "…"
+    made = _CALLING.sub("", first) or first
+    made = made[:1].upper() + made[1:]
+    return made if len(made) <= MADE_TITLE else made[: MADE_TITLE - 1].rstrip() + "…"
 
 
 def tags_of(text: str) -> tuple[str, ...]:

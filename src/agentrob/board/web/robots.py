@@ -142,10 +142,10 @@ def _confirm(request: Request, viewer: Viewer, name: str, action: str) -> Respon
 
 async def _press(services: Services, viewer: Viewer, name: str, form: PageForm, action: str, press: Press) -> Response:
     """Press an owner's button and wait a moment for the result, so that the following page shows it."""
-    presence, before = services.presence, services.presence.robot(name).card.get("told")
+    presence, before = services.presence, services.presence.robot(name).card.get("last_action")
     await press(services, name, form.sender(viewer))
     for _ in range(HEARD_TRIES):
-        if presence.robot(name).card.get("told") != before:
+        if presence.robot(name).card.get("last_action") != before:
             return redirect(f"/robots/{name}")
         await asyncio.sleep(HEARD_S)
     return redirect(with_receipt(f"/robots/{name}", viewer, action, name))

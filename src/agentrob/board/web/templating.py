@@ -234,20 +234,20 @@ class Receipt:
 def with_receipt(path: str, viewer: Viewer, action: str, robot: str) -> str:
     """The path of the next page with a receipt that is sealed for this viewer's session, so that no foreign link can
     make a page say that a robot was stopped."""
-    told = f"{action}.{robot}.{int(time.time())}"
-    return f"{path.partition('?')[0]}?done={told}.{_seal(viewer, told)}"
+    receipt = f"{action}.{robot}.{int(time.time())}"
+    return f"{path.partition('?')[0]}?done={receipt}.{_seal(viewer, receipt)}"
 
 
 def receipt_of(request: Request, viewer: Viewer) -> Receipt | None:
-    told, _, seal = request.query_params.get("done", "").rpartition(".")
-    if not told or not hmac.compare_digest(seal.encode(), _seal(viewer, told).encode()):
+    receipt, _, seal = request.query_params.get("done", "").rpartition(".")
+    if not receipt or not hmac.compare_digest(seal.encode(), _seal(viewer, receipt).encode()):
         return None
-    action, robot, at = told.split(".")
+    action, robot, at = receipt.split(".")
     return Receipt(action, robot, datetime.fromtimestamp(int(at), UTC))
 
 
-def _seal(viewer: Viewer, told: str) -> str:
-    return hmac.digest(viewer.secret.encode(), f"receipt:{told}".encode(), "sha256").hex()[:32]
+def _seal(viewer: Viewer, receipt: str) -> str:
+    return hmac.digest(viewer.secret.encode(), f"receipt:{receipt}".encode(), "sha256").hex()[:32]
 
 
 def redirect(path: str) -> RedirectResponse:

@@ -303,32 +303,32 @@ async def _raise_for(response: httpx2.Response) -> None:
     if response.is_success:
         return
     await response.aread()
-    said = _problem(response)
+    message = _problem(response)
     unoffered = response.status_code == 404 and _code(response) in ("not_found", "no_meaning")
     if response.status_code == 405 or unoffered:
-        raise ForumUnoffered(
-            f"this board does not have it: {said}"
-        )  # or no such path: an older board, or another server
+        # or no such path: an older board, or another server
+        raise ForumUnoffered(f"this board does not have it: {message}")
     match response.status_code:
         case 401 | 403:
-            raise ForumDenied(said)
+            raise ForumDenied(message)
         case 404 | 410:
-            raise ForumNotFound(said)
+            raise ForumNotFound(message)
         case 429:
-            raise ForumLimited(said, retry_after_s(response))
+            raise ForumLimited(message, retry_after_s(response))
         case code if code >= 500:
-            raise ForumUnreachable(said)
-    raise ForumError(said)
+            raise ForumUnreachable(message)
+    raise ForumError(message)
 
 
 def _problem(response: httpx2.Response) -> str:
     """Return one sentence from a problem-detail answer, or from the text of a proxy."""
     try:
         problem = response.json()
-        said = "; ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k)) or str(problem.get("title", ""))
+        details = "; ".join(str(problem[k]) for k in ("detail", "hint") if problem.get(k))
+        message = details or str(problem.get("title", ""))
     except (ValueError, AttributeError, TypeError):
-        said = response.text[:200]
-    return f"{request_line(response)} {said}".rstrip()
+        message = response.text[:200]
+    return f"{request_line(response)} {message}".rstrip()
 
 
 def _code(response: httpx2.Response) -> str:
@@ -427,14 +427,14 @@ def _events(found: _JSON) -> tuple[Event, ...]:
     return tuple(event for e in found["items"] if (event := _event_of(e)) is not None)
 
 
-def _event_of(told: Any) -> Event | None:
+def _event_of(data: Any) -> Event | None:
     """Parse an event from JSON or its text.
 
     An event that cannot be read in full is returned without content, so that the stream continues after it; None if its
     id cannot be read or its kind is unknown.
     """
     try:
-        e = json.loads(told) if isinstance(told, str) else told
+        e = json.loads(data) if isinstance(data, str) else data
         event_id, kind = str(e["id"]), str(e["kind"])
         if kind not in _KINDS:
             return None

@@ -244,8 +244,9 @@ class ChangeTracker:
         for at, number, kind, post in sorted(found, key=lambda f: f[:2]):
             if kind is EventKind.POST_CREATED:
                 newest = max(newest, (number, _ms(post.created_at)))
-            told = replace(mark, newest=newest[0], newest_ms=newest[1], at_ms=max(mark.at_ms, _ms(at)), number=number)
-            events.append(Event(str(told), kind, at, post=post))
+            at_ms = max(mark.at_ms, _ms(at))
+            reached = replace(mark, newest=newest[0], newest_ms=newest[1], at_ms=at_ms, number=number)
+            events.append(Event(str(reached), kind, at, post=post))
         gone = (e for e in self._log if e.kind is EventKind.POST_REMOVED and _ms(e.at) > mark.at_ms)
         return tuple(sorted((*events, *gone), key=lambda e: e.at))
 
@@ -286,8 +287,8 @@ def _stamp(raw: RawPost | None) -> str:
     """Return what changes with each edit. An edit within the grace period keeps the version, but not the text."""
     if raw is None:
         return ""
-    told = f"{raw.get('version')} {raw.get('raw')}"
-    return hashlib.sha256(told.encode("utf-8", "replace")).hexdigest()
+    version = f"{raw.get('version')} {raw.get('raw')}"
+    return hashlib.sha256(version.encode("utf-8", "replace")).hexdigest()
 
 
 def _time(text: str) -> datetime:

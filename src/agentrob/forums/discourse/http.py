@@ -168,31 +168,31 @@ async def _raise_for(response: httpx2.Response) -> None:
     if response.status_code < 400:
         return
     await response.aread()
-    said = _error_message(response)
+    message = _error_message(response)
     match response.status_code:
         case 401 | 403:
-            raise ForumDenied(said)
+            raise ForumDenied(message)
         case 404 | 410:
-            raise ForumNotFound(said)
+            raise ForumNotFound(message)
         case 422 | 409:
-            raise Refused(said)
+            raise Refused(message)
         case 429:
             wait_s = _wait_s(response)
             if wait_s > LONGEST_WAIT_S and response.request.method == "PUT":
-                raise ForumDenied(f"{said} (no more edits for {wait_s:.0f} s)")
-            raise ForumLimited(said, wait_s)
+                raise ForumDenied(f"{message} (no more edits for {wait_s:.0f} s)")
+            raise ForumLimited(message, wait_s)
         case code if code >= 500:
-            raise ForumUnreachable(said)
-    raise ForumError(said)
+            raise ForumUnreachable(message)
+    raise ForumError(message)
 
 
 def _error_message(response: httpx2.Response) -> str:
     """Return one sentence from Discourse's `errors`, or from the plain text of its rate limits."""
     try:
-        said = " ".join(map(str, response.json()["errors"]))
+        message = " ".join(map(str, response.json()["errors"]))
     except (ValueError, KeyError, TypeError):
-        said = " ".join(response.text[:200].split())
-    return f"{request_line(response)} {said}".rstrip()
+        message = " ".join(response.text[:200].split())
+    return f"{request_line(response)} {message}".rstrip()
 
 
 def _wait_s(response: httpx2.Response) -> float:

@@ -48,11 +48,11 @@ def account(user: Mapping[str, Any], options: DiscourseOptions) -> Account:
     for flag in ("admin", "moderator"):
         if user.get(flag):
             closed |= {f"{flag}s", "staff"}
-    said = closed | {str(g["name"]).lower() for g in listed}
+    listed_names = closed | {str(g["name"]).lower() for g in listed}
     return Account(
         str(user["id"]),
         str(user["username"]).lower(),
-        options.kind(said, closed),
+        options.kind(listed_names, closed),
         options.role(closed),
         suspended=bool(user.get("suspended_till")),
         display_name=user.get("name") or "",

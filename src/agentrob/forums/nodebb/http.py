@@ -160,8 +160,8 @@ class NodeBBClient:
 
     async def _log_in(self) -> None:
         await self._new_csrf()
-        said = {"username": self.credentials.name, "password": self.credentials.password}
-        response = await self._request("POST", "/login", json=said)
+        login = {"username": self.credentials.name, "password": self.credentials.password}
+        response = await self._request("POST", "/login", json=login)
         if response.status_code != 200:
             raise_for(response, "signing in was refused: ")
         self._keep_cookie(response)
@@ -239,18 +239,18 @@ def raise_for(response: httpx2.Response, before: str = "") -> None:
     status = response.status_code
     if status < 400:
         return
-    said = f"{before}{request_line(response)} {sentence(response)}".rstrip()
+    message = f"{before}{request_line(response)} {sentence(response)}".rstrip()
     if status == 429 or (wait := _wait_s(sentence(response))) is not None:
-        raise ForumLimited(said, retry_after_s(response) if status == 429 else wait or 1.0)
-    if _MUTED.search(said) or status in (401, 403):
-        raise ForumDenied(said)
-    if status in (404, 410) or any(gone in said for gone in _GONE):
-        raise ForumNotFound(said)
-    if "master token" in said or "master-token" in said:
-        raise ForumDenied(f"{said}; write a master token as TOKEN@UID")
-    if status >= 500 and "corrupt" not in said:
-        raise ForumUnreachable(said)
-    raise ForumError(said)
+        raise ForumLimited(message, retry_after_s(response) if status == 429 else wait or 1.0)
+    if _MUTED.search(message) or status in (401, 403):
+        raise ForumDenied(message)
+    if status in (404, 410) or any(gone in message for gone in _GONE):
+        raise ForumNotFound(message)
+    if "master token" in message or "master-token" in message:
+        raise ForumDenied(f"{message}; write a master token as TOKEN@UID")
+    if status >= 500 and "corrupt" not in message:
+        raise ForumUnreachable(message)
+    raise ForumError(message)
 
 
 def sentence(response: httpx2.Response) -> str:
@@ -260,25 +260,25 @@ def sentence(response: httpx2.Response) -> str:
 
 def _error_message(response: httpx2.Response) -> str:
     try:
-        told = response.json()
+        answer = response.json()
     except ValueError:
         return response.text[:200]
-    if isinstance(told, Mapping):
-        status = told.get("status")
-        told = (status or {}).get("message") if isinstance(status, Mapping) else told
-    if isinstance(told, Mapping):
-        if "banned_until" in told:
-            return f"the account is banned: {told.get('reason') or 'no reason given'}"
-        told = told.get("message") or told.get("error") or told.get("title") or ""
-    return str(told)
+    if isinstance(answer, Mapping):
+        status = answer.get("status")
+        answer = (status or {}).get("message") if isinstance(status, Mapping) else answer
+    if isinstance(answer, Mapping):
+        if "banned_until" in answer:
+            return f"the account is banned: {answer.get('reason') or 'no reason given'}"
+        answer = answer.get("message") or answer.get("error") or answer.get("title") or ""
+    return str(answer)
 
 
-def _wait_s(said: str) -> float | None:
+def _wait_s(message: str) -> float | None:
     """Return the wait that a refusal requests, in seconds."""
-    if "already posting" in said:
+    if "already posting" in message:
         return 0.3
-    if "too many files" in said:
+    if "too many files" in message:
         return 60.0
-    if (found := _WAIT.search(said)) is None:
+    if (found := _WAIT.search(message)) is None:
         return None
     return bounded_s(float(found[1]) * (60.0 if found[2] == "minute" else 1.0))

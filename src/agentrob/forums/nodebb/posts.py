@@ -190,7 +190,7 @@ class PostReader:
         found: list[_JSON] = await self._client.get("/api/recent/posts", page=page)
         if not isinstance(found, list):
             raise TypeError(found)
-        told = []
+        readable = []
         for p in found:
             if not isinstance(p, dict) or type(p.get("pid")) is not int:
                 continue  # from another server
@@ -200,9 +200,9 @@ class PostReader:
             except ForumError:
                 raise
             except Exception as e:  # one bad post must not block the others
-                _log.warning("a listed post is not as NodeBB tells posts", post=p["pid"], error=repr(e)[:200])
-            told.append(p)
-        return told
+                _log.warning("a listed post is not in the form that NodeBB sends", post=p["pid"], error=repr(e)[:200])
+            readable.append(p)
+        return readable
 
     async def _unread(self, pid: str, p: _JSON) -> Post:
         """Return enough of a post to report later that it was removed."""

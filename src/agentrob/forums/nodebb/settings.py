@@ -48,11 +48,11 @@ class NodeBBOptions(GroupOptions):
 def account(user: Mapping[str, Any], groups: Iterable[Mapping[str, Any]], options: NodeBBOptions) -> Account:
     """Parse an account from the forum's user and groups."""
     closed = {str(g.get("slug", "")).lower() for g in groups if g.get("private") and not g.get("hidden")}
-    said = {str(g.get("slug", "")).lower() for g in groups}
+    listed_names = {str(g.get("slug", "")).lower() for g in groups}
     return Account(
         str(user["uid"]),
         str(user["userslug"]).lower(),
-        options.kind(said, closed),
+        options.kind(listed_names, closed),
         options.role(closed),
         suspended=bool(user.get("banned") or user.get("muted")),
         display_name=html.unescape(str(user.get("displayname") or user.get("username") or "")),

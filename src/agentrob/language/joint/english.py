@@ -27,7 +27,7 @@ WORDS = JointWords(
     free=r"(?:whoever|whichever(?:\s+(?:one|robot))?)\s+(?:is|has)\s+(?:free|time|idle|available)(?:\s+first)?",
     either=r"or",
     leads=r"and|please|let|have|make|ask|tell|now|so|but|also|it's|it\s+is",
-    told=r"please|should|must|to",
+    linking=r"please|should|must|to",
     first=r"first",
     greets=r"hi|hello|hey|ok|okay|alright|well|please|everyone|everybody|all|guys|team|robots|both|now|so|good\s+(?:morning|evening|afternoon|day)",
 )

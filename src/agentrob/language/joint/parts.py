@@ -34,8 +34,8 @@ class JointWords:
     `then` puts a part after those before it, `ended_it`, `ended_all` and `ended_robot` are conditions to wait for, and
     `meanwhile` begins a part with the one before it. `any_of`, `nearest` and `free` address one of several robots;
     `near` finds the group `place` in what `nearest` has matched: nearer to what. `either` stands between robots of
-    which one is meant, `leads` between these words and a robot, `told` between a robot and what it does. `first` ends
-    the part that is done first, `greets` is what may stand before everything.
+    which one is meant, `leads` between these words and a robot, `linking` between a robot and what it does. `first`
+    ends the part that is done first, `greets` is what may stand before everything.
     """
 
     then: str = "(?!)"
@@ -49,7 +49,7 @@ class JointWords:
     free: str = "(?!)"
     either: str = "(?!)"
     leads: str = "(?!)"
-    told: str = "(?!)"
+    linking: str = "(?!)"
     first: str = "(?!)"
     greets: str = "(?!)"
 

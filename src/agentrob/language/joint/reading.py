@@ -297,8 +297,9 @@ class _Patterns:
         choosing = _word("|".join(f"(?:{pattern})" for pattern in choices.values()) + f"|{together}")
         who = rf"(?:{group}(?:{_BETWEEN}*{choosing})?|{choosing}(?:[,，:：\s]+{group})?)"
         lead = rf"(?:{_word(f'{waits}|(?:{words.leads})')}{_BETWEEN}*)"
-        told = _word(f"(?:{words.then})|(?:{words.first})|(?:{words.told})")  # "@b then wave", but not "and @b, then …"
-        late = rf"(?:{_BETWEEN}*{_word(waits_named)}|[\s:：]*{told})"
+        # "@b then wave", but not "and @b, then …"
+        linking = _word(f"(?:{words.then})|(?:{words.first})|(?:{words.linking})")
+        late = rf"(?:{_BETWEEN}*{_word(waits_named)}|[\s:：]*{linking})"
         start = rf"^|[{re.escape(_STRONG + _WEAK)}]"
         self.head = _compiled(rf"(?P<start>{start})?\s*(?P<lead>{lead}{{0,5}})(?P<who>{who})(?P<late>{late}{{0,4}})")
         self.tail = _compiled(rf"{_BETWEEN}*{_word(f'{waits}|(?:{words.first})')}\s*$")
@@ -306,7 +307,7 @@ class _Patterns:
         self._either = _compiled(rf"R\s*(?:[,，、]\s*)?{_word(words.either)}\s*R")
         self._choices = {choice: _compiled(_word(pattern)) for choice, pattern in choices.items()}
         self._near = [re.compile(language.joint.near, re.IGNORECASE) for language in known().values()]
-        kinds = {**conditions, "first": words.first, "lead": f"(?:{words.leads})|(?:{words.told})"}
+        kinds = {**conditions, "first": words.first, "lead": f"(?:{words.leads})|(?:{words.linking})"}
         self._kinds = _compiled("|".join(f"(?P<{kind}>{_word(pattern)})" for kind, pattern in kinds.items()))
 
     def kinds(self, said: str) -> list[tuple[str, str]]:

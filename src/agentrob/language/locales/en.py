@@ -127,7 +127,7 @@ TABLE = {
         |move up|go up|come up|walk up|move down|go down|come down
         |walk down|move along|walk along""",
     "along": "down|up|along",
-    # ---------------------------------------------------------------- deeds
+    # ---------------------------------------------------------------- actions
     "op=hello": """give it a wave|give it a big wave|big wave|a big wave|a friendly wave|a quick wave|
         a little wave|give a friendly wave|give a big wave|give a quick wave|give a nice wave|
         wave to the camera|wave at the camera|wave into the camera|wave to the crowd|
@@ -723,7 +723,7 @@ TABLE["request=stated"] += "".join(
     for feeling in ("grateful", "obliged", "thankful", "delighted", "happy", "glad", "pleased")
     for would in ("could", "would", "can", "might")
 )
-#: Counts that multiply an amount or a speed instead of the deed.
+#: Counts that multiply an amount or a speed instead of the action.
 TABLE["condition"] += "".join(
     f"|{times} as {much}"
     for times in ("twice", "three times", "four times", "half", "two times")

@@ -251,7 +251,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
         r"\1 ",
     ),
     (rf"{_BEGIN}give (?:it|me|us) (?=(?:another )?{_NUMBER}\b[\w ]*\b(?:{_AHEAD}|back|left|right))", r"\1move "),
-    # ---------------------------------------------------------------- verbs in -ing, nouns for deeds, manners
+    # ---------------------------------------------------------------- verbs in -ing, nouns for actions, manners
     (rf"{_BEGIN}(?:(?:and|then) )*making (?=an? (?:\w+ )?heart\b)", r"\1make "),
     (rf"{_BEGIN}(?:(?:and|then) )*giv(?:e|ing)(?: me| us| everyone)? (?=(?:an?|one) (?:\w+ )?heart\b)", r"\1make "),
     (rf"\b(?:an?|one|a single|another) (?:{_WHOLE} )?{_CIRCLE},? (?={_CLOCKWISE}\b)", "turn 360 degrees "),

@@ -49,7 +49,7 @@ _COUNTS = (*((n, (_DIGIT_WORDS[n - 1], str(n))) for n in range(3, 11)), (2, ("�
 
 
 def _counted(op: str, verbs: str, noun: str, units: str = "次|下|回|遍") -> dict[str, str]:
-    """Return the forms of a deed with its count inside: 打三次招呼, 挥两下手."""
+    """Return the forms of an action with its count inside: 打三次招呼, 挥两下手."""
     return {
         f"op={op} times={n}": "|".join(
             f"{verb}{word}{unit}{noun}" for verb in verbs.split("|") for word in words for unit in units.split("|")
@@ -104,10 +104,13 @@ _ENJOY = """看|瞧|瞅|展示|展示一下|展示展示|表演|表演一下|表
         |乐呵乐呵|解解闷|开开心"""
 
 
-def _shown_to(viewers: str, deeds: str) -> str:
+def _shown_to(viewers: str, actions: str) -> str:
     """Return for whom something is done: 给领导展示一下, 为大家表演一个, 给小朋友看."""
     return "|".join(
-        f"{to}{who.strip()}{deed.strip()}" for to in "给为" for who in viewers.split("|") for deed in deeds.split("|")
+        f"{to}{who.strip()}{action.strip()}"
+        for to in "给为"
+        for who in viewers.split("|")
+        for action in actions.split("|")
     )
 
 
@@ -296,7 +299,7 @@ TABLE = {
     "dir=forward dir=backward": "前后|前后两边|前后两个方向|前后方向",
     "after=and": "后",
     "after=condition": "前",
-    # ---------------------------------------------------------------- deeds
+    # ---------------------------------------------------------------- actions
     "op=hello": f"""挥|{_separable("挥|招|摇|摆", "手")}|{_separable("挥|招|摇|摆", "爪")}
         |{_separable("挥|招|摇|摆", "爪子")}|{_separable("挥|招|摇|摆", "小手")}
         |{_separable("挥|摆", "胳膊")}|{_separable("挥|摆", "手臂")}|{_separable("打", "招呼")}
@@ -479,7 +482,7 @@ TABLE = {
     "request=stated": """俺想让你|俺要你|俺想|我要你|我想让你|我想要你|我希望你|我想|我要|我想请你|我想看你|我要看你
         |想看你|我们想看你|我们想让你|我们要你|希望你|想让你""",
     "wish": "我们应该|你应该|你该|我们可以|咱们|让我们|应该|该",
-    "talk": "|".join([_TALK, *(f"{who}{deed.strip()}" for who in _I_WILL.split("|") for deed in _PLANS.split("|"))])
+    "talk": "|".join([_TALK, *(f"{who}{action.strip()}" for who in _I_WILL.split("|") for action in _PLANS.split("|"))])
     + "|"
     + "|".join(
         f"{who}{look}你{part}"

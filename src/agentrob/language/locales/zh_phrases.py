@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 
 from agentrob.language.locales.zh_characters import TWINS
-from agentrob.language.locales.zh_doubts import pictures_told, rests_after, shared_later
+from agentrob.language.locales.zh_doubts import reported_pictures, rests_after, shared_later
 from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.language.remarks.chinese import TRIAL
@@ -107,7 +107,7 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
     return found
 
 
-def _told(tokens: list[Token], said: str) -> list[Token]:
+def _reported(tokens: list[Token], said: str) -> list[Token]:
     """大家鼓掌了: others did it."""
     found: list[Token] = []
     for at, token in enumerate(tokens):
@@ -220,13 +220,15 @@ def _measured(tokens: list[Token], said: str) -> list[Token]:
 
 
 def _rather(tokens: list[Token], said: str) -> list[Token]:
-    """不是往左，是往右平移半米: the first is denied, the second is wanted, where both are only deeds."""
+    """不是往左，是往右平移半米: the first is denied, the second is wanted, where both are only actions."""
     if not (found := _NOT_BUT.match(said)):
         return tokens
     first = [t for t in tokens if found.end("no") <= t.start and t.end <= found.start("but")]
     last = [t for t in tokens if t.start >= found.end("but") and t.kind is not TokenKind.SOFT]
-    deeds = (*_VERBS, *_AMOUNTS, TokenKind.DIR, TokenKind.SOFT)
-    if not first or any(t.kind not in deeds for t in first) or not last or last[0].kind not in (*_VERBS, TokenKind.DIR):
+    actions = (*_VERBS, *_AMOUNTS, TokenKind.DIR, TokenKind.SOFT)
+    if not first or not last or any(t.kind not in actions for t in first):
+        return tokens
+    if last[0].kind not in (*_VERBS, TokenKind.DIR):
         return tokens
     rest = [t for t in tokens if t.start >= found.end("but")]
     denial = Token(TokenKind.NOT, None, found.start("no"), found.end("no"))
@@ -262,9 +264,9 @@ def _repeated(tokens: list[Token], said: str) -> list[Token]:
         if _text(token, said) not in ("做", "来", "连做"):
             continue
         following, before = _next(tokens, at), [t for t in tokens[:at] if t.kind is not TokenKind.SOFT][-2:]
-        deeds = [t.kind for t in before] == [TokenKind.OP, TokenKind.OP]
+        actions = [t.kind for t in before] == [TokenKind.OP, TokenKind.OP]
         counted = following is not None and following.kind is TokenKind.TIMES
-        if deeds and counted:
+        if actions and counted:
             found[at] = token._replace(kind=TokenKind.WORD, value=None)
     return found
 
@@ -331,12 +333,12 @@ def _judges(token: Token, said: str) -> bool:
 
 
 def _tries(tokens: Sequence[Token], at: int) -> bool:
-    """Return whether 看看 ends a clause right after a deed other than a photo."""
+    """Return whether 看看 ends a clause right after an action other than a photo."""
     before, following = _before(tokens, at), _next(tokens, at + 1)
-    deed = before is not None and (before.kind in _VERBS or before.kind in _AMOUNTS)
+    action = before is not None and (before.kind in _VERBS or before.kind in _AMOUNTS)
     begun = next((i for i in range(at - 1, -1, -1) if tokens[i].kind in _BREAKS), -1)
     photo = any(token.value == PHOTO for token in tokens[begun + 1 : at])
-    return deed and not photo and (following is None or following.kind in _BREAKS)
+    return action and not photo and (following is None or following.kind in _BREAKS)
 
 
 def _wishes(tokens: Sequence[Token], at: int, said: str) -> bool:
@@ -566,7 +568,7 @@ def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
 
 
 _REWRITES = (
-    (pictures_told, frozenset("谢收看存拍照很真太不好挺糊模清漂美歪反倒黑亮没呢")),
+    (reported_pictures, frozenset("谢收看存拍照很真太不好挺糊模清漂美歪反倒黑亮没呢")),
     (rests_after, frozenset("动")),
     (shared_later, frozenset("都均全")),
     (_sits_or_does, frozenset("做")),
@@ -575,7 +577,7 @@ _REWRITES = (
     (_measured, frozenset("倒行按")),
     (_repeated, frozenset("做来")),
     (_stated, frozenset("是有")),
-    (_told, frozenset("了")),
+    (_reported, frozenset("了")),
     (_timed, frozenset("后")),
     (_waits, frozenset("停不别")),
     (_after, frozenset("后完")),

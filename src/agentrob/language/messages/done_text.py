@@ -14,24 +14,24 @@ _LEAST_M, _LEAST_DEG = 0.005, 0.5
 
 
 def done_text(results: Sequence[ActionResult], language: Language) -> str:
-    """Return what was done, in order, equal deeds combined; empty if nothing was done.
+    """Return what was done, in order, equal actions combined; empty if nothing was done.
 
     A walk or turn that did not end as asked counts with what was measured of it, another step only if it is done.
     """
     parts = []
-    for deed, run in groupby(_deeds(results, language)):
+    for action, run in groupby(_actions(results, language)):
         times = len(list(run))
-        parts.append(deed if times == 1 else say("did.times", language, deed=deed, times=times))
+        parts.append(action if times == 1 else say("did.times", language, action=action, times=times))
     return say("agent.list.joint", language).join(parts)
 
 
-def _deeds(results: Sequence[ActionResult], language: Language) -> Iterator[str]:
+def _actions(results: Sequence[ActionResult], language: Language) -> Iterator[str]:
     for result in results:
-        if result.moved and (deed := _deed(result, language)):
-            yield deed
+        if result.moved and (action := _action(result, language)):
+            yield action
 
 
-def _deed(result: ActionResult, language: Language) -> str:
+def _action(result: ActionResult, language: Language) -> str:
     step, measured = result.primitive, result.measured
     if step.translates:
         key, least, amount, shown = "did.move", _LEAST_M, measured.get("distance_m"), "{:.2f}"
@@ -62,4 +62,4 @@ def _declared(result: ActionResult, language: Language) -> str:
     if not found:
         return done
     amounts = say("list.joint", language).join(measured_text(value, unit) for value, unit in found)
-    return say("did.declared", language, deed=done, amounts=amounts)
+    return say("did.declared", language, action=done, amounts=amounts)

@@ -58,7 +58,7 @@ PHRASES = {
     "did.stand": "stood up",
     "did.stretch": "stretched",
     "did.get_front_image": "took a photo",
-    "did.times": "{deed} {times} times",
+    "did.times": "{action} {times} times",
     # ---------------------------------------------------------------- what a command would do, while it is written
     "read.would": "I would {steps}.",
     "read.limit.step_distance": "Too far: {limit} m a step at most.",
@@ -344,11 +344,14 @@ PHRASES = {
         "The post now belongs to another account, but a command belongs to its author. Please post it again."
     ),
     "agent.because.removed": "The post is no longer there.",
+    "agent.because.thread": (
+        "Its post was moved to another thread, and a stop there might not have reached me. Please post it again."
+    ),
     "agent.because.moved": "Its topic was moved to a board where I may not be commanded.",
     "agent.because.taken_back": "Its author took it back.",
     "agent.because.suspended": "Its author may not command me now.",
     "agent.because.unverified": "I could not check whether the command still holds, so I did not go on.",
-    "agent.because.told": "Another agent of my account has already answered this post.",
+    "agent.because.answered": "Another agent of my account has already answered this post.",
     "agent.because.release": (
         "I was locked when it was posted and have been released since; earlier commands do not count. Please "
         "post it again."

@@ -16,7 +16,7 @@ PHRASES = {
     "amount.metres_per_second": "{value} m/s",
     "amount.percent": "{value} %",
     "amount.count": "{value}",
-    "did.declared": "{deed} ({amounts})",
+    "did.declared": "{action} ({amounts})",
     "ask.argument": "How much, or which, is meant in {words}? It can be {range}.",
     "refuse.argument": "{asked} is beyond what “{step}” allows: {range}.",
     "refuse.risky": "“{step}” needs the consent of the robot's owner (`allow_risky` in its configuration).",

@@ -15,7 +15,7 @@ PHRASES = {
     "amount.metres_per_second": "{value} 米每秒",
     "amount.percent": "{value} %",
     "amount.count": "{value}",
-    "did.declared": "{deed}（{amounts}）",
+    "did.declared": "{action}（{amounts}）",
     "ask.argument": "{words}是要多少，或是哪一个？可以是：{range}。",
     "refuse.argument": "{asked}超出了“{step}”允许的范围：{range}。",
     "refuse.risky": "“{step}”需要机器人主人的同意（配置里的 `allow_risky`）。",

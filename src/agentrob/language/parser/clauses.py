@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.clause_words import AMOUNTS, HANDLERS, Mode, SentenceState
-from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence, deeds_of
+from agentrob.language.parser.drafts import Draft, RemarkKind, Sentence, actions_of
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.model import PHOTO, BaseMotion, Choice, Direction, Number, Operation, Unit
 from agentrob.model.operations.declaration import Argument, Value
@@ -94,9 +94,10 @@ class _Reader(SentenceState):
             TokenKind.NOT,
             TokenKind.AGAIN,
         ):
-            told = kind is TokenKind.TALK_START and token.value == "question" and self._is_said_of_picture()
+            described = kind is TokenKind.TALK_START and token.value == "question" and self._is_said_of_picture()
             elsewhere = kind is TokenKind.OF and token.value == "from"  # "a photo of the cup from above"
-            if told or elsewhere or (self.cur and self.cur.scene and kind in AMOUNTS):  # "what you see forward 3 feet"
+            distant = self.cur and self.cur.scene and kind in AMOUNTS  # "what you see forward 3 feet"
+            if described or elsewhere or distant:
                 self._unknown(token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
@@ -123,7 +124,7 @@ class _Reader(SentenceState):
         if self.remark and token.kind in (TokenKind.WORD, TokenKind.ARGUMENT):
             self.remark.unknown = True
         if token.kind is TokenKind.OP:
-            self.sentence.denied_ops.add(deeds_of(token.value)[0])
+            self.sentence.denied_ops.add(actions_of(token.value)[0])
         if token.kind is TokenKind.MOVE and self.denied and token.start == self.denied.start:
             self.sentence.stays = self.denied
         elif self.denied:
@@ -190,7 +191,7 @@ class _Reader(SentenceState):
         self._another()
         before = self._open()
         draft = self._new(token, TokenKind.OP)
-        draft.op, *others = deeds_of(token.value)
+        draft.op, *others = actions_of(token.value)
         draft.or_else = tuple(others)
         self._take_amount_before(draft, before)
 

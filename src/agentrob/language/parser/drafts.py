@@ -12,10 +12,10 @@ from agentrob.model.operations.built_in import named
 from agentrob.model.operations.declaration import Value
 
 #: The name of an operation, or a routine.
-Deed = str | Routine
+Action = str | Routine
 
 
-def deeds_of(value: object) -> tuple[Deed, ...]:
+def actions_of(value: object) -> tuple[Action, ...]:
     """Return what a token of the kind OP names, the best first."""
     routines = frozenset(Routine)
     return tuple(Routine(word) if word in routines else named(word) for word in str(value).split("/"))
@@ -31,8 +31,8 @@ class Draft:
     start: int
     end: int
     verb: TokenKind | None = None
-    op: Deed | None = None
-    or_else: tuple[Deed, ...] = ()  # alternatives for a robot that lacks this gesture
+    op: Action | None = None
+    or_else: tuple[Action, ...] = ()  # alternatives for a robot that lacks this gesture
     direction: Direction | None = None
     amount: Token | None = None
     arguments: dict[str, Value] = field(default_factory=dict)  # of an operation that the robot declares
@@ -150,8 +150,8 @@ class Sentence:
     requested: bool = False
     report: bool = False
     condition: Token | None = None
-    denial_unclear: Token | None = None  # a "not" whose reach cannot be told
-    denied_ops: set[Deed] = field(default_factory=set)  # gestures and pictures that are denied
+    denial_unclear: Token | None = None  # a "not" whose reach is unclear
+    denied_ops: set[Action] = field(default_factory=set)  # gestures and pictures that are denied
     denied_motions: list[Draft] = field(default_factory=list)  # walks and turns that are denied
     denial_joined: bool = False  # … because an "and" stands within it
     stays: Token | None = None  # "stay where you are": no walk at all
@@ -159,7 +159,7 @@ class Sentence:
     times_unclear: Token | None = None  # "walk and turn, twice": which of them
     talked: bool = False
     somebody: Token | None = None  # 走在你前面: who is near the robot, not said by name
-    somebody_does: bool = False  # … and a deed after it, perhaps a command
+    somebody_does: bool = False  # … and an action after it, perhaps a command
     question: bool = False
     cancelled: Token | None = None  # "never mind"
     denied: bool = False

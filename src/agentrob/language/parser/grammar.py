@@ -218,7 +218,7 @@ class _Reader:
         return any(t.kind is TokenKind.AGAIN and after not in acts for t, after in zip(tokens, following, strict=True))
 
     def _beside_remarks(self, part: str) -> Understanding | None:
-        """Return the command that is left when remarks are left out, each told in a note; None if there is none."""
+        """Return the command that is left when remarks are left out, each reported in a note; None if there is none."""
         rest, remarks = without_remarks(part, self._clauses)
         if not remarks or _WORDLESS.fullmatch(rest):
             return None
@@ -239,8 +239,8 @@ class _Reader:
         return self._with_left_out(understood, left) if understood else None
 
     def _with_left_out(self, understood: Understanding, remarks: Sequence[str]) -> Understanding:
-        told = [say("note.left_out", self.language, words=quote(words)) for words in remarks]
-        notes = (*understood.plan.notes, *told)
+        left_out = [say("note.left_out", self.language, words=quote(words)) for words in remarks]
+        notes = (*understood.plan.notes, *left_out)
         return replace(understood, plan=replace(understood.plan, notes=notes))
 
     def _command_within(self, part: str) -> Understanding | None:
@@ -282,7 +282,7 @@ class _Reader:
 
     def order_beside(self, part: str) -> str:
         """Return an order behind talk that the grammar passes over; empty if there is none."""
-        return order_beside(part.translate(self.known.words.twins), self.known.talk, self._names_deed)
+        return order_beside(part.translate(self.known.words.twins), self.known.talk, self._names_action)
 
     def only_talks(self, part: str, understood: Understanding) -> bool:
         """Return whether a post is only talk (see `talk.forms`), although the grammar reads or suspects a command."""
@@ -292,18 +292,18 @@ class _Reader:
         if understood.intent is not Intent.ASK_BACK:
             return False
         known = self.known
-        judges = Judges(known.states, known.surely_states, known.may_be_talk, self._asks_for_deed)
+        judges = Judges(known.states, known.surely_states, known.may_be_talk, self._asks_for_action)
         return is_talk(plain, known.talk, judges)
 
-    def _asks_for_deed(self, words: str) -> bool:
-        """Return whether a clause names a deed and does not read as a statement."""
+    def _asks_for_action(self, words: str) -> bool:
+        """Return whether a clause names an action and does not read as a statement."""
         clause = self._clauses[words]
-        return self._names_deed(words) and (clause.directs or not self.known.reads_as_statement(clause.plain))
+        return self._names_action(words) and (clause.directs or not self.known.reads_as_statement(clause.plain))
 
-    def _names_deed(self, words: str) -> bool:
+    def _names_action(self, words: str) -> bool:
         clause = self._clauses[words]
         again = any(token.kind is TokenKind.AGAIN for token in clause.tokens)
-        return clause.names_deed and (again or clause.without_asides.names_deed)
+        return clause.names_action and (again or clause.without_asides.names_action)
 
 
 def asks_for_picture_at_rest(text: str) -> bool:

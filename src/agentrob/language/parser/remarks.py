@@ -53,7 +53,7 @@ _PLAIN = (TokenKind.WORD, TokenKind.SOFT, TokenKind.TALK, TokenKind.TALK_START)
 _LONGEST_RUN_ON = 200
 #: Of a longer clause only the first verbs are tried.
 _MOST_BEGINNINGS = 4
-_DEEDS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
+_NAMED_ACTIONS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 #: Tokens that ask for something or take it back; a clause that holds one is left out only if it certainly is harmless.
 _ASKED_FOR = (
     TokenKind.REQUEST,
@@ -89,7 +89,7 @@ class Clauses(dict[str, "Clause"]):
 
 
 class Clause:
-    """The possible readings of a clause: a remark, a deed, or a statement and a command without a pause between
+    """The possible readings of a clause: a remark, an action, or a statement and a command without a pause between
     them."""
 
     def __init__(self, words: str, known: Locale) -> None:
@@ -150,7 +150,7 @@ class Clause:
 
     @property
     def may_be_statement(self) -> bool:
-        """Whether a clause in a form that no pattern knows may be a remark: it names no direction, amount or deed."""
+        """Whether a clause in a form that no pattern knows may be a remark: it names no direction, amount or action."""
         return not self.has_amount and not self.has_side and self._asks_nothing
 
     @property
@@ -222,9 +222,9 @@ class Clause:
     def _needed_for(self, at: int, token: Token) -> Confidence:
         if token.value == "after" or (token.kind in _ACTIONS and self.is_noun(token)):  # "after the night": a time
             return Confidence.NONE
-        if token.kind in _DEEDS:
-            told = (at > 0 and self._follows_subject(token)) or self._looks(token)
-            return Confidence.STRONG if told and not _found(self.known.weighty, self.plain) else Confidence.NEVER
+        if token.kind in _NAMED_ACTIONS:
+            reported = (at > 0 and self._follows_subject(token)) or self._looks(token)
+            return Confidence.STRONG if reported and not _found(self.known.weighty, self.plain) else Confidence.NEVER
         if token.kind is TokenKind.CONDITION:
             return Confidence.CERTAIN if at else Confidence.NEVER
         if token.kind in _ASKED_FOR:
@@ -241,13 +241,13 @@ class Clause:
         return self.words[token.start : token.end].lower() in self.known.looks.split("|")
 
     @property
-    def names_deed(self) -> bool:
-        """Whether it names a deed: an action other than a noun, a request, or a direction with an amount."""
+    def names_action(self) -> bool:
+        """Whether it names an action by a verb, a request, or a direction with an amount."""
         return any(token.kind is TokenKind.REQUEST for token in self.tokens) or self.directs or self._acts
 
     @cached_property
     def without_asides(self) -> Clause:
-        """The clause without words that hold the word of a deed or a condition, and are none: 好看, "wondering if"."""
+        """The clause without words that only look like an action or a condition: 好看, "wondering if"."""
         words = _compiled(self.known.aside).sub(lambda found: " " * len(found[0]), self._straight)
         return Clause(words, self.known)
 

@@ -35,12 +35,13 @@ def ordering_words(visible: str, names: Sequence[str], others: Sequence[str]) ->
     for at, (_, start, end) in enumerate(spans):
         since = spans[at - 1][2] if at else 0
         until = spans[at + 1][1] if at + 1 < len(spans) else len(visible)
-        said, told = visible[since:start], visible[end:until]
-        found = before.search(said)
-        if found and (several if at else not _POLITE.fullmatch(said[: found.start()])):
+        ahead, following = visible[since:start], visible[end:until]
+        found = before.search(ahead)
+        if found and (several if at else not _POLITE.fullmatch(ahead[: found.start()])):
             return found["words"]
         if several:
-            found = waits.search(said) or (after.search(told) or begins.match(told) if at else _first().search(told))
+            later = after.search(following) or begins.match(following) if at else _first().search(following)
+            found = waits.search(ahead) or later
             if found:
                 return found["words"]
     return ""

@@ -14,7 +14,7 @@ from itertools import pairwise
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.messages.plan_text import example_of, operation_names, outline, range_of, step_sentence
 from agentrob.language.messages.routine_text import routine_note, unfit
-from agentrob.language.parser.drafts import Deed, Draft, Remark, RemarkKind, Sentence
+from agentrob.language.parser.drafts import Action, Draft, Remark, RemarkKind, Sentence
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.parser.remarks import Clause
 from agentrob.language.parser.repairs import corrected, settled
@@ -222,7 +222,7 @@ class _StepBuilder:
 
     def _object_to_contradictions(self, sentences: Sequence[Sentence], drafts: Sequence[Draft]) -> None:
         """Object to what is also denied, and to a gesture named after "again": "backflip. again! backflip!"."""
-        denied: set[Deed | None] = {op for sentence in sentences for op in sentence.denied_ops}
+        denied: set[Action | None] = {op for sentence in sentences for op in sentence.denied_ops}
         for draft in drafts:
             if draft.op in denied or (draft.bare_picture and PHOTO in denied):
                 self.reading.object_to(self._say("ask.denial", self.text[draft.start : draft.end]))
@@ -253,8 +253,9 @@ class _StepBuilder:
             begun = min((d.start for d in sentence.drafts if d.is_action), default=None)
             since = self.text[sentence.reported_at or 0 : begun] if begun is not None else ""
             later = begun is not None and (begun < (sentence.reported_at or 0) or _PAUSE.search(since))
-            told = sentence.report and not later and sentence.condition is None  # "yesterday it rained, wave" is not
-            kind = RemarkKind.REMARK if told else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
+            # "yesterday it rained, wave" is not reported
+            reported = sentence.report and not later and sentence.condition is None
+            kind = RemarkKind.REMARK if reported else RemarkKind.WISH if sentence.drafts else RemarkKind.QUESTION
             beside = [Remark(kind, sentence.start, sentence.end)]
         else:
             beside = sentence.remarks
@@ -376,7 +377,7 @@ class _StepBuilder:
             self._routine(draft.op, draft, said)
             return
         step: Primitive | None
-        step, problem = self._deed(draft.op, draft, said) if draft.op else self._motion(draft, said)
+        step, problem = self._operation(draft.op, draft, said) if draft.op else self._motion(draft, said)
         if draft.bare_picture:
             step, problem = _PICTURE, ""
         if step is None:
@@ -417,7 +418,7 @@ class _StepBuilder:
         reading.note(routine_note(routine, steps, draft.times, self.language, quote(said)))
         reading.steps += [replace(s, speed_mps=speed_mps) if s.translates else s for s in steps]
 
-    def _deed(self, op: str, draft: Draft, said: str) -> tuple[Primitive | None, str]:
+    def _operation(self, op: str, draft: Draft, said: str) -> tuple[Primitive | None, str]:
         """Return the operation that was requested, or what this robot does instead ("shake hands")."""
         operation = self.can.operation(op)
         if operation is not None and operation.arguments:

@@ -76,8 +76,10 @@ _ENDINGS = """了|啦|咯|呢|的|着呢|[开关锁亮等站坐]着|过|哈哈|�
 |够宽|够长|够高|另一头|快乐|顺利|好使|没问题|要用|没事|用得着|要紧|离得?(?:还|很|挺|比较)*远|得?(?:很|老|挺)远
         |远着呢|远得很|够(?:用|大|亮|宽|长|高|平|滑不了)"""
 #: What somebody does; several people may also be called upon to do it.
-_OWN_DEEDS = r"(?:我|我们|他|她|他们|她们|它|佢|佢哋|[我他她]?[爸妈哥姐弟妹]{1,2})(?!们?[要想]你|们?命令|们?建议).{1,}"
-_OTHERS_DEEDS = rf"{_any(_PEOPLE)}(?:会|要|都?在|正|准备|打算|都?看着|都?等着).+"
+_OWN_ACTIONS = (
+    r"(?:我|我们|他|她|他们|她们|它|佢|佢哋|[我他她]?[爸妈哥姐弟妹]{1,2})(?!们?[要想]你|们?命令|们?建议).{1,}"
+)
+_OTHERS_ACTIONS = rf"{_any(_PEOPLE)}(?:会|要|都?在|正|准备|打算|都?看着|都?等着).+"
 _LENGTHS = "[长宽高]有?[\\d一二两三四五六七八九十百.]+(?:多|来)?(?:米|公分|厘米|尺)"
 
 #: Greetings, wishes and manners of speaking: whole clauses.
@@ -102,9 +104,9 @@ REMARK = (
     rf"|嘿)?+(?!{_any(_REQUESTS, _BARE_VERBS)})"
     rf"(?:{_any(_REASONS)}|.{{0,14}}?{_any(_DEGREES)}|.{{1,14}}?{_any(_PREDICATES)}"
     rf"|.{{0,18}}{_any(_ENDINGS)}$|[^，]{{2,8}}了[^，]{{1,6}}$"
-    rf"|{_any(_TIMES)}.{{2,}}|{_OWN_DEEDS}|{_OTHERS_DEEDS}|[^，]{{1,6}}{_LENGTHS}$|(?:just )?for fun$))"
+    rf"|{_any(_TIMES)}.{{2,}}|{_OWN_ACTIONS}|{_OTHERS_ACTIONS}|[^，]{{1,6}}{_LENGTHS}$|(?:just )?for fun$))"
 )
-#: Words that hold the word of a deed or a question but are none: 按照, 说实话, 好看.
+#: Words that hold the word of an action or a question but are none: 按照, 说实话, 好看.
 ASIDE = _any(
     TRIAL,
     _joined(_CONNECTIONS, _DEGREE_OR_NOT, _WEAK),
@@ -198,7 +200,7 @@ _CONDITIONS = """(?<![你我他她它们家说讲的])的话(?!题|痨|语|费|�
 |遇到|碰到|看到|听到|然后|接着|随后|而后|接下来|最后|并且|并(?!排|不|非)|以及|同时|再(?!说|也|见)|完(?!了|全|美
         |工|饭|课|班|会|觉|药|妆|操|作业)
 |(?<![前背身往向朝最今以然])后(?!排|空翻|[面方边天台院门来排座续悔果代])"""
-#: What puts a deed before or after what is told: 大家都在看前先右转.
+#: Words that put an action before or after something that is described: 大家都在看前先右转.
 _ORDERED = "前先|前(?=[右左往向拍挥坐站伸发])|[看着]完(?!了|全|美|成|蛋|工)|而不是"
 _CORRECTIONS = f"""^(?:都|均|全|各|每[次个回])(?:都)?(?:是|为|转|走|按)?[\\d一二两三四五六七八九十半百]
         |没准备好|还没好$|不行$|^恐怕(?!.{{0,3}}[错迟掉断卡看赶来加刷])|不对|错了|[说讲写打发记想][反错]

@@ -34,7 +34,7 @@ SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
 _MOST_WORDS = 24
 _WORD = re.compile(r"[a-z']+|[0-9]+|[\u3400-\u9fff]|[!~^]")
-#: A Chinese verb at the beginning is that of an order, unless it is told as done.
+#: A Chinese verb at the beginning is that of an order, unless it is reported as done.
 _HAN_ORDER = re.compile(rf"(?:{HAN_VERBS})(?![^，。]{{0,9}}[了过](?!来|去))(?!.{{1,12}}的$)(?![着得到完])")
 _HAN_JOINT = re.compile(
     "后(?![天悔面边台院排座代辈])|其次|完(?![成全毕美整善工蛋]|$)|再(?!说|见)|还要|然后|接着|并且|并(?![不没非排])|随后|而后|同时|顺便|顺带|紧接"

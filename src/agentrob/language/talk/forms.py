@@ -24,8 +24,8 @@ class TalkForms:
     `lead` matches interjections before a clause. `clauses` match talk at the beginning of a clause, `sentences` at
     the beginning of a whole sentence, commas included: questions, reports, words to others. `named` does the same
     in the writing of the post, for names in capitals. `wish` matches what asks for something in any form, and
-    `order` how an order begins: neither is talk; with `done` in it, a clause is told and not ordered. `spoken_of`
-    matches clauses that speak of a deed as done, even where the grammar reads a command in them; `praised` matches
+    `order` how an order begins: neither is talk; with `done` in it, a clause is reported and not ordered. `spoken_of`
+    matches clauses that speak of an action as done, even where the grammar reads a command in them; `praised` matches
     a whole post of praise that does. A statement (`Locale.states`) is talk too.
     `topics` are what a line of talk may be about, by the key of its answer.
     """
@@ -52,7 +52,7 @@ _CLAUSE = re.compile(r"(?:[^,，、:：—]|(?<=\d)[,:](?=\d))+")
 
 class Judges(NamedTuple):
     """`states` tells whether a clause is a statement, `sure` whether a whole sentence certainly is one, `likely`
-    whether a clause beside a statement may be talk, `commands` whether a clause asks for a deed."""
+    whether a clause beside a statement may be talk, `commands` whether a clause asks for an action."""
 
     states: Judge
     sure: Judge
@@ -85,17 +85,17 @@ def order_beside(text: str, forms: TalkForms, commands: Judge) -> str:
 
 
 def is_spoken_of(text: str, forms: TalkForms) -> bool:
-    """Return whether a text praises or tells a deed instead of asking for it, and asks for no other."""
+    """Return whether a text praises or tells an action instead of asking for it, and asks for no other."""
     said = _plain(text)
     if _compiled(forms.praised).fullmatch(said):
         return True
     if not _compiled(forms.spoken_of.replace("^", "").replace("$", "")).search(said):
         return False
     clauses = [_without_lead(found[0], forms) for found in re.finditer(r"[^,，.。!！;；?？]+", said)]
-    told = [_compiled(forms.spoken_of).search(clause) is not None for clause in clauses]
-    others = [clause for clause, is_told in zip(clauses, told, strict=True) if not is_told]
+    reported = [_compiled(forms.spoken_of).search(clause) is not None for clause in clauses]
+    others = [clause for clause, is_reported in zip(clauses, reported, strict=True) if not is_reported]
     orders = any(_compiled(forms.order).search(clause) for clause in others)
-    return any(told) and not orders and not _compiled(forms.wish).search(said)
+    return any(reported) and not orders and not _compiled(forms.wish).search(said)
 
 
 def topic_of(text: str, forms: TalkForms) -> str:

@@ -11,7 +11,7 @@ _LEAD = (
     r"|robot|buddy"
     r"|doggo|good (?:dog|boy|girl|robot))\b[ ,]*"
 )
-#: Verbs of the mind and the senses: asking whether somebody can do these asks for no deed.
+#: Verbs of the mind and the senses: asking whether somebody can do these asks for no action.
 _MENTAL = (
     "understand|speak|hear|see|feel|think|remember|know|believe|imagine|guess|recognis?e|recogniz?e|smell|taste|learn"
     "|love|like|dream|sleep|die|theoretically|in theory|hypothetically|ever|really|actually|still|even"

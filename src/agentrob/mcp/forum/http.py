@@ -68,7 +68,7 @@ def make_app(
         )
 
     app = _by_era(answering(json_response=True), answering(json_response=False))
-    return strip_header_whitespace(_telling_ended_sessions(app, server)), server
+    return strip_header_whitespace(_reporting_ended_sessions(app, server)), server
 
 
 def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
@@ -88,7 +88,7 @@ def _by_era(sessions: Starlette, exchanges: Starlette) -> ASGIApp:
     return chosen
 
 
-def _telling_ended_sessions(app: ASGIApp, server: ForumServer) -> ASGIApp:
+def _reporting_ended_sessions(app: ASGIApp, server: ForumServer) -> ASGIApp:
     """Notify the server of sessions that clients end, since the SDK does not."""
 
     async def passed_on(scope: Scope, receive: Receive, send: Send) -> None:

@@ -298,9 +298,9 @@ def _english(words: str) -> float | None:
 
     whole, _, decimals = words.replace("-", " ").partition(" point ")
     try:
-        said = re.sub(r"^a ", "one ", whole).replace(" and ", " ")
-        said = _HUNDREDS_LEFT_OUT.sub(r"\1 hundred \2", said)
-        value = float(text2num(said, "en"))
+        counted = re.sub(r"^a ", "one ", whole).replace(" and ", " ")
+        counted = _HUNDREDS_LEFT_OUT.sub(r"\1 hundred \2", counted)
+        value = float(text2num(counted, "en"))
         if decimals:
             value += float("0." + "".join(str(_EN_NUMBER_WORDS.index(w)) for w in decimals.split()))
         return value

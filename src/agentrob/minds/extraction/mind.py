@@ -177,8 +177,8 @@ def _alike(one: Primitive, other: Primitive) -> bool:
         (one.degrees, other.degrees),
         (one.speed_mps, other.speed_mps),
     )
-    same_deed = (one.op, one.direction, one.arguments) == (other.op, other.direction, other.arguments)
-    return same_deed and all(_equal(a, b) for a, b in amounts)
+    same_action = (one.op, one.direction, one.arguments) == (other.op, other.direction, other.arguments)
+    return same_action and all(_equal(a, b) for a, b in amounts)
 
 
 def _equal(one: float | None, other: float | None) -> bool:

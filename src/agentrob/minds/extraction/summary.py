@@ -93,12 +93,12 @@ def unfounded(text: str, results: Sequence[ActionResult], language: Language) ->
         return "empty, too long or more than words"
     if language_of(text) != language:
         return "another language"
-    told = _PAST.sub(lambda past: _PAST_VERBS[past[0].lower()], text)
-    mentions = evidence_in(told)
+    present = _PAST.sub(lambda past: _PAST_VERBS[past[0].lower()], text)
+    mentions = evidence_in(present)
     for mention in mentions:
         if problem := _invented(mention, results):
-            return f"{problem}: {told[mention.start : mention.end]}"
-    if stray := _stray_digit(told, mentions):
+            return f"{problem}: {present[mention.start : mention.end]}"
+    if stray := _stray_digit(present, mentions):
         return f"a number that cannot be read: {stray}"
     return ""
 

@@ -87,9 +87,9 @@ class ConfiguredModel:
             value, problem = final_of(given, kind) if given else found_in(received.text, kind)
             if value is not None:
                 return Answer(value, self.name, tuple(used))
-            said = str(given[-1]) if given else received.text
+            text = str(given[-1]) if given else received.text
             conversation += [
-                ModelReply(said[:2_000] or "(nothing)"),
+                ModelReply(text[:2_000] or "(nothing)"),
                 UserMessage(f"That cannot be used: {problem} Answer again."),
             ]
         raise self._unusable(f"no usable answer: {problem}", used)
@@ -144,8 +144,8 @@ class ConfiguredModel:
         if self._accepts_images:
             _log.warning("a model fails on pictures and gets none any more", mind=self.name, error=str(fault))
         self._accepts_images = False
-        said = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
-        return ModelError("rejected", said, final=True)
+        message = f"{self.name} fails on pictures; set images = false in [minds.{self.name}] ({fault})"
+        return ModelError("rejected", message, final=True)
 
     def _pictures(self, images: Sequence[Image]) -> tuple[Image, ...]:
         if images and not (self.config.images and self._accepts_images):

@@ -144,24 +144,24 @@ class Provider:
     def _http_fault(self, error: exceptions.ModelHTTPError) -> ModelError:
         status, mind, url = error.status_code, self._name, self._url
         words = one_line(_message(error.body), self._secrets)
-        told = f"; the server says: {words}" if words else ""
+        detail = f"; the server says: {words}" if words else ""
         if status in (401, 403):
             where = self._config.key_variable
             hint = f"check the key in {where}" if where else "it wants a key: name its variable in key_env"
-            return ModelError("denied", f"{mind}: {url} does not accept us (HTTP {status}); {hint}{told}")
+            return ModelError("denied", f"{mind}: {url} does not accept us (HTTP {status}); {hint}{detail}")
         if status == 404:
             hint = f"check base_url and model ({self._config.model!r})"
             if self._config.provider == "compatible" and not url.rstrip("/").endswith("/v1"):
                 hint += f'; most servers want base_url = "{url.rstrip("/")}/v1"'
-            return ModelError("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{told}")
+            return ModelError("not_found", f"{mind}: {url} does not know this (HTTP 404); {hint}{detail}")
         if status in (402, 429):
             final = isinstance(error, exceptions.ModelQuotaExceededError)
             what = "says that the quota is used up" if final else "wants fewer requests"
-            message = f"{mind}: {url} {what} (HTTP {status}){told}"
+            message = f"{mind}: {url} {what} (HTTP {status}){detail}"
             return ModelError("limited", message, error.retry_after, final=final)
         if status >= 500:
-            return ModelError("server", f"{mind}: {url} failed (HTTP {status}){told}", error.retry_after)
-        return ModelError("rejected", f"{mind}: {url} rejects the request (HTTP {status}){told}")
+            return ModelError("server", f"{mind}: {url} failed (HTTP {status}){detail}", error.retry_after)
+        return ModelError("rejected", f"{mind}: {url} rejects the request (HTTP {status}){detail}")
 
 
 def _transport_fault(error: Exception) -> tuple[ErrorKind, str]:

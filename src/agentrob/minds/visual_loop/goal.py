@@ -46,7 +46,7 @@ _WHERE = {
     "前面": "in front of", "前边": "in front of", "上面": "on", "上": "on", "下面": "under", "里面": "in", "里": "in",
 }  # fmt: skip
 #: How a goal is described, to the model (always in English) and to people.
-_TOLD = {
+_SENTENCES = {
     "en": {
         Aim.APPROACH: "go to the {thing}",
         Aim.FACE: "turn towards the {thing}",
@@ -54,9 +54,9 @@ _TOLD = {
         Aim.LOOK: "say what is {where} the {thing}",
         "describe": "describe the {thing}",
         "around": "look around and say what is there",
-        "ahead": "say what is to be seen",
+        "ahead": "say what the camera shows",
         Aim.SEE: "look for the {thing}",
-        Aim.COLOURS: "say which colours are to be seen",
+        Aim.COLOURS: "name the colours that the camera shows",
         Aim.HOME: "go home",
         "joint": ", then ",
     },
@@ -102,9 +102,9 @@ def goal_of(text: str, addressee: Addressee, language: Language) -> Goal | None:
 
 def goal_sentence(goal: Goal, language: Language, steps: Sequence[str] = ()) -> str:
     """Return the goal in our own words; `steps` are the texts of its named steps, in order."""
-    words, named = _TOLD["zh" if language == "zh" else "en"], iter(steps)
+    words, named = _SENTENCES["zh" if language == "zh" else "en"], iter(steps)
     return words["joint"].join(
-        next(named) if task.aim is Aim.STEP else _task_told(task, words, language) for task in goal.tasks
+        next(named) if task.aim is Aim.STEP else _task_text(task, words, language) for task in goal.tasks
     )
 
 
@@ -115,7 +115,7 @@ def _moves(asked: str) -> bool:
     return moves and not _REQUESTED.search(asked)
 
 
-def _task_told(task: Subgoal, words: dict[str, str], language: Language) -> str:
+def _task_text(task: Subgoal, words: dict[str, str], language: Language) -> str:
     if task.aim is Aim.LOOK and not task.thing:
         return words["around" if task.where == "around" else "ahead"]
     if language == "zh":
@@ -149,20 +149,20 @@ def _tasks(clause: str, addressee: Addressee, before: Sequence[Subgoal]) -> list
 
 
 def _task(match: re.Match[str], aim: Aim, before: Sequence[Subgoal]) -> list[Subgoal] | None:
-    said = match.groupdict()
+    groups = match.groupdict()
     language = "zh" if any(ord(c) > 0x2FF for c in match[0]) else "en"
-    where = _WHERE.get(said.get("where") or "", "")
-    if said.get("it") or (where not in ("", "around") and not said.get("thing") and any(t.thing for t in before)):
+    where = _WHERE.get(groups.get("where") or "", "")
+    if groups.get("it") or (where not in ("", "around") and not groups.get("thing") and any(t.thing for t in before)):
         last = next((task for task in reversed(before) if task.thing), None)
         return None if last is None else [Subgoal(aim, last.thing, last.colour, where)]
     if aim in (Aim.HOME, Aim.COLOURS):
         return [Subgoal(aim)]
-    if said.get("around"):
+    if groups.get("around"):
         return [Subgoal(aim, where="around")]
-    if not said.get("thing"):
+    if not groups.get("thing"):
         return [Subgoal(aim, where="around" if where == "around" else "")]
-    colour = colours(language).get(said.get("colour") or "", "")
-    return [Subgoal(aim, things(language)[said["thing"]], colour, where)]
+    colour = colours(language).get(groups.get("colour") or "", "")
+    return [Subgoal(aim, things(language)[groups["thing"]], colour, where)]
 
 
 @cache

@@ -169,8 +169,8 @@ class VisualLoop:
         self._moved = False
         images = await self._pictures(first)
         note = "" if images else f"\nThere is no picture: {first.problem or (first.result and first.result.message)}"
-        told = f"Goal: {self._goal}.\nWhat there is to spend: {self._left()}{note}\nThe picture is from now."
-        self._talk.append(UserMessage(told, images))
+        message = f"Goal: {self._goal}.\nWhat there is to spend: {self._left()}{note}\nThe picture is from now."
+        self._talk.append(UserMessage(message, images))
 
     async def _think(self) -> ModelReply:
         """Ask the model once, within the remaining time."""
@@ -240,14 +240,14 @@ class VisualLoop:
             return False
         at = len(self._executor.used)
         images = await self._pictures(found)
-        effect = _got_somewhere(found.result) or bool(images)
-        self._moved = (self._moved or _got_somewhere(found.result)) and not images
+        effect = _made_progress(found.result) or bool(images)
+        self._moved = (self._moved or _made_progress(found.result)) and not images
         if look and effect:
             shown = await self._executor.act(Primitive(PHOTO))
             images = await self._pictures(shown)
             self._moved = self._moved and not images
-        told = result_message(found.result, await self._executor.state(), self._left())
-        self._talk.append(ToolResult(call, told, images))
+        message = result_message(found.result, await self._executor.state(), self._left())
+        self._talk.append(ToolResult(call, message, images))
         self._note(call, reply, outcome=str(found.result.outcome), step=at)
         return effect
 
@@ -285,7 +285,7 @@ class VisualLoop:
     _latency_ms = 0.0
 
 
-def _got_somewhere(result: ActionResult) -> bool:
+def _made_progress(result: ActionResult) -> bool:
     """Return whether a step moved the robot (perhaps by an unknown amount), or was a gesture that was done."""
     if result.unmeasured:
         return True

@@ -20,8 +20,8 @@ def thing_text(thing: str, colour: str, language: Language) -> str:
     """Return a thing with its colour: "a red ball", "something blue"."""
     thing, colour = _known(thing), _known(colour)
     if language == "zh":
-        said = f"{chinese(colour)}的" if colour else ""
-        return said + (chinese(thing) if thing else "东西")
+        text = f"{chinese(colour)}的" if colour else ""
+        return text + (chinese(thing) if thing else "东西")
     if not thing:
         return f"something {colour}".strip()
     words = f"{colour} {thing}".strip()
@@ -40,8 +40,8 @@ def colours_text(seen: Sequence[Seen], language: Language) -> str:
     """Return the sentence that names all that was seen."""
     if not seen:
         return say("eyes.no_colours", language)
-    said = [seen_text(one, language) for one in seen[:MOST_NAMED]]
-    return say("eyes.colours", language, things=("；" if language == "zh" else "; ").join(said))
+    text = [seen_text(one, language) for one in seen[:MOST_NAMED]]
+    return say("eyes.colours", language, things=("；" if language == "zh" else "; ").join(text))
 
 
 def mark_text(one: Seen) -> str:

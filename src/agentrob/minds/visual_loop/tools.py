@@ -82,15 +82,15 @@ def tools_of(mandate: Mandate, capabilities: Capabilities) -> tuple[Tool, ...]:
 
 def step_of(name: str, arguments: BaseModel, mandate: Mandate, capabilities: Capabilities) -> tuple[Primitive, bool]:
     """Return the step of a validated call, and whether to take a picture after it."""
-    said: dict[str, Any] = arguments.model_dump()
+    values: dict[str, Any] = arguments.model_dump()
     operation = next(one for one in capabilities.operations if tool_name(one) == name)
     if operation.base_motion is None:
-        settled = {k: v.value if isinstance(v, Enum) else v for k, v in said.items() if v is not None}
+        settled = {k: v.value if isinstance(v, Enum) else v for k, v in values.items() if v is not None}
         return capabilities.bound(Primitive(operation.name, arguments=operation.complete(settled))), False
-    direction = Direction(said["direction"].value)
-    speed = (said.get("speed_mps") or mandate.speed_mps) if operation.base_motion is BaseMotion.TRANSLATION else None
-    step = Primitive(operation.name, direction, said.get("distance_m"), said.get("degrees"), speed)
-    return capabilities.bound(step), bool(said.get("look"))
+    direction = Direction(values["direction"].value)
+    speed = (values.get("speed_mps") or mandate.speed_mps) if operation.base_motion is BaseMotion.TRANSLATION else None
+    step = Primitive(operation.name, direction, values.get("distance_m"), values.get("degrees"), speed)
+    return capabilities.bound(step), bool(values.get("look"))
 
 
 def _arguments(operation: Operation) -> type[BaseModel]:

@@ -36,16 +36,16 @@ def as_data(operation: Operation) -> dict[str, Any]:
 
 def operation_of(data: object) -> Operation:
     """Read a declaration. Raises `ValueError` with a sentence for one that is malformed; unknown keys are ignored."""
-    told = _mapping(data, "a declaration of an operation")
+    mapping = _mapping(data, "a declaration of an operation")
     try:
         return Operation(
-            _text(told, "name"), ActionClass(_text(told, "class")), _words(told.get("words")),
-            tuple(_argument(a) for a in _list(told, "arguments")), _words(told.get("done")),
-            _number_or(told, "free_space_m", 0.0), _number(told, "travel_m"),
-            _number_or(told, "takes_s", 5.0), _number_or(told, "time_limit_s", 60.0),
-            tuple(_quantity(q) for q in _list(told, "measured")), told.get("picture") is True,
-            told.get("harmless") is True, _text(told, "consent") if "consent" in told else "",
-            BaseMotion(_text(told, "base_motion")) if "base_motion" in told else None,
+            _text(mapping, "name"), ActionClass(_text(mapping, "class")), _words(mapping.get("words")),
+            tuple(_argument(a) for a in _list(mapping, "arguments")), _words(mapping.get("done")),
+            _number_or(mapping, "free_space_m", 0.0), _number(mapping, "travel_m"),
+            _number_or(mapping, "takes_s", 5.0), _number_or(mapping, "time_limit_s", 60.0),
+            tuple(_quantity(q) for q in _list(mapping, "measured")), mapping.get("picture") is True,
+            mapping.get("harmless") is True, _text(mapping, "consent") if "consent" in mapping else "",
+            BaseMotion(_text(mapping, "base_motion")) if "base_motion" in mapping else None,
         )  # fmt: skip
     except (TypeError, KeyError) as e:
         raise ValueError(f"a declaration of an operation lacks {e}") from None
@@ -61,24 +61,24 @@ def _argument_data(argument: Argument) -> dict[str, Any]:
 
 
 def _argument(data: object) -> Argument:
-    told = _mapping(data, "an argument")
-    default = told.get("default")
-    if "options" in told:
+    mapping = _mapping(data, "an argument")
+    default = mapping.get("default")
+    if "options" in mapping:
         options = tuple(
             Option(_text(one, "name"), _words(one["words"]))
-            for one in (_mapping(option, "an option") for option in _list(told, "options"))
+            for one in (_mapping(option, "an option") for option in _list(mapping, "options"))
         )
-        return Choice(_text(told, "name"), options, default if isinstance(default, str) else None)
-    unit, least, most = Unit(_text(told, "unit")), _number(told, "least"), _number(told, "most")
+        return Choice(_text(mapping, "name"), options, default if isinstance(default, str) else None)
+    unit, least, most = Unit(_text(mapping, "unit")), _number(mapping, "least"), _number(mapping, "most")
     if least is None or most is None:
         raise ValueError("a number needs its bounds, least and most")
-    optional = told.get("optional") is True
-    return Number(_text(told, "name"), unit, least, most, _number(told, "default"), optional)
+    optional = mapping.get("optional") is True
+    return Number(_text(mapping, "name"), unit, least, most, _number(mapping, "default"), optional)
 
 
 def _quantity(data: object) -> Quantity:
-    told = _mapping(data, "a quantity")
-    return Quantity(_text(told, "name"), Unit(_text(told, "unit")), _number_or(told, "tolerance", 0.0))
+    mapping = _mapping(data, "a quantity")
+    return Quantity(_text(mapping, "name"), Unit(_text(mapping, "unit")), _number_or(mapping, "tolerance", 0.0))
 
 
 def _mapping(data: object, what: str) -> Mapping[str, Any]:
@@ -94,27 +94,27 @@ def _words(data: object) -> dict[str, str]:
     return dict(words)
 
 
-def _text(told: Mapping[str, Any], key: str) -> str:
-    value = told[key]
+def _text(mapping: Mapping[str, Any], key: str) -> str:
+    value = mapping[key]
     if not isinstance(value, str):
         raise ValueError(f"{key} must be a string")
     return value
 
 
-def _list(told: Mapping[str, Any], key: str) -> list[object]:
-    value = told.get(key, [])
+def _list(mapping: Mapping[str, Any], key: str) -> list[object]:
+    value = mapping.get(key, [])
     if not isinstance(value, (list, tuple)):
         raise ValueError(f"{key} must be a list")
     return list(value)
 
 
-def _number(told: Mapping[str, Any], key: str) -> float | None:
-    value = told.get(key)
+def _number(mapping: Mapping[str, Any], key: str) -> float | None:
+    value = mapping.get(key)
     if isinstance(value, bool) or not isinstance(value, (int, float, type(None))):
         raise ValueError(f"{key} must be a number")
     return None if value is None else float(value)
 
 
-def _number_or(told: Mapping[str, Any], key: str, default: float) -> float:
-    value = _number(told, key)
+def _number_or(mapping: Mapping[str, Any], key: str, default: float) -> float:
+    value = _number(mapping, key)
     return default if value is None else value

@@ -50,8 +50,8 @@ class Unit(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number that an operation takes, from `least` to `most` in its unit. Without a `default` it must be said, unless
-    it is `optional`."""
+    """A number that an operation takes, from `least` to `most` in its unit. Without a `default` it must be given,
+    unless it is `optional`."""
 
     name: str
     unit: Unit
@@ -99,7 +99,7 @@ class Option:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of a few named values that an operation takes. Without a `default` it must be said."""
+    """One of a few named values that an operation takes. Without a `default` it must be given."""
 
     name: str
     options: tuple[Option, ...]
@@ -230,11 +230,11 @@ class Operation:
 
         (argument, None): it is needed and not set. (None, name): there is no argument of this name.
         """
-        said = dict(values)
-        if unknown := [name for name in said if self.argument(name) is None]:
+        given = dict(values)
+        if unknown := [name for name in given if self.argument(name) is None]:
             return None, unknown[0]
         for argument in self.arguments:
-            value = said.get(argument.name)
+            value = given.get(argument.name)
             if (value is None and argument.needed) or (value is not None and not argument.allows(value)):
                 return argument, value
         return None
@@ -260,9 +260,9 @@ def _check_words(words: Mapping[str, str], whose: str, slots: Iterable[str] = ()
     known = frozenset(slots)
     if words and "en" not in words:
         raise ValueError(f"{whose} needs words in English (en) besides {', '.join(sorted(words))}")
-    for language, said in words.items():
-        phrases = [phrase.strip() for phrase in said.split("|")]
-        if not said.isprintable() or not all(phrases) or len(phrases) > _MOST_PHRASES:
+    for language, given in words.items():
+        phrases = [phrase.strip() for phrase in given.split("|")]
+        if not given.isprintable() or not all(phrases) or len(phrases) > _MOST_PHRASES:
             raise ValueError(f"{whose} needs 1 to {_MOST_PHRASES} printable phrases in {language!r}, separated by |")
         for phrase in phrases:
             if len(phrase) > _LONGEST_PHRASE:

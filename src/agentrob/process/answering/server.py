@@ -40,10 +40,10 @@ class LineServer:
         asked: dict[str, Any] = json.loads(line)
         return asked
 
-    def answer(self, said: dict[str, Any]) -> None:
+    def answer(self, facts: dict[str, Any]) -> None:
         """Send the answer, whose time ends here."""
         _limit(0)
-        self._answers.write(json.dumps(said).encode() + b"\n")
+        self._answers.write(json.dumps(facts).encode() + b"\n")
         self._answers.flush()
 
     def give_up(self) -> None:

@@ -95,7 +95,7 @@ def listen(domain: int, seconds: float, kind: str = "") -> DomainContents:
     """Listen on a domain that this process has joined already; return once a robot of `kind` is heard."""
     from agentrob.process import dds
 
-    return _hear([_DomainReader(domain, dds.DomainParticipant(domain))], seconds, kind)[0]
+    return _listen([_DomainReader(domain, dds.DomainParticipant(domain))], seconds, kind)[0]
 
 
 def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[DomainContents]:
@@ -110,7 +110,7 @@ def search(interface: str, leave_out: int, seconds: float = 1.5) -> list[DomainC
         with contextlib.suppress(DDSException):
             joined = Domain(domain, dds.config(interface))
             readers.append(_DomainReader(domain, dds.DomainParticipant(domain), joined))
-    return [heard for heard in _hear(readers, seconds, "") if heard.kind]
+    return [heard for heard in _listen(readers, seconds, "") if heard.kind]
 
 
 class _DomainReader:
@@ -132,7 +132,7 @@ class _DomainReader:
         return DomainContents(self.domain, kind, names, len(speakers - set(own)))
 
 
-def _hear(readers: list[_DomainReader], seconds: float, kind: str) -> list[DomainContents]:
+def _listen(readers: list[_DomainReader], seconds: float, kind: str) -> list[DomainContents]:
     end_s, own = time.monotonic() + seconds, _own_participants()
     while True:
         found = [reader.heard(own) for reader in readers]

@@ -23,23 +23,23 @@ ANSWER_S = 5.0
 def stop_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
     """Stop one robot. Raises `RobotUnreachable` if it has no driver or the driver does not answer."""
     if settings.driver_url:
-        return _tell_remote(name, settings, "stop", by)
+        return _send_remote(name, settings, "stop", by)
     return stop_driver(lock_name(name, settings), by)
 
 
 def halt_robot(name: str, settings: RobotConfig, by: str) -> StopResult:
     """Stop one robot and lock it until its owner releases it. Raises as `stop_robot`."""
     if settings.driver_url:
-        return _tell_remote(name, settings, "halt", by)
-    return _tell(lock_name(name, settings), "halt", by)
+        return _send_remote(name, settings, "halt", by)
+    return _send(lock_name(name, settings), "halt", by)
 
 
 def stop_driver(lock: str, by: str) -> StopResult:
     """Stop the robot whose driver holds this lock (`driver/lo/1`)."""
-    return _tell(lock, "stop", by)
+    return _send(lock, "stop", by)
 
 
-def _tell(lock: str, word: str, by: str) -> StopResult:
+def _send(lock: str, word: str, by: str) -> StopResult:
     try:
         with host_lock.connect(lock, ANSWER_S) as s:
             s.sendall(f"{word} {display_name(by)}\n".encode())
@@ -52,16 +52,16 @@ def _tell(lock: str, word: str, by: str) -> StopResult:
         raise RobotUnreachable(f"the driver at {lock} did not confirm ({line.strip()[:100]!r})") from None
 
 
-def _tell_remote(name: str, settings: RobotConfig, word: str, by: str) -> StopResult:
+def _send_remote(name: str, settings: RobotConfig, word: str, by: str) -> StopResult:
     """Stop a robot over the network, on new connections. Call it from a thread without an event loop."""
     from agentrob.robots.driver.remote import driver_client
 
-    async def told() -> StopResult:
+    async def stopped() -> StopResult:
         async with driver_client(name, settings) as driver:
             return await (driver.halt(by) if word == "halt" else driver.stop(by))
 
     try:
-        return asyncio.run(told())
+        return asyncio.run(stopped())
     except RobotUnreachable:
         raise
     except (ConfigError, RobotError) as e:

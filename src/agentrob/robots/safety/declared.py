@@ -39,11 +39,11 @@ def as_declared(result: ActionResult) -> ActionResult:
             continue
         got = result.measured.get(quantity.name)
         if got is None or not math.isfinite(got):
-            said = f"{result.message} It did not measure {quantity.name}.".strip()
-            return replace(result, outcome=Outcome.UNKNOWN, reason="not_measured", message=said)
+            why = f"{result.message} It did not measure {quantity.name}.".strip()
+            return replace(result, outcome=Outcome.UNKNOWN, reason="not_measured", message=why)
         if abs(got - asked) > quantity.tolerance:
-            said = f"{quantity.name}: asked {asked:g} {quantity.unit}, measured {got:.4g} {quantity.unit}."
-            return replace(result, outcome=Outcome.FAILED, reason="inaccurate", message=said)
+            why = f"{quantity.name}: asked {asked:g} {quantity.unit}, measured {got:.4g} {quantity.unit}."
+            return replace(result, outcome=Outcome.FAILED, reason="inaccurate", message=why)
     return result
 
 

@@ -135,11 +135,11 @@ class Ledger:
 
     def take(self, message: Message, place: Place, area: Area, doing: str, now_s: float) -> Answer:
         """Ask for a lease of this area, for a robot that is at rest at `place` and holds none. Raises `OldSession`."""
-        member = self._hear(message, now_s)
+        member = self._receive(message, now_s)
         if member.lease is not None or not member.at_rest:
             return Answer(reason="room_restless", robot=message.robot)
         member.place = place
-        self._forget_silent_waiters(now_s)
+        self._drop_silent_waiters(now_s)
         if (answer := self._refusal(message.robot, place, area, now_s)) is not None:
             if answer.reason == "room_busy":
                 self._wait(message.robot, area, now_s)
@@ -157,7 +157,7 @@ class Ledger:
         With `at_rest` its lease ends, of whatever session. Otherwise `lease` is the number that its driver moves by, 0
         for none. Raises `OldSession`, and `LeaseGone` if that lease was released.
         """
-        member = self._hear(message, now_s)
+        member = self._receive(message, now_s)
         member.place, member.at_rest = place, at_rest
         if at_rest:
             member.lease = None
@@ -187,11 +187,11 @@ class Ledger:
 
     def waiting(self, now_s: float) -> list[str]:
         """The robots that wait, the first one first."""
-        self._forget_silent_waiters(now_s)
+        self._drop_silent_waiters(now_s)
         return [waiter.robot for waiter in self.waiters]
 
     # ------------------------------------------------------------ how
-    def _hear(self, message: Message, now_s: float) -> Member:
+    def _receive(self, message: Message, now_s: float) -> Member:
         member = self.members.get(message.robot)
         if member is None or member.session != message.session or message.number <= member.message:
             raise OldSession
@@ -236,7 +236,7 @@ class Ledger:
     def _forget_waiter(self, robot: str) -> None:
         self.waiters = [waiter for waiter in self.waiters if waiter.robot != robot]
 
-    def _forget_silent_waiters(self, now_s: float) -> None:
+    def _drop_silent_waiters(self, now_s: float) -> None:
         self.waiters = [waiter for waiter in self.waiters if now_s - waiter.seen_s <= WAITER_S]
 
     def rebooted(self) -> None:

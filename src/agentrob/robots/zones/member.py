@@ -118,7 +118,7 @@ class RoomMember:
             try:
                 self._report(at_rest=True)
                 asked_s = self._clock()
-                place, doing = self._told_place(), str(steps[0].op)
+                place, doing = self._reported_place(), str(steps[0].op)
                 answer = self.keeper.take(self._next(), place, area, doing)
             except OldSession:
                 self._session = 0
@@ -208,7 +208,7 @@ class RoomMember:
             self._lease, self._area = 0, None
         if not self._session:
             self._session, self._message = self.keeper.hello(self.robot), 0
-        self._others = self.keeper.report(self._next(), self._lease, self._told_place(), at_rest=at_rest)
+        self._others = self.keeper.report(self._next(), self._lease, self._reported_place(), at_rest=at_rest)
         self._answered_s = self._reported_s = sent_s
 
     def _lose(self, why: str) -> None:
@@ -220,7 +220,7 @@ class RoomMember:
         self._message += 1
         return Message(self.robot, self._session, self._message)
 
-    def _told_place(self) -> Place:
+    def _reported_place(self) -> Place:
         return Place(self._place, self._error_m or 0.0) if self.framed else Place()
 
     def _area_of(self, steps: Sequence[Primitive]) -> Area:

@@ -18,9 +18,9 @@ from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
 from agentrob.screening.text.words import zh as words_zh
 
-#: Prefixes of phrases: none for deeds that are harmful wherever they are done; one for phrases that may be harmless, so
-#: that the robot asks back; one for places to go to, which count only if the post became a plan that would go there.
-PREFIXES = DEED, DOUBT, WAY = "", "?", ">"
+#: Prefixes of phrases: none for actions that are harmful wherever they are done; one for phrases that may be harmless,
+#: so that the robot asks back; one for places to go to, which count only if the post became a plan that would go there.
+PREFIXES = ACTION, DOUBT, WAY = "", "?", ">"
 #: Rules in the order in which they are checked. True: a negation takes the harm away ("don't hit it").
 RULES = {
     "safety.disable": False,
@@ -59,18 +59,18 @@ _MENTION = re.compile(
 
 def harm_of(text: str, language: Language) -> Verdict | None:
     """Return a refusal with the rule and the words that broke it, or None. `text` is the visible text of a post."""
-    for rule, words in _broken(plain_words(text), DEED, WAY):
+    for rule, words in _broken(plain_words(text), ACTION, WAY):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
 
 def clear_harm_of(text: str, language: Language) -> Verdict | None:
-    """Return a refusal of a post without a plan: only for deeds that are harmful wherever they are done.
+    """Return a refusal of a post without a plan: only for actions that are harmful wherever they are done.
 
     A place that the robot cannot walk to anyway ("go down the stairs") accuses nobody of anything, nor does a question
     about harm ("how do I prevent collisions").
     """
-    for rule, words in _broken(_QUESTION.sub(" ", plain_words(text)), DEED):
+    for rule, words in _broken(_QUESTION.sub(" ", plain_words(text)), ACTION):
         return Verdict(Decision.REFUSE, rule, say(rule, language, words=quote(words)))
     return None
 
@@ -131,7 +131,7 @@ def phrases_of(rule: str, prefix: str) -> tuple[tuple[Vocabulary, Phrases, re.Pa
     """Return a rule's phrases with this prefix, and what denies them, per language."""
     made = []
     for vocabulary, locale in ((ENGLISH, words_en), (CHINESE, words_zh)):
-        kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else DEED for phrase in locale.RULES[rule]}
+        kinds = {phrase: phrase[0] if phrase[0] in (DOUBT, WAY) else ACTION for phrase in locale.RULES[rule]}
         if phrases := [phrase.removeprefix(prefix) for phrase, kind in kinds.items() if kind == prefix]:
             made.append((vocabulary, Phrases(vocabulary, phrases), re.compile(locale.DENIED)))
     return tuple(made)

@@ -172,8 +172,8 @@ def _broken(said: str, seen: str) -> Iterator[tuple[str, str]]:
     shared = len(_things(said) & _things(seen.replace("_", " ")))
     if not shared:
         return
-    for rule, why, deed, things in _patterns():
-        if not deed.search(said):
+    for rule, why, action, things in _patterns():
+        if not action.search(said):
             continue
         in_post = [thing.search(said) is not None for thing in things]
         if all(in_post):
@@ -192,8 +192,8 @@ def _things(plain: str) -> set[str]:
 @cache
 def _patterns() -> tuple[tuple[str, str, re.Pattern[str], tuple[re.Pattern[str], ...]], ...]:
     return tuple(
-        (rule, why, compiled(_GROUPS, [deed], words=True), tuple(compiled(_GROUPS, [t], words=True) for t in things))
-        for rule, why, deed, things in _RULES
+        (rule, why, compiled(_GROUPS, [action], words=True), tuple(compiled(_GROUPS, [t], words=True) for t in things))
+        for rule, why, action, things in _RULES
     )
 
 

@@ -151,7 +151,7 @@ _MYSELF = (
     r"(?:我们?就?是|是我[，,])[^，,。]{0,8}?(?:<who>)",
 )
 #: Pictures, greetings and other actions: the other rules check whom they name.
-_DEED = re.compile(
+_ACTION = re.compile(
     r"^(?:please|now|first|just|finally|also|ok|okay|can you|could you|would you|will you|@[\w-]+|\W| )*"
     r"(?:(?:take|send|get|give|show|make|grab|snap|post) (?:me |us )?(?:\w+ ){0,4}?"
     r"(?:photo|picture|pic|image|shot|snapshot|selfie|heart|hello|wave)"
@@ -177,7 +177,7 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
     if all(step.operation.harmless for step in plan.steps):
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
-        if commanded(clause.said) or _DEED.search(clause.said) or _CARE.search(clause.said):
+        if commanded(clause.said) or _ACTION.search(clause.said) or _CARE.search(clause.said):
             continue
         myself, *topics = _phrases()
         said = _UNRELATED.sub(" ", _AUDIENCE.sub(" ", _KIND.sub(" ", clause.said)))

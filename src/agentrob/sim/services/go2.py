@@ -92,7 +92,7 @@ class Go2Services(RobotServices):
             motor.mode, motor.q, motor.dq, motor.tau_est, motor.temperature = 1, q, dq, tau, round(warmth)
         low.imu_state = self._state.imu_state
         low.foot_force = self._state.foot_force
-        told = self._fault_state.now.battery_percent
-        low.bms_state.soc = math.ceil(self._battery.percent if told is None else told)
+        fault_percent = self._fault_state.now.battery_percent
+        low.bms_state.soc = math.ceil(self._battery.percent if fault_percent is None else fault_percent)
         low.bms_state.current = -round(1000 * self._battery.power_w / self._battery.volts)
         low.power_v, low.power_a = self._battery.volts, self._battery.power_w / self._battery.volts

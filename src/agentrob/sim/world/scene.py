@@ -381,8 +381,8 @@ def parse(raw: dict[str, Any], source: str) -> Scene:
     try:
         return Scene.model_validate(raw)
     except ValidationError as e:
-        said = list(dict.fromkeys(_explain(error, raw) for error in e.errors()))
-        raise SimError(f"the world {source}: " + "; ".join(said[:5])) from None
+        problems = list(dict.fromkeys(_explain(error, raw) for error in e.errors()))
+        raise SimError(f"the world {source}: " + "; ".join(problems[:5])) from None
 
 
 _TABLES: dict[str, type[_Table]] = {
@@ -407,10 +407,10 @@ def _explain(error: Any, raw: dict[str, Any]) -> str:
         elif not key.startswith(("tuple", "[key]")):
             words.append(key)
             table = key if key in _TABLES else table
-    where, said = ".".join(words), error["msg"].removeprefix("Value error, ")
+    where, text = ".".join(words), error["msg"].removeprefix("Value error, ")
     if error["type"] == "extra_forbidden":
         fields = _TABLES[table].model_fields if table else set(Scene.model_fields) - {"name"}
         return f"{where} is not known; valid here: {', '.join(sorted(fields))}"
     if isinstance(error["input"], str | int | float | bool) and error["type"] != "value_error":
-        said += f" (found {error['input']!r})"
-    return f"{where}: {said}" if where else said
+        text += f" (found {error['input']!r})"
+    return f"{where}: {text}" if where else text

@@ -124,7 +124,7 @@ GROUPS = {
         |take (?:\\w+ ){0,3}?<picture> of
         |(?:send|get|give|show|post|share|make|grab)(?: me| us)? (?:\\w+ ){0,3}?<picture> of
         |show (?:me|us)|look at|let me see|zoom in on""",
-    # ---------------------------------------------------------------- deeds
+    # ---------------------------------------------------------------- actions
     "go": """walk|run|drive|go|move|head|charge|race|roll|slide|proceed|advance|march|travel|trot|creep|crawl
         |back|back up
         |reverse|jump|leap|hop|fly|turn|dash|sprint|rush|step|stroll|steer|plough|plow|barge|launch|hurl
