@@ -225,7 +225,7 @@ class LocalGoalRun(GoalRun):
 
 
 def matching(part: Subgoal, seen: Sequence[Seen]) -> Seen | None:
-    """Return the surest thing that is what a part of a goal names; one whose shape is unclear if there is none."""
+    """Return the surest detection of what a part of a goal names; one of unclear shape if there is no other."""
     coloured = [one for one in seen if not part.colour or one.colour == part.colour]
     exact = (one for one in coloured if one.thing == part.thing)
     return next(exact, None) or next((one for one in coloured if part.colour and not one.thing), None)

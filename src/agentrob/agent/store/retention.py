@@ -12,7 +12,7 @@ from agentrob.agent.store.records import Records
 from agentrob.config.robots import RetentionConfig
 from agentrob.process.interpreter import release_free_memory
 
-#: The first time, which differs from agent to agent, and then how often.
+#: How long after the start an agent prunes first, drawn at random, and how often from then on.
 FIRST_S, EVERY_S = (30.0, 90.0), 3600.0
 _log = structlog.get_logger()
 

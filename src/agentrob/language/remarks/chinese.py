@@ -106,7 +106,7 @@ REMARK = (
     rf"|.{{0,18}}{_any(_ENDINGS)}$|[^，]{{2,8}}了[^，]{{1,6}}$"
     rf"|{_any(_TIMES)}.{{2,}}|{_OWN_ACTIONS}|{_OTHERS_ACTIONS}|[^，]{{1,6}}{_LENGTHS}$|(?:just )?for fun$))"
 )
-#: Words that hold the word of an action or a question but are none: 按照, 说实话, 好看.
+#: Words that only look like an action or a question: 按照, 说实话, 好看.
 ASIDE = _any(
     TRIAL,
     _joined(_CONNECTIONS, _DEGREE_OR_NOT, _WEAK),

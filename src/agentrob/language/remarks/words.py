@@ -56,7 +56,7 @@ class RemarkWords:
     verbless: str  # whole clauses, or their beginning, without a verb: "what a", "no hurry", "my first post"
     introductions: str  # before a colon, introduce the command itself: "my vote goes to: …"
     prefaces: str  # conditions in form that are none, and may begin a clause: "if I remember correctly"
-    asides: str  # words that look like a condition or an action, and are none: "wondering if", "be right back"
+    asides: str  # words that only look like a condition or an action: "wondering if", "be right back"
     settings: str  # whole clauses: settings that are on anyway
     reasons: str  # begin a reason or purpose, also within a clause: "because", "so that"
     reason_subjects: str  # "so" before one of these, and a verb, begins a purpose

@@ -85,7 +85,7 @@ def order_beside(text: str, forms: TalkForms, commands: Judge) -> str:
 
 
 def is_spoken_of(text: str, forms: TalkForms) -> bool:
-    """Return whether a text praises or tells an action instead of asking for it, and asks for no other."""
+    """Return whether a text praises or reports an action instead of asking for it, and asks for no other."""
     said = _plain(text)
     if _compiled(forms.praised).fullmatch(said):
         return True
