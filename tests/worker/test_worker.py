@@ -284,7 +284,7 @@ async def test_a_worker_that_drains_while_it_takes_robots_takes_no_more(
     assert len(workers.agents) == 1
 
 
-async def test_a_worker_that_drains_while_it_opens_a_journal_drains_its_agent(
+async def test_a_worker_that_drains_while_it_opens_a_journal_starts_no_agent(
     workers: Workers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     opening, drained, open_now = asyncio.Event(), asyncio.Event(), SqliteJournals.open
@@ -301,7 +301,36 @@ async def test_a_worker_that_drains_while_it_opens_a_journal_drains_its_agent(
         drained.set()
         await workers.until(workers.tasks["one"].done)
         assert not workers.tasks["one"].cancelled()
-    assert [agent.closed for _, agent in workers.agents] == [True]
+    assert workers.agents == []
+
+
+async def test_a_worker_that_drains_at_the_moment_at_which_it_took_a_robot_gives_it_back(
+    workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    draining: list[Worker] = []
+    journals: list[Journal] = []
+    open_now = SqliteJournals.open
+
+    async def open_and_drain(opener: SqliteJournals, robot: str) -> Journal:
+        journals.append(await open_now(opener, robot))
+        asyncio.get_running_loop().call_soon(draining[0].drain)  # before the task that serves the robot begins
+        return journals[0]
+
+    monkeypatch.setattr(SqliteJournals, "open", open_and_drain)
+    closed: list[Journal] = []
+    close_now = Journal.close
+
+    async def close(journal: Journal) -> None:
+        closed.append(journal)
+        await close_now(journal)
+
+    monkeypatch.setattr(Journal, "close", close)
+    async with workers.running("one", ("rex",)) as one:
+        draining.append(one)
+        await workers.until(workers.tasks["one"].done)
+        assert one.serving == set()
+    assert closed[:1] == journals
+    assert workers.agents == []
 
 
 async def test_a_worker_that_waits_for_robots_ends_at_once_when_it_drains(

@@ -11,7 +11,7 @@ import contextlib
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Protocol
+from typing import Any, Protocol
 
 import structlog
 
@@ -89,7 +89,7 @@ class Worker:
         self._again: dict[str, tuple[float, float]] = {}
         self._held_logged: set[str] = set()
         self._draining = False
-        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._tasks: dict[str, asyncio.Task[Any]] = {}
         #: The agents that answer posts.
         self._ready: dict[str, Agent] = {}
 
@@ -157,7 +157,7 @@ class Worker:
                 self._observer.taken_over(robot)
             self.serving.add(robot)
             started = asyncio.Event()
-            self._tasks[robot] = group.create_task(self._serve(robot, journal, started), name=f"robot {robot}")
+            group.create_task(self._serve(robot, journal, started), name=f"robot {robot}")
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(START_S):
                     await started.wait()
@@ -181,7 +181,11 @@ class Worker:
         """Serve a robot until its agent fails; then it is free again. Set `started` when the agent is ready or ends."""
         begun_s = asyncio.get_running_loop().time()
         agent: Agent | None = None
+        if (task := asyncio.current_task()) is not None:  # not before: cancelled, it would never close the journal
+            self._tasks[robot] = task
         try:
+            if self._draining:
+                return
             agent = self._make_agent(robot, journal)
             await agent.run(on_ready=partial(self._got_ready, robot, agent, started))
         except Exception as e:
@@ -194,7 +198,7 @@ class Worker:
         finally:
             started.set()
             self._ready.pop(robot, None)
-            del self._tasks[robot]
+            self._tasks.pop(robot, None)
             with contextlib.suppress(Exception):  # the reason was logged already
                 if agent is not None:
                     await agent.close()
