@@ -73,6 +73,7 @@ take a photo of the chair in front of you|walk three feet ahead|walk four feet a
 go 2 feet ahead then turn right|turn around and take a photo of what's behind you
 take a picture of the table near the door|sit down and stop|wave twice and stop|turn left slowly and stop
 stand up, turn around, and take a picture of what's behind you|sit down, then wait
+turn left and take a photo of the wall behind the chair in front of you
 坐下然后停|挥手然后停下|挥手再停|站起来然后停下|左转然后停|慢一点往前走一米|慢点走两米
 """
 #: The first clause is a command that the grammar understands, and leaves the warning out as a remark.
@@ -85,6 +86,41 @@ LOOKS_BOUND = """
 turn left, stop!|go to the door and stop now|walk to the wall and stop, it is falling|走到这里停下|在这里停下|往后退，停
 back up, stop|go back to the door and stop right there
 """
+
+
+#: What somebody near the robot calls, in words that are no stop by themselves.
+CALLED = """
+there's a kid|hey, there is a dog|I see a cable|turn around now, there's a wall|my baby is in there|someone's coming
+you're on my foot|the cable is caught|something smells burnt|it's making a weird noise|it is limping|oops
+it doesn't listen|off the carpet!|pull over|code red|have a break|I'd rather you didn't go on|the cat is right there
+有个小孩|有一只猫|有烟|有焦味|绊住了|拉闸|就到这儿|滚开|走过头了|超了|搞反了|声音不对|休息|算了|宝宝爬过去了
+"""
+#: Similar words that warn of nothing.
+SAID = """
+there's a typo in your post|there are three robots in this forum|I see what you mean|here comes the weekend
+my cat would love this|the kids are at home today|people are so impressed|it's on the news|that sounds good
+looks good to me|smells like coffee in here|he is on my team|what a beautiful place to be|it listens so well
+有一个问题|有意思|有一天我也要买一只|超级棒|超可爱了|声音真好听|算了一下，一共走了五米|这个视频我看过了|多走走挺好的
+"""
+OTHER_LANGUAGES = """
+¡alto!|basta ya|detente por favor|arrête!|Arrêtez tout|anhalten|Vorsicht, das Kind|fermati|stoppen bitte|pára, cuidado
+стоп!|осторожно, ребёнок|ロボットストップ|止まれ|危ないよ|멈춰!|그만해
+"""
+
+
+@pytest.mark.parametrize("text", _rows(CALLED))
+def test_law_13_what_somebody_near_the_robot_calls_stops_it(text: str) -> None:
+    assert stops(text) is Intent.STOP
+
+
+@pytest.mark.parametrize("text", _rows(SAID))
+def test_what_people_say_beside_a_moving_robot_does_not_stop_it(text: str) -> None:
+    assert stops(text) is None
+
+
+@pytest.mark.parametrize("text", _rows(OTHER_LANGUAGES))
+def test_law_13_a_stop_in_a_language_that_robots_do_not_speak_stops_them(text: str) -> None:
+    assert stops(text) is Intent.STOP
 
 
 @pytest.mark.parametrize("text", _rows(BLIND_BOUND))

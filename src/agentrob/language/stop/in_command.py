@@ -218,11 +218,26 @@ def _is_whole_command(visible: str, names: Sequence[str], robots: Sequence[str])
 
 
 def _is_command(text: str, names: Iterable[str], robots: Iterable[str]) -> bool:
+    return bool(_steps(text, names, robots))
+
+
+def _steps(text: str, names: Iterable[str] = (), robots: Iterable[str] = ()) -> int:
+    """Return how many steps a text commands; 0 if it is no command."""
     if _TELLS_OF_ROBOT.match(text):
-        return False
-    return parse(text, list(names), list(robots), frozenset(Op), remarks=False).intent is Intent.COMMAND
+        return 0
+    understood = parse(text, list(names), list(robots), frozenset(Op), remarks=False)
+    return len(understood.plan.steps) if understood.intent is Intent.COMMAND else 0
 
 
 def _warns_besides(text: str, stopping: StoppingClauses) -> bool:
-    """Return whether a clause that stops is not a command by itself; the grammar would drop it as a remark."""
-    return any(not _BOUND_STOP.search(clause) and not _is_command(clause, (), ()) for clause in stopping(text))
+    """Return whether a clause that stops is not a part of the command; the grammar would drop it as a remark."""
+    return any(
+        not (_BOUND_STOP.search(clause) or _steps(clause) or _adds_step(text, clause)) for clause in stopping(text)
+    )
+
+
+def _adds_step(text: str, clause: str) -> bool:
+    """Return whether a clause is a step after the clauses before it: "turn around, take a photo of what's behind
+    you"."""
+    at = text.find(clause)
+    return at > 0 and _steps(text[: at + len(clause)]) > _steps(text[:at]) > 0

@@ -16,6 +16,7 @@ from agentrob.language.addressing import only_joint
 from agentrob.language.locales.zh_loan_words import in_chinese
 from agentrob.language.registry import known
 from agentrob.language.stop import words_en as en
+from agentrob.language.stop import words_other as other
 from agentrob.language.stop import words_zh as zh
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.stop.in_command import is_bound_in_command
@@ -91,6 +92,8 @@ def _plain(text: str) -> str:
 def _stops(clause: str, end: str) -> bool:
     words = _WORD.findall(clause)
     shouted = any(mark in end for mark in "!！")
+    if other.STOP.search(clause):
+        return True
     return bool(words and _stops_en(words, clause, shouted)) or any(
         _stops_zh(run, shouted) for said in {clause, in_chinese(clause)} for run in _HAN_RUN.findall(said)
     )

@@ -26,12 +26,19 @@ _MOTION = (
 )
 #: What it must not run into, or over.
 _THING = (
-    "baby|bag|bike|bottle|box|boy|cables?|car|cat|chair|child|children|cliff|coffee|computer|cord|couch|cup"
-    "|curb|desk|dog|door|drop|edge|feet|fence|fingers?|foot|girl|glass|guy|hands?|head|hole|kids?|ladder|lady"
-    "|lamp|laptop|ledge|legs?|man|mirror|monitor|obstacle|people|person|pillar|plant|pole|puddle|puppy|ramp"
-    "|rope|shelf|sofa|somebody|someone|staircase|stairs?|steps|table|toddler|toes?|tv|vase|wall|water"
+    "bab(?:y|ies)|bag|bike|bottle|box|boys?|cables?|car|cats?|chair|child|children|cliff|coffee|computer|cord|couch"
+    "|cup|curb|desk|dogs?|door|drop|edge|feet|fence|fingers?|foot|girls?|glass|guy|hands?|head|hole|kids?|ladder"
+    "|lady|lamp|laptop|ledge|legs?|man|mirror|monitor|obstacles?|people|person|pillar|plant|pole|puddle|pupp(?:y|ies)"
+    "|ramp|rope|shelf|sofa|somebody|someone|staircase|stairs?|steps|table|toddlers?|toes?|tv|vase|wall|water"
     "|wheelchair|window|wires?|woman"
 )
+#: Whom it must not hurt.
+_LIVING = (
+    "bab(?:y|ies)|boys?|cats?|child|children|daughter|dogs?|girls?|grandma|kids?|kitten|people|person|pupp(?:y|ies)"
+    "|somebody|someone|son|toddlers?"
+)
+#: Parts of people and animals.
+_LIMB = "arm|feet|fingers?|foot|hands?|legs?|paws?|tail|toes?"
 _HARM = (
     "break|breaking|bump|bumping|burn|burning|collide|colliding|crash|crashes|crashing|crush|crushing|damage"
     "|destroy|drive into|driving into|drop|dropping|explode|fall|falling|falls|flip over|get (?:hurt|stuck)"
@@ -81,6 +88,7 @@ IDIOM = any_of(
     enough (?:already|now|is enough|of|please|thanks|thank you|walking|moving|turning|with)
     that(?:'ll| will) do
     (?<!ms )(?<!second )(?<!seconds )(?<!minute )(?<!a )(?<!the )time[ -]?out(?! of| timer| value| in)|break off
+    pull over|^off (?:the|my|our|his|her) \\w+$
     red light(?! green)|let go|give up|down boy|leave (?:it|him|her|me) (?:be|alone|there)
     (?:easy|steady) (?:there|boy|girl|now|does it|tiger|buddy|on)|slow(?:er)? down|slow it down
     (?:take|have) a (?:break|rest)|give it a rest|let it (?:be|rest)|hit the (?:brakes?|breaks?)|slam the
@@ -95,6 +103,7 @@ IDIOM = any_of(
     (?:be|get it|get him|get her|want it|wants?|needs?) stopped|put (?:an end|a stop) to
     give (?:me|us) (?:a|one) (?:sec|second|moment|minute|min)
     too (?:far|close|fast|near|quick|dangerous|risky|rough|wild)|hands off|no no|nope nope|(?:nono)+(?:no)?|nah nah
+    (?:i'd|i would|we'd|we would) rather (?:you|it|he|she) (?:didn't|did not|don't|wouldn't)
     wrong (?:way|direction|side|robot|room|turn)|do nothing|nobody move|stationary
     i (?:said|meant) (?:no|enough)|come back here|that's (?:as )?far
     """,
@@ -109,6 +118,11 @@ IDIOM = any_of(
     thing=_THING,
 )
 WAIT = any_of("wait")
+#: Words before a stop or a warning that do not change it.
+_LEAD = (
+    "all|alright|and|boy|bro|buddy|dog|dude|everybody|everyone|god|guys|hey|hm+|just|man|no|now|oh|ok|okay|omg"
+    "|please|right|robot|so|sorry|uh|um|well|yo"
+)
 #: A danger that is named.
 WARNING = any_of(
     """
@@ -126,10 +140,17 @@ WARNING = any_of(
     (?:going|goes|heading|heads|walking|walks|running|rolling|sliding|leaning
         driving) (?:right |straight )?(?:off|over|towards?|for|into) the (?:<thing>|\\w+ (?:stairs|edge))
     it's (?:going|heading) (?:for|into|at) (?:the|my|a)|dragging|tangled|wobbl\\w+|teetering|caught (?:on|in)
+    (?:is|are|got|gets|it's|i'm|you're) (?:\\w+ )?(?:caught|trapped|jammed|pinned|pinched|wedged)|limping|staggering
+    smell\\w* (?:\\w+ ){0,2}(?:burn\\w*|smoke|gas)|burn(?:t|ing) smell|code red|oops|whoops
+    (?:making|makes|made|hear) (?:a |an |some )?(?:weird|strange|odd|horrible|awful|bad|grinding) (?:noise|sound)s?
+    (?:it|he|she|robot|dog|you|thing) (?:doesn't|don't|won't|isn't|aren't|does not|is not) (?:listen|respond|obey)\\w*
     chewing|knocked over
     falling|tipping over|tripping over|collision|toppling|crashing
     (?:there's|there is|there are|i see|it's|is|are) (?:\\w+ ){0,3}<thing> (?:\\w+ )?<where>
-    (?:<thing>|something) (?:is |are |just |right )*<where>
+    (?:<thing>|something)(?:'s)? (?:is |are |just |right )*<where>
+    ^(?:(?:<lead>) )*(?:there's|there is|there are|i see|here comes?) (?:\\w+ ){0,2}<thing>(?: (?:here|there|now|too))*$
+    (?:<living>)(?:'s| is| are) (?:\\w+ ){0,2}(?:there|here|inside|close|nearby)
+    (?:you're|you are|it's|it is|is|standing) (?:\\w+ )?on (?:my|his|her|our|their|someone's|the \\w+'s) <limb>
     in (?:the|its|your|his|her|my|our) (?:way|path)|(?:behind|in front of|right next to) you
     out of control|off course|(?:gone|going|went|goes) (?:crazy|mad|wild|haywire|berserk)|malfunction\\w*|haywire
     (?:is|got|it's|am|i'm|gets) stuck|it hurts|hurts|hurting|(?:somebody|someone|please|god) help
@@ -139,15 +160,14 @@ WARNING = any_of(
     """,
     harm=_HARM,
     thing=_THING,
+    living=_LIVING,
+    limb=_LIMB,
+    lead=_LEAD,
     where=("in front|on the|behind|ahead|under|near|next to|coming|crossing|beside|running|walking|in the way|lying"),
 )
 #: A warning, but praise of one that is.
 CAREFUL = any_of("careful|cautious")
 #: Clauses that are a stop when they are nothing else.
-_LEAD = (
-    "all|alright|and|boy|bro|buddy|dog|dude|everybody|everyone|god|guys|hey|hm+|just|man|no|now|oh|ok|okay|omg"
-    "|please|right|robot|so|sorry|uh|um|well|yo"
-)
 _TAIL = (
     "a bit|a sec|already|asap|boy|bro|buddy|dog|dude|everybody|everyone|for now|girl|guys|here|immediately|it"
     "|man|no|now|omg|please|quick|quickly|right now|robot|thank you|thanks|then|there|you"
@@ -275,10 +295,12 @@ NO_WARNING = any_of(
     (?:smoking|crash|fire|blood|emergency) (?:hot|test|tests|course|truck|type|area|exit|contact|number)
     (?:love|like|nice|cool|great) .{0,30}<harm>|fall (?:asleep|in love|for|season|term|semester)
     falling (?:asleep|in love)
+    no (?:\w+ )?<thing>
     i'm not (?:scared|afraid)|not (?:scared|afraid|scary)|don't be (?:scared|afraid)
     (?:hits?|hitting) (?:the spot|different)
     """,
     harm=_HARM + "|hurt|fell|stuck|falling|fire|smoke",
+    thing=_THING,
     danger="danger|dangerous|hazard|risk|accident|emergency",
 )
 _FILLED = (
@@ -302,7 +324,7 @@ ASKED = any_of(
     (?:why|when) (?:don't|do not|won't|doesn't|isn't|aren't|can't|wouldn't)|(?:how|what) about
     (?:why|how) (?:is|are|does|do|did|has) (?:it|he|she|you|this|that|the \w+) (?:still |just )?(?:not|still)
     can (?:someone|somebody|anyone|we|you)|(?:will|would|could) (?:you|we|someone|somebody|anyone)|do you mind
-    when (?:will|are|do) you|what the (?:hell|heck|fuck)|isn't that|is there (?:a|any) way
+    when (?:will|are|do) you|what the (?:hell|heck|fuck)|isn't that|is there (?:a|any) way|have a (?:break|rest)
     """
 )
 #: The word right before the stop in a real question; "what are you doing stop" is none.
