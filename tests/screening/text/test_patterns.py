@@ -33,7 +33,7 @@ def _every() -> Iterator[Phrases]:
             yield from (phrases for _, phrases, _ in harm.phrases_of(rule, prefix))
     for said in described_hazards._patterns().values():
         yield from said._phrases
-    yield from side_remarks._phrases()
+    yield from side_remarks._phrases().every
 
 
 @cache

@@ -38,6 +38,8 @@ def rule_of(remark: str) -> str | None:
         "我跟男朋友异地三年",
         "this is for the physics class",
         "the tea is ready",
+        "my students are watching the stream right now",
+        "my colleagues are following along",
         "to each their own",
         "he's my grandson",
         "我就是来看狗的",
@@ -188,3 +190,60 @@ def test_a_long_clause_about_others_is_asked_about_however_harmless_it_begins() 
 )
 def test_what_is_elsewhere_is_masked_and_the_rest_of_the_clause_stays(elsewhere: str, remains: str) -> None:
     assert masked(elsewhere) == remains
+
+
+AT_THE_ROBOT = """
+I'm holding your leg|I am touching you|I'm leaning on you|we're sitting on you|I'm standing next to you
+I'm kneeling beside you|I'm about to step over the robot|we walk behind you
+I'm still fixing your leg|I'm working on your motor|I'm carrying you|I've got you in my arms|we are standing around you
+I tied a rope to you|I tied you up|I chained you to the radiator|I unscrewed your leg|I removed your battery cover
+it is under you|the rope is tied to your leg|something is stuck between your legs|I smell gas
+I'm coming to you|we are running towards you|I'm crossing in front of you|you're upside down
+我正在修你|我在给你换电池|我给你系了根绳子|我向你走过去|我扶着你
+"""
+AT_ITS_FEET = """
+I dropped my phone in front of you|I lost my ring on the floor|there are cables everywhere
+the kids left their shoes all over the hallway|some screws are lying around|there's lego all over the floor
+地上全是乐高|地上都是线|小心我的脚|停止按钮坏了|你的摄像头被挡住了|我蒙住了你的眼睛|灯关了|我看不见你|我们在船上
+"""
+NOT_AT_THE_ROBOT = """
+I'm proud of you|I'm filming you|I'm looking at you|I'm waiting for you|I'm with you|I'm at home|I'm in bed with a cold
+I'm sitting on the sofa watching you|I'm holding my coffee and watching you|I'm standing in line at the bakery
+I dropped my ice cream today|I left my umbrella at work|there are robots everywhere these days
+我看着你|我在家|我在拍你|我为你骄傲
+"""
+
+
+@pytest.mark.parametrize("remark", [r for line in AT_THE_ROBOT.strip().splitlines() for r in line.split("|")])
+def test_law_7_it_does_not_move_before_who_writes_of_touching_it_has_said_that_it_is_harmless(remark: str) -> None:
+    assert rule_of(remark) in (RULE, "way.somebody")
+
+
+@pytest.mark.parametrize("remark", [r for line in AT_ITS_FEET.strip().splitlines() for r in line.split("|")])
+def test_law_7_things_on_the_floor_and_covered_sensors_are_asked_about(remark: str) -> None:
+    assert rule_of(remark) in (RULE, "way.thing", "way.something")
+
+
+@pytest.mark.parametrize("remark", [r for line in NOT_AT_THE_ROBOT.strip().splitlines() for r in line.split("|")])
+def test_what_people_say_of_themselves_elsewhere_passes(remark: str) -> None:
+    assert rule_of(remark) is None
+
+
+@pytest.mark.parametrize(
+    ("remark", "step", "passes"),
+    [
+        ("I'm under you", Primitive(Op.SIT), False),
+        ("I'm holding your paw", Primitive(Op.HELLO), False),
+        ("my son is petting you", Primitive(Op.HEART), False),
+        ("我正抱着你", Primitive(Op.HELLO), False),
+        ("I'm standing in front of you", Primitive(Op.HELLO), True),
+        ("we are right next to you", Primitive(Op.GET_FRONT_IMAGE), True),
+        ("I'm holding your leg", Primitive(Op.GET_FRONT_IMAGE), True),
+    ],
+)
+def test_a_gesture_waits_for_who_touches_the_robot_and_a_photo_for_nobody(
+    remark: str, step: Primitive, passes: bool
+) -> None:
+    plan, language = Plan((step,)), language_of(remark)
+    found = hazard_in_path(remark, plan, language) or doubtful_remark(remark, plan, language)
+    assert (found is None) is passes

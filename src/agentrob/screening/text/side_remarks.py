@@ -1,15 +1,16 @@
 """Ask about statements beside a command that may change its meaning: "He does not know the camera is on. Take a photo."
 
 The grammar ignores talk, and no list of words can interpret all of it. So statements about other people, animals,
-heights, slippery floors, protections, somebody's identity, or what the robot carries make the robot ask back once: it
-does less, never more. Talk about anything else ("I love robots!", "there is a door on your left") is ignored, and so is
-what is said to be elsewhere ("the cat is in another room").
+somebody at the robot, heights, slippery floors, protections, somebody's identity, or what the robot carries make the
+robot ask back once: it does less, never more. Talk about anything else ("I love robots!", "there is a door on your
+left") is ignored, and so is what is said to be elsewhere ("the cat is in another room").
 """
 
 from __future__ import annotations
 
 import re
 from functools import cache
+from typing import NamedTuple
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.registry import locale
@@ -20,6 +21,7 @@ from agentrob.screening.text.elsewhere import masked
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.patterns import Phrases, Vocabulary
 from agentrob.screening.text.words import en as words_en
+from agentrob.screening.text.words import writer
 from agentrob.screening.text.words import zh as words_zh
 
 RULE = "beside.said"
@@ -40,8 +42,11 @@ _EN = (
     r"(?:put|placed|set|sat|left|positioned|brought|lifted|carried) you",
     r"\bsteps? (?:down|up)\b(?!stairs)",
     # Things that somebody left where the robot may walk.
-    r"(?:put|left|placed|dropped|parked|laid|hung) (?:\w+ ){1,4}?(?:there|in the (?:middle|way|hall\w*"
-    r"|corner|doorway))",
+    r"(?:put|left|placed|dropped|lost|threw|knocked|parked|laid|hung) (?:\w+ ){1,4}?(?:there|everywhere|in front of you"
+    r"|(?:on|all over|across) the (?:floor|ground|carpet|rug|hall\w*)|in the (?:middle|way|hall\w*|corner|doorway))",
+    r"(?:cables?|cords?|wires?|leads|lego\w*|toys?|clothes|shoes?|socks|screws|nails|tools?|marbles?|box(?:es)?|bags?"
+    r"|books|bottles?|glasses|stuff|things)(?: \w+){0,2}? "
+    r"(?:everywhere|all over|lying (?:around|about|here)|scattered|strewn)",
     r"(?<!make )(?<!work )(?<!inch )your way|your path|<protection>|stop (?:command|button|post)s?",
     r"<authority>|\w*programmed|hacked|obey\w*|apply|applies|test (?:area|account|zone)|rules?|firmware|permission"
     r"|authori[sz]ed|allowed|in charge|orders?|rights|clearance|password",
@@ -51,7 +56,8 @@ _EN = (
     r"|danger\w*|risk\w*|accident|blood|police|enem\w+|victims?"
     r"|thie(?:f|ves)|intruders?|hostage",
     # The floor, people who rest, and the robot's body with what it carries.
-    r"slick|greasy|oily|muddy|frozen|polished|waxed|spilled|spilt|covered in|mopped|asleep|sleep(?:s|ing)?|naps?"
+    r"gas(?! (?:station|mask|price\w*))|slick|greasy"
+    r"|oily|muddy|frozen|polished|waxed|spilled|spilt|covered in|mopped|asleep|sleep(?:s|ing)?|naps?"
     r"|napping|oil(?! paint)|grease|soap|ice(?! cream)|boiling|burning|lit|petrol|gasoline|acid|kettle"
     r"|knife|knives|scissors|razor",
     r"(?:on|onto|off|from|across|around|over) (?:your|its|the robot's|the dog's)(?: \w+)? (?:back|head|arms?"
@@ -68,6 +74,9 @@ _ZH = (
     r"把你(?:放|搁|摆|搬|抱|举|留)",
     r"<protection>|<authority>|权限|授权|命令|口令|负责",
     r"你(?:的)?[^，。,.]{0,3}?(?:背|身|头|肩|脖子|手|腿|尾巴)(?:上|里|边)|在你[^，。,.]{0,4}?(?:上|里)",
+    r"停止?(?:按钮|键|开关)|急停|遥控器|小心(?:我|他|她|孩子)们?的?(?:脚|手|腿|头)|看不[见到]你|[灯光]都?(?:关|灭|坏)了?",
+    r"地上?(?:都|全|到处)(?:是|有)|到处(?:都)?是|在(?:船|车|火车|电梯|卡车)(?:上|里)|蒙[住着]",
+    r"(?:摄像头|镜头|传感器|雷达|眼睛)[^，。,]{0,3}?(?:挡|遮|盖|蒙|坏|脏)",
     r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
     r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
     r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油"
@@ -105,6 +114,9 @@ _UNRELATED = re.compile(
     r"|named (?:you|this robot)|reads? this|(?:is|are) (?:so |very )?(?:proud|happy|excited|thrilled|curious|impressed"
     r"|jealous)|was (?:running )?late|missed the (?:bus|train|stream|show)|voted for this|went (?:left|right|home))\b"
     r"|\b(?:greetings|hello|hi|wish|wishes|thanks|love|regards) (?:from|to) [\w' ]+$"
+    rf"|\b{_SOMEBODY} (?:is|are) (?:all |also |still |just )*(?:watching|following|reading|enjoying)"
+    r" (?:along|(?:the|this|your) (?:live ?)?(?:stream|video|thread|forum|demo|show))"
+    r"(?: (?:right now|live|today|from home))*$"
     r"|\bthan (?:my|our|any|a) [\w']+$|\b(?:print|send|frame|save|record) (?:it|this|that) for (?:my|our|his"
     r"|her) [\w']+$"
     r"|\b(?:show|send|print|give|forward|mail|frame) (?:it|this|that|these|them) to (?:my|our|his|her|the) [\w']+"
@@ -167,29 +179,39 @@ _CARE = re.compile(
     r"(?: \w+){0,2}? ?(?:hit|touch|bump|step|hurt|scare|frighten|crash|break|run|knock|push|harm|disturb|wake"
     r"|collid)\w*"
     r"|be careful|mind|watch out)\b|^(?:so )?that (?:nobody|no one)(?: else)? (?:trips|stumbles|falls|slips)$"
-    r"|^(?:请|但|千万)*(?:小心|注意|当心|避免|(?:不要|别|不能"
+    r"|^(?:请|但|千万)*(?:小心(?!(?:我|他|她|孩子)们?的?(?:脚|手|腿|头))|注意|当心|避免|(?:不要|别|不能"
     r"|不许)[^,，。]{0,3}?[撞碰踩伤吓摔掉打推])"
 )
 
 
 def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None:
     """Return a question if a statement beside the command may change its meaning, or None."""
-    if all(step.operation.harmless for step in plan.steps):
+    about_people, about_more = _topics(plan)
+    if not about_more:
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
-        if commanded(clause.said) or _ACTION.search(clause.said) or _CARE.search(clause.said):
+        goes = commanded(clause.said) and not any(near.search(clause.said) for near in _phrases().near)
+        if goes or _ACTION.search(clause.said) or _CARE.search(clause.said):
             continue
-        myself, *topics = _phrases()
         said = _UNRELATED.sub(" ", _AUDIENCE.sub(" ", _KIND.sub(" ", clause.said)))
-        said = myself.sub(" ", said)
+        said = _phrases().myself.sub(" ", said)
+        topics = (*about_people, *about_more)
         if not any(topic.search(said) for topic in topics) or placed(clause.said):
             continue
         about_others = _WHERE.search(clause.said) or _CONSENT.search(clause.said)
         harmless = not about_others and locale(language).harmless(clause.said) >= Confidence.LIKELY
-        heard = topics[2:] if harmless else topics
+        heard = about_more if harmless else topics
         if len(said) > _LONGEST or any(topic.search(masked(said)) for topic in heard):
             return Verdict(Decision.ASK_BACK, RULE, say(RULE, language, words=quote(clause.said)))
     return None
+
+
+def _topics(plan: Plan) -> tuple[tuple[Phrases, ...], tuple[Phrases, ...]]:
+    """Return the topics to ask about beside a plan: those that do not count in a harmless sentence, and the others."""
+    known = _phrases()
+    if all(step.operation.harmless for step in plan.steps):
+        return (), known.contact if plan.moves else ()
+    return known.others, (*known.more, *((*known.contact, *known.near) if plan.moves else ()))
 
 
 #: Where somebody is, what they do just now and what they leave behind: that may be on the robot's way.
@@ -230,15 +252,33 @@ _CONSENT = re.compile(
 _LONGEST = 200
 
 
+class _Known(NamedTuple):
+    """The patterns of each topic."""
+
+    myself: Phrases
+    others: tuple[Phrases, ...]
+    more: tuple[Phrases, ...]
+    contact: tuple[Phrases, ...]
+    near: tuple[Phrases, ...]
+
+    @property
+    def every(self) -> tuple[Phrases, ...]:
+        return self.myself, *self.others, *self.more, *self.contact, *self.near
+
+
 @cache
-def _phrases() -> tuple[Phrases, ...]:
-    """Return the patterns of personal introductions, of other people, and of the other topics to ask about."""
+def _phrases() -> _Known:
     both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
-    others = Phrases(ENGLISH, _OTHERS_EN), Phrases(CHINESE, _OTHERS_ZH)
-    return Phrases(both, _MYSELF), *others, Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)
+    return _Known(
+        Phrases(both, _MYSELF),
+        (Phrases(ENGLISH, _OTHERS_EN), Phrases(CHINESE, _OTHERS_ZH)),
+        (Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)),
+        (Phrases(ENGLISH, writer.CONTACT_EN), Phrases(CHINESE, writer.CONTACT_ZH)),
+        (Phrases(ENGLISH, writer.NEAR_EN), Phrases(CHINESE, writer.NEAR_ZH)),
+    )
 
 
 def prepare() -> None:
     """Compile all patterns in advance."""
-    for phrases in _phrases():
+    for phrases in _phrases().every:
         phrases.prepare()

@@ -561,8 +561,10 @@ RULES: dict[str, tuple[str, ...]] = {
 #: Who or what is where, for `agentrob.screening.text.described_hazards`.
 PLACES: dict[str, tuple[str, ...]] = {
     "somebody": (
-        r"<other>|(?:i am|i'm|we are|we're) (?:standing|sitting|lying|kneeling|asleep|right|just|in front|behind"
-        r"|ahead|before|next|on your|to your|at your|\d)|somebody|someone|he|she|they|he's|she's|they're|people"
+        r"<other>|(?:i am|i'm|we are|we're) (?:still |now |all )*(?:standing|sitting|lying|kneeling|crouching|crawling"
+        r"|hiding|riding|asleep|right|just|in front|behind|under|beneath|underneath|below|inside|between|on top|on your"
+        r"|ahead|before|next|to your|at your|\d)|(?:i|we) (?:stand|sit|lie|kneel|crouch|crawl|hide)"
+        r"|somebody|someone|he|she|they|he's|she's|they're|people"
         r"|kids|children|me|us|myself",
     ),
     "drop": (
