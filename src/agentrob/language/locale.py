@@ -46,6 +46,8 @@ class Locale:
     looking: "I look at it".
     `prohibits` matches the beginning of a prohibition ("do not"), and `reassures` those that limit no command: wishes,
     and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it").
+    A walk in the words of one of these is asked about: `circular` matches what is said of turns only ("clockwise"),
+    `some_side` a side that may be the left or the right one, `pointing` where somebody points ("that way").
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -87,6 +89,9 @@ class Locale:
     looks: str = ""
     prohibits: str = "(?!)"
     reassures: str = "(?!)"
+    circular: str = "(?!)"
+    some_side: str = "(?!)"
+    pointing: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"

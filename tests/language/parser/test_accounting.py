@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from agentrob.language.parser.grammar import parse
+from agentrob.language.remarks.verbs import VERBS
 from agentrob.model import Intent
 from tests.language.parser import generated_posts
 from tests.language.parser.generated_posts import merged
@@ -32,6 +33,14 @@ DONE = {
     "walk forward 1 m and never forget to wave": "F1 hello",
     "可以拍张照片给我看看吗？": "photo",
     "往前走一米，让我看看": "F1 photo",
+    "走一米，顺便拍个照": "F1 photo",
+    "走一米顺带打个招呼": "F1 hello",
+    "坐下再起来吧": "sit stand",
+    "can't you wave": "hello",
+    "walk 2 m and tell us how far you really went": "F2",
+    "turn left 90 degrees and report the measured angle": "l90",
+    "repeat the following twice: forward 50 cm, wave": "F0.5 hello F0.5 hello",
+    "won't you walk forward 1 m and wave": "F1 hello",
 }
 
 
@@ -53,6 +62,8 @@ ASKED = {
     "turn left, let me know when you're done": "let me know when you're done",
     "patrol the room and report": "report",
     "turn left and report": "report",
+    "wave at sunrise": "wave at sunrise",
+    "turn left not quite 90 degrees": "not quite",
     "walk 1 m and help": "help",
     "turn left and what do you see": "what do you see",
     "Turn left. What do you see?": "What do you see",
@@ -86,7 +97,27 @@ def test_law_18_a_clause_that_is_not_understood_is_quoted_and_nothing_moves(text
     assert not understood.plan.steps
 
 
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_law_18_an_order_beside_a_walk_is_never_swallowed_whatever_its_verb(verb: str) -> None:
+    understood = read(f"walk forward 1 m. {verb} the box.")
+    denied = any("Not done, as you said" in note for note in understood.plan.notes)
+    assert understood.intent is Intent.ASK_BACK or len(understood.plan.steps) > 1 or denied, understood.plan.notes
+
+
+WITH_HAVE = """
+have a rest|have a turn left|have a walk|have a look around|have a good look around|have the box|have a drink
+"""
+
+
+@pytest.mark.parametrize("order", WITH_HAVE.strip().split("|"))
+def test_law_18_an_order_that_begins_with_have_is_no_remark(order: str) -> None:
+    understood = read(f"walk forward 1 m and {order}")
+    assert understood.intent is Intent.ASK_BACK, understood.plan.notes
+
+
 LEFT_OUT = {
+    "walk forward 1 m and have a nice day": "have a nice day",
+    "walk forward 1 m and have fun": "have fun",
     "I'm bored. Walk forward 1 m.": "I'm bored",
     "walk forward 1 m, i will watch": "i will watch",
     "turn left so i can see the door": "i can see the door",

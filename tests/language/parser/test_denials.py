@@ -50,12 +50,35 @@ LIMITED = """
 walk forward 2 m but do not go the whole way|turn left but don't turn past the door|walk 1 m, do not swing wide
 wave but don't raise your paw all the way|turn around but never face the window|walk 1 m but don't leave the carpet
 go forward 1 m, never cross the red line|wave but do not leave your spot
+walk 1 m, avoid the carpet|wave but avoid the vase|walk forward 2 m, avoiding the stairs
 转身，但别转到底|挥挥手，别举过头|前进两米，不要走满|前进两米，但不许踩线|左转，别转过墙角|向前一米，别出地毯
 """
 ELSEWHERE = """
 take a photo of the cup from above|take a photo from the other side|take a picture of the room from the corner
 show me the view from the window|walk 1 m and take a photo from below
 """
+#: What a camera that looks ahead does not show, and the command that is offered instead.
+ASIDE = {
+    "take a look to your left": "turn left 90 degrees, then take a photo",
+    "have a quick look to the right": "turn right 90 degrees, then take a photo",
+    "have a look behind you": "turn left 180 degrees, then take a photo",
+    "take a photo of your left side": "turn left 90 degrees, then take a photo",
+    "take a picture of what is behind you": "turn left 180 degrees, then take a photo",
+    "walk 1 m and have a look to your left": "walk forward 1 m, then turn left 90 degrees, then take a photo",
+    "turn right and take a photo of what's on your left": "turn right 90 degrees, then turn left 90 degrees, then take",
+    "拍一下你身后": "向左转180度，然后拍张照",
+}
+IN_VIEW = {
+    "have a look": "photo",
+    "have a look at the door": "photo",
+    "walk 1 m and take a good look at the shelf": "F1 photo",
+    "take a photo of what's ahead of you": "photo",
+    "take a photo of the back of the box": "photo",
+    "take a picture of the people on the left side of the table": "photo",
+    "turn around and take a photo of what's behind you": "l180 photo",
+    "turn left and take a photo of what's on your left": "l90 photo",
+    "转身拍一下你身后": "l180 photo",
+}
 
 
 @pytest.mark.parametrize("text", [t for line in CONTRADICTED.strip().splitlines() for t in line.split("|")])
@@ -89,3 +112,15 @@ def test_law_18_a_photo_from_another_place_is_asked_back(text: str) -> None:
 @pytest.mark.parametrize("place", ["here", "where you stand", "your camera", "this angle", "your position"])
 def test_a_photo_from_where_the_robot_is_is_taken(place: str) -> None:
     assert short(read(f"take a photo from {place}").plan) == short(read("take a photo").plan)
+
+
+@pytest.mark.parametrize(("text", "offer"), ASIDE.items())
+def test_law_18_a_photo_of_another_side_is_asked_back_with_the_turn_before_it(text: str, offer: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK, short(understood.plan)
+    assert f"`{offer}" in understood.question
+
+
+@pytest.mark.parametrize(("text", "plan"), IN_VIEW.items())
+def test_a_photo_of_what_the_robot_faces_is_taken(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan

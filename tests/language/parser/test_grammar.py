@@ -113,7 +113,12 @@ COMMANDS = [
     ("sit down, stand up, stretch, make a heart, do a backflip", "sit stand stretch heart backflip"),
     ("don't turn, just go back one metre", "B1"),
     ("walk forward 2 m and stop", "F2"),
-    ("take a photo of the wall to your left", "photo"),
+    ("take a photo of the wall in front of you", "photo"),
+    ("walk a third of a metre", "F0.3333"),
+    ("walk two thirds of a metre", "F0.6667"),
+    ("walk a tenth of a metre back", "B0.1"),
+    ("turn a third of a circle to the left", "l120"),
+    ("first wave, second sit, third turn left 30 degrees", "hello sit l30"),
     ("show me what you see", "photo"),
     ("I'm bored. Walk forward 1 m.", "F1"),
     ("I want you to walk forward 1 m", "F1"),
@@ -357,6 +362,50 @@ def test_a_thing_on_the_way_is_no_hesitation_and_no_word_of_motion(frame: str) -
 def test_the_dog_that_one_walks_to_is_not_the_one_that_is_called(where: str) -> None:
     assert read(f"walk {where} the dog 2 m").intent is Intent.ASK_BACK
     assert short(read("ok dog, walk 2 m").plan) == "F2"
+
+
+#: Walks whose words leave open where they go, and what is asked or offered.
+UNCLEAR_WAYS = {
+    "walk 1 m to the side": "`walk left 1 m`",
+    "step 30 cm to your side": "`walk left 0.3 m`",
+    "walk 1 m sideways": "`walk left 1 m`",
+    "walk 1 m that way": "`walk 1 m that way`",
+    "go 2 m in this direction": "`go 2 m in this direction`",
+    "walk over there 2 m": "`walk over there 2 m`",
+    "wave and walk 1 m over there": "`and walk 1 m over there`",
+    "walk 1 m clockwise": "`walk 1 m clockwise`",
+    "walk 1 m ccw": "`walk 1 m ccw`",
+    "往那边走一米": "`往那边走一米`",
+    "走一米到那边": "`走一米到那边`",
+    "往边上走一米": "`向左走1米`",
+    "左右走一米": "`左右走一米`",
+    "逆时针走一米": "`逆时针走一米`",
+    "往上走一米": "`往上走一米`",
+    "上下走一米": "`上下走一米`",
+}
+CLEAR_WAYS = {
+    "move one metre on your left": "L1",
+    "walk 1 m on the right": "R1",
+    "turn left and walk 1 m in that direction": "l90 F1",
+    "go another three meters in that direction": "F3",
+    "turn clockwise and walk 1 m": "r90 F1",
+    "step sideways to the left 30 cm": "L0.3",
+    "走一米左右": "F1",
+    "顺时针转半圈再走一米": "r180 F1",
+    "从这里往前走一米": "F1",
+}
+
+
+@pytest.mark.parametrize(("text", "words"), UNCLEAR_WAYS.items())
+def test_law_18_a_walk_whose_way_is_unclear_is_asked_about(text: str, words: str) -> None:
+    understood = read(text)
+    assert understood.intent is Intent.ASK_BACK, short(understood.plan)
+    assert words in understood.question
+
+
+@pytest.mark.parametrize(("text", "plan"), CLEAR_WAYS.items())
+def test_a_walk_whose_way_is_clear_is_done(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan
 
 
 def test_places_are_recognised_as_what_needs_eyes() -> None:

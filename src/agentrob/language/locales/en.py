@@ -423,6 +423,7 @@ TABLE = {
         |would you be able to|would you be so kind as to|would you be kind enough to|be so nice and
         |be so good and|be nice and|be a good sport and|would you like to|do you want to|wanna|i'm asking you to
         |let's see you|let me see you|can you just|could you just|could you maybe|could you possibly|can you maybe
+        |can't you|couldn't you|won't you|wouldn't you|cant you|wont you
         |go and|i command you to|i order you to|i hereby command you to|your job is to|you are to|you're to
         |i instruct you to|you shall|be sure and|see if you can|could you kindly|can you kindly|would you kindly
         |i beg you to|please do|just go and|get the robot to|ask the robot to|make the robot|let the robot|get it to
@@ -461,12 +462,13 @@ TABLE = {
         |could you explain""",
     "talk=question": """what|what's|how|how's|do you|did you|did we|did it|do we|do i|who|who's|why|where|where's|which
         |can i|can you see|can you describe|can you detect|can you locate|can you hear|can you fit|can you get
+        |can't you see|couldn't you see|can't you hear
         |can you manipulate|can you go through|could i|should i|should we|should you|may i|have you|have we|are you
         |is it|is there|is that|is this|are there|was it|was that|was there|what if|are there any|could you see
         |could you describe|can you identify|can you recognize|can you read|can you move through|can you count
         |can you find out|does it|do they|does the|is the|are the|were there|has it""",
     "talk_start=question": "is|are|was|were|does|did|has",
-    "talk_start": "had|have|am|would|will|should|these|those|his|her|their|to recap|earlier",
+    "talk_start": "had|am|would|will|should|these|those|his|her|their|to recap|earlier",
     "report": """wrote|says|writes|suggested|suggests|claimed|claims|thinks|thought|yesterday|walked|moved|went|turned
         |rotated|ran|earlier today|last time|last week|last night|ago|told|said|asked|was told|has moved|has walked
         |previously|back then""",
@@ -600,7 +602,7 @@ TABLE = {
         |do the following:|do this:|do this for me:|be a good dog and|be a good robot and|be a good boy and|do as i say:
         |the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely|fully|all the way
         |entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|yourself|me|us|you|my|our
-        |it|that|this|at|by|for|on the spot|in place|on your left|mhm|ah|oh|or thereabouts|would ya|will ya
+        |it|that|this|at|by|for|on the spot|in place|mhm|ah|oh|or thereabouts|would ya|will ya
         |would you please|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah|yep|yup|sure
         |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
         |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|lovely|brilliant
@@ -729,7 +731,30 @@ TABLE["condition"] += "".join(
     for times in ("twice", "three times", "four times", "half", "two times")
     for much in ("fast", "slow", "slowly", "quick", "quickly", "far", "much", "long", "high")
 )
+#: Looks at one thing or one side, as a picture shows them; a look around needs eyes.
+_LOOKS = tuple(
+    f"{have} a {kind}{look}"
+    for have in ("take", "have")
+    for kind in ("", "quick ", "good ", "brief ", "proper ", "little ", "long ")
+    for look in ("look", "peek", "glance", "gander")
+)
+TABLE["op=get_front_image of"] += "|" + "|".join(_LOOKS)
+TABLE["beyond=eyes"] += "".join(f"|{look} {around}" for look in _LOOKS for around in ("around", "round", "about"))
+#: "Have" begins a wish only with these words, else an order: "have a rest".
+TABLE["talk"] += "|have fun|have been|have never|have always|have had|have seen|have heard|have waited|have wanted"
+TABLE["talk"] += "".join(
+    f"|have a {good} {time}"
+    for good in ("nice", "good", "great", "lovely", "wonderful", "fantastic", "pleasant", "safe", "super", "happy")
+    for time in ("day", "morning", "afternoon", "evening", "night", "weekend", "week", "time", "one", "holiday", "trip")
+)
+#: Times that no schedule can name; "wave at" greets.
+_TIMES_OF_DAY = ("sunrise", "sunset", "dawn", "dusk", "night", "nightfall", "daybreak", "breakfast", "lunch",
+    "lunchtime", "dinner", "dinnertime", "teatime", "bedtime", "closing time", "the weekend",
+    "the end of the day")  # fmt: skip
+TABLE["condition"] += "".join(f"|at {time}" for time in _TIMES_OF_DAY)
+TABLE["op=hello condition"] = "|".join(f"wave at {time}" for time in _TIMES_OF_DAY)
 TABLE["condition"] += "|only if you can|only if you|only when you|only if"
+TABLE["condition"] += "|not quite|not exactly|not fully|not entirely|not completely|not all the way"
 #: For what somebody is thanked is done: nothing is asked.
 TABLE["talk"] += "".join(
     f"|{thanks} for {what}"
@@ -738,6 +763,29 @@ TABLE["talk"] += "".join(
     for what in ("the", "your", "all", "such", "being", "taking", "sending", "showing", "waving", "turning", "walking",
         "moving", "doing", "making", "helping", "a", "coming", "sitting", "sharing", "posting")
 )  # fmt: skip
+#: What the report says anyway.
+TABLE["soft"] += "".join(
+    f"|{tell} how far {you} {went}"
+    for tell in ("tell me", "tell us", "let me know", "let us know", "report", "say")
+    for you in ("you", "you really", "you actually", "it")
+    for went in ("went", "walked", "moved", "turned", "got", "came", "travelled")
+)
+TABLE["soft"] += "".join(
+    f"|{report} {measured} {what}"
+    for report in ("report", "tell me", "tell us", "post", "send me", "give me")
+    for measured in ("the measured", "the actual", "your measured")
+    for what in ("distance", "distances", "angle", "angles", "values", "result", "results", "error")
+)
+TABLE["soft"] += "".join(f"|{do} the following" for do in ("repeat", "do", "perform", "execute"))
+#: Parts of a unit: "two thirds of a metre".
+for _count, _many in ((1, "a "), (1, "an "), (1, "one "), (2, "two "), (3, "three ")):
+    for _parts, _part in ((3, "third"), (4, "fourth"), (5, "fifth"), (6, "sixth"), (8, "eighth"), (10, "tenth")):
+        _said = f"{_many}{_part}" + ("s" if _count > 1 else "")
+        _meaning = f"number={_count / _parts:.4f}"
+        TABLE[_meaning] = f"{TABLE.get(_meaning, '')}|{_said} of a|{_said} of an|{_said} of one"
+#: "Third" alone counts ("a third photo"), but not in "turn left by a third".
+TABLE["number=0.3333"] += "|by a third|by one third"
+TABLE["angle=120"] += "".join(f"|by {phrase.strip()}" for phrase in TABLE["angle=120"].split("|"))
 LEXICON = lexicon("en", TABLE, number, numerals=_WORDS)
 LOCALE = Locale(
     LEXICON,
@@ -765,7 +813,10 @@ LOCALE = Locale(
     begins=REMARKS.begins,
     open_end=REMARKS.open_end,
     never_where=REMARKS.never_where,
-    prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from)\b(?! been\b)"
+    circular=r"\b(?:(?:counter|anti)?[ -]?clock ?wise|c ?c ?w|cw)\b",
+    some_side=r"\b(?:to|on) (?:the|your|one|a|either|its) side\b",
+    pointing=r"\b(?:that|this) (?:way|direction)\b|\b(?:over|up|out|down) (?:there|here)\b|\bto (?:that|this) side\b",
+    prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from|avoid(?:ing)?)\b(?! been\b)"
     r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
     reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
         |judge|laugh|hurry|rush|stress|cry|get\ (?:mad|me\ wrong|hurt|scared|lost|excited)|hate|blame|thank|tell

@@ -99,6 +99,8 @@ class _Reader(SentenceState):
             distant = self.cur and self.cur.scene and kind in AMOUNTS  # "what you see forward 3 feet"
             if described or elsewhere or distant:
                 self._unknown(token)
+            elif kind is TokenKind.DIR and self.cur and self.cur.is_picture:
+                self._view(self.cur, token)
         elif self.mode is Mode.SUBJECT and self.cur and (self.cur.op in FOR_SOMEBODY or self.cur.watched):
             self._unknown(token)  # "wave to those who walk 2 m", 让我看看你坐下
         else:
@@ -273,6 +275,9 @@ class _Reader(SentenceState):
     def _verb(self, token: Token) -> None:
         self._another()
         cur = self._open()
+        if token.value == "sideways" and cur is not None and cur.verb is TokenKind.MOVE and not cur.unknown:
+            cur.sideways, cur.end = True, token.end  # "walk 1 m sideways"
+            return
         fits = (
             cur is not None
             and cur.verb is None
@@ -386,8 +391,7 @@ class _Reader(SentenceState):
             self._unknown(token)
             self.mode = Mode.SUBJECT
             return
-        pictured = cur.bare_picture or cur.op is PHOTO
-        if token.value == "from" and pictured and not cur.closed:  # "a photo from above"
+        if token.value == "from" and cur.is_picture and not cur.closed:  # "a photo from above"
             self._unknown(token)
             self.mode = Mode.SUBJECT
             return
@@ -396,8 +400,14 @@ class _Reader(SentenceState):
             if token.value in ("watch", "others") and cur.joined:
                 self._watch(cur, self.sentence.drafts[-2], token)
                 cur = self.cur or cur
-        if not cur.closed and (cur.bare_picture or cur.op in (PHOTO, *FOR_SOMEBODY)):
+        if not cur.closed and (cur.is_picture or cur.op in FOR_SOMEBODY):
             self.mode = Mode.SUBJECT
+
+    def _view(self, picture: Draft, token: Token) -> None:
+        """Note the side that a picture should show: "take a look to your left", but not "the back of the box"."""
+        side = Direction(str(token.value))
+        if side is not Direction.FORWARD and self._next() is not TokenKind.OF:
+            picture.view, picture.end = side, token.end
 
     def _is_said_of_picture(self) -> bool:
         """Return whether a verb after a picture says something of it: "the photo from earlier was upside down"."""

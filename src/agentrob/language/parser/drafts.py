@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from agentrob.language.parser.lexicon import Token, TokenKind
 from agentrob.language.routines import Routine
-from agentrob.model import BaseMotion, Direction
+from agentrob.model import PHOTO, BaseMotion, Direction
 from agentrob.model.operations.built_in import named
 from agentrob.model.operations.declaration import Value
 
@@ -51,6 +51,7 @@ class Draft:
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
     bare_picture: bool = False
     scene: bool = False  # "show me what you see": its subject is said
+    view: Direction | None = None  # of a picture: the side that it should show, if not ahead
     watched: bool = False  # 让我看看: a picture, or a wish to watch the step
     back: bool = False  # the way back
     beyond: str = ""  # eyes, hands, path, wait: the ability that is missing
@@ -79,6 +80,10 @@ class Draft:
         """Whether it is a walk or a turn, as far as its words tell."""
         turns = self.amount is not None and self.amount.kind is TokenKind.ANGLE
         return (self.verb or (TokenKind.TURN if turns else TokenKind.MOVE)) if self.is_motion else None
+
+    @property
+    def is_picture(self) -> bool:
+        return self.bare_picture or self.op is PHOTO
 
     @property
     def takes_manner(self) -> bool:

@@ -136,6 +136,7 @@ class _StepBuilder:
         self.unclear = False  # whether it is unclear what a correction corrects
         self.gives_units = False  # some step without a verb has a length with its unit
         self.ahead: Draft | None = None  # what is repeated is said after it
+        self.clause = ""  # the words around the draft that is read, up to the next pause or draft
 
     def build(self, sentences: Sequence[Sentence]) -> ParsedSteps:
         reading = self.reading
@@ -163,6 +164,11 @@ class _StepBuilder:
             if draft.waits and at < len(drafts):  # "walk 1 m, wait, turn left"
                 self.waits = True
                 reading.object_to(self._say("ask.wait", self.text[draft.start : draft.end]))
+            before, after = (
+                drafts[at - 2].end if at > 1 else 0,
+                drafts[at].start if at < len(drafts) else len(self.text),
+            )
+            self.clause = self._clause_of(draft, before, after)
             self._add(draft)
         reading.problem = " ".join(part for part in (reading.problem, self.besides) if part)
         if reading.picture_after is not None:
@@ -237,6 +243,12 @@ class _StepBuilder:
         """Return whether a denial in unknown words may limit what is commanded beside it."""
         words = self.text[denial.start : denial.end].lower()
         return denial.unknown and locale(self.language).limits_command(words)
+
+    def _clause_of(self, draft: Draft, before: int, after: int) -> str:
+        """Return the words of a draft with those around it, but not beyond a pause, nor `before` and `after`."""
+        begun = max((pause.end() for pause in _PAUSE.finditer(self.text, before, draft.start)), default=before)
+        pause = _PAUSE.search(self.text, draft.end, max(draft.end, after))
+        return self.text[begun : pause.start() if pause else max(draft.end, after)].strip()
 
     def _note_cancelled(self, drafts: Sequence[Draft]) -> None:
         """Note what is left out because "never mind" stands after it."""
@@ -380,7 +392,10 @@ class _StepBuilder:
         step, problem = self._operation(draft.op, draft, said) if draft.op else self._motion(draft, said)
         if draft.bare_picture:
             step, problem = _PICTURE, ""
-        if step is None:
+        if draft.view is not None and not self._turned_to(draft.view):
+            reading.object_to(self._say("ask.view", said))
+            reading.hint([[_turn_to(draft.view), _PICTURE]])
+        elif step is None:
             reading.object_to(problem)
             self._hint(draft)
         elif not 1 <= draft.times <= MAX_STEPS:
@@ -454,7 +469,9 @@ class _StepBuilder:
             return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
-        if draft.back and kind is TokenKind.LENGTH and self._turned_around():  # "turn around and go back 2 m"
+        if (
+            draft.back and kind is TokenKind.LENGTH and self._turned_to(Direction.BACKWARD)
+        ):  # "turn around and go back 2 m"
             return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)
@@ -478,9 +495,13 @@ class _StepBuilder:
         before = [step for plan in self.background.history for step in plan.steps] + self.reading.steps
         return next((step.direction for step in reversed(before) if step.translates), None)
 
-    def _turned_around(self) -> bool:
-        steps = self.reading.steps
-        return bool(steps) and steps[-1].rotates and steps[-1].degrees == 180.0
+    def _turned_to(self, side: Direction) -> bool:
+        """Return whether the step before turned the robot to this side: "turn around, take a photo of what's behind
+        you"."""
+        turned = self.reading.steps[-1] if self.reading.steps and self.reading.steps[-1].rotates else None
+        if side is Direction.BACKWARD:
+            return turned is not None and turned.degrees == 180.0
+        return turned is not None and turned.direction == side
 
     def _turn(self, draft: Draft, degrees: float, said: str) -> tuple[Primitive | None, str]:
         direction = draft.direction
@@ -506,8 +527,8 @@ class _StepBuilder:
         speed = draft.speed_mps if draft.speed_mps is not None else (SLOW_MPS if draft.slow else None)
         if speed is not None and not SLOW_FROM_MPS <= speed <= FAST_TO_MPS:
             return None, self._say("ask.speed", said)
-        if draft.sideways and draft.direction is None:
-            return None, self._say("ask.side", said)
+        if unclear := self._unclear_way(draft, draft.amount):
+            return None, unclear
         distance_m = value
         if draft.amount.kind is TokenKind.DURATION:
             speed = speed or min(self.background.pace_mps, SLOW_MPS if draft.slow else FAST_TO_MPS)
@@ -525,6 +546,20 @@ class _StepBuilder:
         if draft.faster and speed is None:
             self.reading.note(say("note.own_speed", self.language))
         return walk(draft.direction or Direction.FORWARD, round(distance_m, 4), speed), ""
+
+    def _unclear_way(self, draft: Draft, amount: Token) -> str:
+        """Return a question if the words of a walk leave open where it goes: "walk 1 m that way", "… to the side"."""
+        known, steps = locale(self.language), self.reading.steps
+        clause = self.clause.lower().translate(known.words.twins)
+        if re.search(known.circular, clause):
+            return self._say("ask.path", self.clause)
+        if draft.direction is not None:
+            return ""
+        if draft.sideways or re.search(known.some_side, clause):
+            draft.sideways = True
+            return self._say("ask.side", self.clause)
+        goes_on = amount.more or (steps and (steps[-1].translates or steps[-1].rotates))  # "turn left and go that way"
+        return self._say("ask.place", self.clause) if not goes_on and re.search(known.pointing, clause) else ""
 
     def _converted(self, key: str, said: str, distance_m: float, by: float) -> str:
         return say(key, self.language, words=quote(said), metres=f"{distance_m:.4g}", by=f"{by:.4g}")
@@ -588,6 +623,11 @@ def _is_bare_angle(draft: Draft) -> bool:
 def _is_whole(amount: Token | None) -> bool:
     value = amount.value if amount is not None and amount.kind is TokenKind.ANGLE else None
     return isinstance(value, float) and value > 0 and value % 360 == 0
+
+
+def _turn_to(side: Direction) -> Primitive:
+    """Return the turn after which the camera shows this side."""
+    return turn(side, 90.0) if side in _SIDES else turn(Direction.LEFT, 180.0)
 
 
 def _hints(draft: Draft) -> list[list[Primitive]]:

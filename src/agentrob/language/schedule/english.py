@@ -267,7 +267,8 @@ WORDS = ScheduleWords(
     lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all ){0,3}schedules?(?: please)?",
     cancels=r"(?:please )?(?:cancel|cancelled|call it off|unschedule)"
     r"(?: (?:it|this|that|all|(?:the |this |that |all ){0,3}(?:schedules?|runs?)))?(?: please)?",
-    cancels_by_name=r"(?:please )?(?:cancel|unschedule) (?:(?:the|this|that|my|all) ){0,3}schedules?(?: please)?",
+    cancels_by_name=r"(?:please )?(?:cancel|unschedule|delete|remove|end) (?:(?:the|this|that|my|all) ){0,3}schedules?"
+    r"(?: please)?",
     renews=r"(?:please |yes,? )?(?:keep (?:it |this )?(?:on|going)|(?:renew|continue|extend)"
     r"(?: (?:it|this|that|(?:(?:the|this|that|my) )?schedule))?)(?: please)?",
 )
