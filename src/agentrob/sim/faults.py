@@ -130,11 +130,12 @@ class FaultState:
 
     def tick(self, period_s: float) -> None:
         """Roll a robot that is being tipped. Call once per period, before the physics."""
-        if self._tipping_s > 0 and self._body.upright > TIPPED:
-            self._tipping_s -= period_s
-            self._body.data.qvel[self._body.root_v + 3] = -ROLL_RPS  # to its left side
-        else:
-            self._tipping_s = 0.0
+        if self._tipping_s <= 0:
+            return
+        tipped = self._body.upright <= TIPPED
+        self._tipping_s = 0.0 if tipped else self._tipping_s - period_s
+        # To its left side; the roll ends there, or it would sometimes go on over the back onto the feet.
+        self._body.data.qvel[self._body.root_v + 3] = 0.0 if tipped else -ROLL_RPS
 
     def swallows(self) -> bool:
         """Decide whether a request to the motion service is lost. Call once per request."""
