@@ -321,7 +321,7 @@ async def test_all_words_of_harm_are_compiled_before_an_agent_serves(driver: Dri
             for prefix in harm.PREFIXES:
                 assert all(phrases.prepared for _, phrases, _ in harm.phrases_of(rule, prefix))
         assert all(phrases.prepared for said in described_hazards._patterns().values() for phrases in said._phrases)
-        assert all(phrases.prepared for phrases in side_remarks._phrases())
+        assert all(phrases.prepared for phrases in side_remarks._phrases().every)
         assert scene._patterns.cache_info().currsize == 1
     finally:
         await agent.close()

@@ -93,7 +93,7 @@ CALLED = """
 there's a kid|hey, there is a dog|I see a cable|turn around now, there's a wall|my baby is in there|someone's coming
 you're on my foot|the cable is caught|something smells burnt|it's making a weird noise|it is limping|oops
 it doesn't listen|off the carpet!|pull over|code red|have a break|I'd rather you didn't go on|the cat is right there
-有个小孩|有一只猫|有烟|有焦味|绊住了|拉闸|就到这儿|滚开|走过头了|超了|搞反了|声音不对|休息|算了|宝宝爬过去了
+有个小孩|有一只猫|有烟|有焦味|绊住了|拉闸|就到这儿|滚开|走过头了|超了|搞反了|声音不对|休息|宝宝爬过去了
 """
 #: Similar words that warn of nothing.
 SAID = """
