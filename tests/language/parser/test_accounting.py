@@ -97,11 +97,14 @@ def test_law_18_a_clause_that_is_not_understood_is_quoted_and_nothing_moves(text
     assert not understood.plan.steps
 
 
-@pytest.mark.parametrize("verb", sorted(VERBS))
-def test_law_18_an_order_beside_a_walk_is_never_swallowed_whatever_its_verb(verb: str) -> None:
-    understood = read(f"walk forward 1 m. {verb} the box.")
-    denied = any("Not done, as you said" in note for note in understood.plan.notes)
-    assert understood.intent is Intent.ASK_BACK or len(understood.plan.steps) > 1 or denied, understood.plan.notes
+def test_law_18_an_order_beside_a_walk_is_never_swallowed_whatever_its_verb() -> None:
+    swallowed = []
+    for verb in sorted(VERBS):
+        understood = read(f"walk forward 1 m. {verb} the box.")
+        denied = any("Not done, as you said" in note for note in understood.plan.notes)
+        if understood.intent is not Intent.ASK_BACK and len(understood.plan.steps) < 2 and not denied:
+            swallowed.append(verb)
+    assert swallowed == []
 
 
 WITH_HAVE = """

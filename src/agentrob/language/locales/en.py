@@ -731,7 +731,7 @@ TABLE["condition"] += "".join(
     for times in ("twice", "three times", "four times", "half", "two times")
     for much in ("fast", "slow", "slowly", "quick", "quickly", "far", "much", "long", "high")
 )
-#: Looks at one thing or one side, as a picture shows them; a look around needs eyes.
+#: A picture shows one side; a look around needs a vision model.
 _LOOKS = tuple(
     f"{have} a {kind}{look}"
     for have in ("take", "have")
@@ -740,7 +740,7 @@ _LOOKS = tuple(
 )
 TABLE["op=get_front_image of"] += "|" + "|".join(_LOOKS)
 TABLE["beyond=eyes"] += "".join(f"|{look} {around}" for look in _LOOKS for around in ("around", "round", "about"))
-#: "Have" begins a wish only with these words, else an order: "have a rest".
+#: "Have" begins talk only in these phrases; elsewhere it begins an order: "have a rest".
 TABLE["talk"] += "|have fun|have been|have never|have always|have had|have seen|have heard|have waited|have wanted"
 TABLE["talk"] += "".join(
     f"|have a {good} {time}"

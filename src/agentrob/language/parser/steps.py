@@ -469,9 +469,8 @@ class _StepBuilder:
             return self._move(replace(draft, direction=self._last_direction()), value, said)
         if draft.verb is None and (draft.amount is None or draft.direction is None) and kind is not TokenKind.ANGLE:
             return None, self._say("ask.what", said)
-        if (
-            draft.back and kind is TokenKind.LENGTH and self._turned_to(Direction.BACKWARD)
-        ):  # "turn around and go back 2 m"
+        back_again = draft.back and self._turned_to(Direction.BACKWARD)  # "turn around and go back 2 m"
+        if back_again and kind is TokenKind.LENGTH:
             return None, self._say("ask.words", said)
         if draft.verb is TokenKind.TURN and draft.direction in _AHEAD:
             return None, self._say("ask.words", said)

@@ -20,8 +20,8 @@ from agentrob.screening.text.described_hazards import clauses, commanded, placed
 from agentrob.screening.text.elsewhere import masked
 from agentrob.screening.text.harm import CHINESE, ENGLISH, plain_words
 from agentrob.screening.text.patterns import Phrases, Vocabulary
+from agentrob.screening.text.words import contact
 from agentrob.screening.text.words import en as words_en
-from agentrob.screening.text.words import writer
 from agentrob.screening.text.words import zh as words_zh
 
 RULE = "beside.said"
@@ -190,6 +190,7 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
     if not about_more:
         return None
     for clause in clauses(without_safe_edges(plain_words(text))):
+        # "I'm about to step over you" names a motion, but not the robot's.
         goes = commanded(clause.said) and not any(near.search(clause.said) for near in _phrases().near)
         if goes or _ACTION.search(clause.said) or _CARE.search(clause.said):
             continue
@@ -252,7 +253,7 @@ _CONSENT = re.compile(
 _LONGEST = 200
 
 
-class _Known(NamedTuple):
+class _Topics(NamedTuple):
     """The patterns of each topic."""
 
     myself: Phrases
@@ -267,14 +268,14 @@ class _Known(NamedTuple):
 
 
 @cache
-def _phrases() -> _Known:
+def _phrases() -> _Topics:
     both = Vocabulary({**words_zh.GROUPS, **words_en.GROUPS}, words=False)
-    return _Known(
+    return _Topics(
         Phrases(both, _MYSELF),
         (Phrases(ENGLISH, _OTHERS_EN), Phrases(CHINESE, _OTHERS_ZH)),
         (Phrases(ENGLISH, _EN), Phrases(CHINESE, _ZH)),
-        (Phrases(ENGLISH, writer.CONTACT_EN), Phrases(CHINESE, writer.CONTACT_ZH)),
-        (Phrases(ENGLISH, writer.NEAR_EN), Phrases(CHINESE, writer.NEAR_ZH)),
+        (Phrases(ENGLISH, contact.CONTACT_EN), Phrases(CHINESE, contact.CONTACT_ZH)),
+        (Phrases(ENGLISH, contact.NEAR_EN), Phrases(CHINESE, contact.NEAR_ZH)),
     )
 
 

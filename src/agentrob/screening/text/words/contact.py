@@ -1,6 +1,7 @@
 """What is written of people who touch the robot, stand beside it, come to it, or have changed something about it.
 
-"I'm holding your leg", "I tied a rope to you", 我在修你: it would move beside them, or not as it should.
+Examples: "I'm holding your leg", "I tied a rope to you", 我在修你. A motion could hurt them, or end otherwise
+than planned.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ _BESIDE = (
 )
 _TO = r"(?:to|towards?|at|into|in front of|behind|around|past|onto|over|up to)"
 
-#: Somebody touches the robot: also a gesture may hurt.
+#: Somebody touches the robot, so that a gesture may hurt them, too.
 CONTACT_EN = (
     r"\b(?:hold|touch|hug|grab|carr[yi]|lift|push|pull|pat|pett|strok|rid|fix|repair|clean|wip|wash|oil|dismantl)"
     rf"(?:s|es|e|ing|ed)?(?: (?:up|on|onto|on to|still))? {_YOU}",
@@ -31,7 +32,7 @@ CONTACT_EN = (
 CONTACT_ZH = (
     r"(?:扶|抱|抓|摸|碰|骑|举|抬|牵|按|压|靠|修|拆|擦)(?:着|住)[^，。,]{0,3}?你|(?:正|还|在)(?:修|拆|擦|摸|抱|扶)[^，。,]{0,3}?你",
 )
-#: Who writes is beside the robot or comes to it, or changed something about it.
+#: The author of the post is beside the robot or comes to it, or changed something about it.
 NEAR_EN = (
     rf"{_I} {_BESIDE} {_YOU}",
     rf"{_I} (?:work|lean|stand|sit|lie|lying|kneel|crouch|squat|sleep|climb)\w*(?: \w+)? {_BESIDE} {_YOU}",
