@@ -16,7 +16,7 @@ ARGS ?=
 # Tests wait for processes much of the time, so four workers keep two cores busy.
 WORKERS ?= 4
 # A simulated world must keep pace with the clock. Beside other tests it falls behind on a slow machine, so tests that need
-# a world run by themselves, two at a time.
+# a world run two at a time, and beside them only those of PURE.
 WORLDS ?= 2
 # Give a worker whole files, so that a module's board, driver or world starts once, and the longest files first.
 BY_FILE := --dist loadfile --no-loadscope-reorder
@@ -25,6 +25,10 @@ BY_FILE := --dist loadfile --no-loadscope-reorder
 PYTEST := nice -n 18 $(BIN)/pytest
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
+# Folders with tests that mostly compute and limit no short time. Tests with a world leave half of two cores idle; these
+# use it, in the scheduling class SCHED_IDLE, which gets a core when nothing else wants it.
+PURE := $(addprefix tests/,docs evals eyes language minds/extraction model packages rehearsal screening semantic sim/bodies)
+PURE_PYTEST := chrt --idle 0 $(BIN)/pytest
 # Files with tests that `make test` runs at a smaller size (tests/sizes.py).
 SIZED = $(shell grep -rl --include='test_*.py' 'tests.sizes import' tests)
 SLICE ?= 1/12
@@ -33,7 +37,7 @@ OR_NONE := || [ $$? = 5 ]
 # Tests start hundreds of Python processes; without compiled files each would compile all of its imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo dist docs test test-plugins test-slice test-long check quick lint format lock setup setup-dev setup-slow clean
+.PHONY: demo dist docs test test-plugins test-slice test-long worlds pure check quick lint format lock setup setup-dev setup-slow clean
 
 demo: setup
 	@scripts/system-packages render
@@ -47,8 +51,15 @@ test: setup-dev
 	@scripts/model-double
 	@scripts/axe
 	@scripts/viewer --check
+	@echo "Running the tests with a simulated world and those that only compute; results follow in some minutes."
+	@$(MAKE) --no-print-directory -j 2 --output-sync=target worlds pure
+	$(PYTEST) -q -n $(WORKERS) $(BY_FILE) $(addprefix --ignore=,$(PURE)) -m "not sim and not slow" $(ARGS) $(OR_NONE)
+
+worlds: setup-dev
 	$(PYTEST) -q -n $(WORLDS) $(BY_FILE) --files-with sim -m "sim and not slow" $(ARGS) $(OR_NONE)
-	$(PYTEST) -q -n $(WORKERS) $(BY_FILE) -m "not sim and not slow" $(ARGS) $(OR_NONE)
+
+pure: setup-dev
+	$(PURE_PYTEST) -q -n 2 $(BY_FILE) -m "not sim and not slow" $(PURE) $(ARGS) $(OR_NONE)
 
 test-plugins: setup-dev
 	$(PYTEST) -q plugins -m "not slow" $(ARGS)
