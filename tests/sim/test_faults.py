@@ -11,6 +11,8 @@ import pytest
 from agentrob.errors import SimError
 from agentrob.sim.bodies import sensors
 from agentrob.sim.faults import Faults, FaultState, read
+from agentrob.sim.services.go2_sport import MOVE
+from agentrob.sim.world.legged import PERIOD_S
 
 ROOM_M = (8.0, 6.0)
 
@@ -82,6 +84,20 @@ def test_a_body_is_shoved_and_tipped_over(room_bench) -> None:
         trouble.tick(0.02)
         room_bench.run(0.02)
     assert room_bench.body.upright < 0.3
+
+
+def test_a_robot_that_is_tipped_over_stays_down_wherever_its_legs_are_in_their_stride(bench) -> None:
+    for step in range(12):
+        trouble = FaultState(bench.reset().body)
+        bench.sport.call(MOVE, {"x": 0.3, "y": 0.0, "z": 0.0}, lambda _: None)
+        bench.run(0.5 + 0.04 * step)
+        trouble.make(Faults("go2", tip=True))
+        tilts = []
+        for _ in range(150):
+            trouble.tick(PERIOD_S)
+            bench.run(PERIOD_S)
+            tilts.append(bench.body.upright)
+        assert max(tilts[50:]) < 0, f"{step}: upright again"
 
 
 def test_calls_are_lost_as_often_as_was_asked(room_bench) -> None:

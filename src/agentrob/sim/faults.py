@@ -13,7 +13,7 @@ robots.
 - `camera`: `good`, `dead` (answers with an error), or `black`.
 - `battery_percent`: the charge that its battery reports.
 - `clock_s`: its own clock, which stamps its states, jumps once by this much.
-- `push_mps`: it is pushed once, forward and to the left. `tip`: it is tipped over.
+- `push_mps`: it is pushed once, forward and to the left. `tip`: it is tipped onto its back.
 - `box_m`: a box 40 cm wide and 60 cm high appears at this place of the room.
 
 A G1 has no ranges and no battery.
@@ -40,8 +40,9 @@ KEYS = (
     "robot", "ranges", "silent", "jump_m", "lost", "drops", "unplugged", "camera", "battery_percent", "clock_s",
     "push_mps", "tip", "box_m",
 )  # fmt: skip
-#: A body is rolled at this rate, for at most this long, until the cosine of its tilt is below this.
-TIPPED, ROLL_RPS, TIP_S = 0.15, 7.0, 1.5
+#: A body is rolled at this rate, for at most this long, until the cosine of its tilt is below this: it lies on its back
+#: then. From its side the legs of a Go2 that walks would push it upright again.
+TIPPED, ROLL_RPS, TIP_S = -0.65, 7.0, 1.5
 HARDEST_PUSH_MPS = 3.0
 
 
@@ -134,7 +135,7 @@ class FaultState:
             return
         tipped = self._body.upright <= TIPPED
         self._tipping_s = 0.0 if tipped else self._tipping_s - period_s
-        # To its left side; the roll ends there, or it would sometimes go on over the back onto the feet.
+        # Over its left side; without an end of the roll it would sometimes go on over the back onto the feet.
         self._body.data.qvel[self._body.root_v + 3] = 0.0 if tipped else -ROLL_RPS
 
     def swallows(self) -> bool:
