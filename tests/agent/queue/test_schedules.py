@@ -287,6 +287,24 @@ async def test_law_4_an_edit_that_was_not_heard_counts_when_the_run_is_due(scene
         assert len(finals(scene, post)) == 1
 
 
+@pytest.mark.parametrize("heard", [True, False])
+async def test_a_schedule_moves_with_its_post_to_another_thread(scene: Scene, heard: bool) -> None:
+    async with scene.agent() as agent:
+        post = await posted(scene, "every hour wave")
+        other = await scene.post("alice", "Hello.")
+        moved = replace(scene.world.posts[post.id], topic_id=other.topic_id)
+        scene.world.posts[post.id] = moved
+        if heard:
+            await agent.schedules.amended(moved)
+        await steps(agent, await next_at(agent))
+        reply = await run_of(scene, moved, 1)
+        assert (state(reply), reply.topic_id) == (CommandState.DONE, other.topic_id)
+    async with scene.agent() as agent:  # a restart remembers the thread
+        assert agent.schedules.topics == {other.topic_id}
+        await scene.post("alice", "cancel", other.topic_id)
+        assert await scene.until(lambda: ended(scene, moved))  # without a mention
+
+
 async def test_a_schedule_ends_after_its_runs_and_says_so_only_if_it_met_a_limit(scene: Scene) -> None:
     async with scene.agent() as agent:
         three, many = await posted(scene, "every hour, twice, wave"), await posted(scene, "every hour wave")

@@ -150,7 +150,16 @@ class Schedules:
         if (end := _end_of(kept, post, author, simulated=self.settings.simulated)) is not None:
             return await self.journal.end_schedule(kept.post_id, end)
         assert author is not None
-        return await self._enter(kept, author, None, url=post.url)
+        return await self._enter(await self._follow(kept, post), author, None, url=post.url)
+
+    async def _follow(self, kept: KeptSchedule, post: Post) -> KeptSchedule:
+        """Return a schedule in the thread in which its post is now: there its runs reply, and a stop needs no
+        mention."""
+        if post.topic_id == kept.asked.command.topic_id:
+            return kept
+        asked = replace(kept.asked, command=replace(kept.asked.command, topic_id=post.topic_id))
+        await self.journal.set_scheduled(asked)
+        return replace(kept, asked=asked)
 
     async def _miss(self, kept: KeptSchedule, until: datetime) -> None:
         """Claim the first of the runs that are too late as one that may not move; its reply tells of all of them."""
@@ -192,9 +201,13 @@ class Schedules:
 
     # ---------------------------------------------------------------- ends
     async def amended(self, post: Post) -> None:
-        """End the schedule of a post that was edited or removed."""
+        """End the schedule of a post that was edited or removed; move it with its post to another thread."""
         kept = await self.journal.schedule(post.id)
-        if kept is None or (not post.removed and post.content_hash == kept.asked.command.content_hash):
+        if kept is None:
+            return
+        if not post.removed and post.content_hash == kept.asked.command.content_hash:
+            if (await self._follow(kept, post)) is not kept:
+                self.changed()
             return
         end = ScheduleEnd.REMOVED if post.removed else ScheduleEnd.EDITED
         await self.journal.end_schedule(post.id, end)

@@ -290,6 +290,10 @@ class Journal:
 
         return await self._rows.write(work, begins=True)
 
+    async def set_scheduled(self, asked: ScheduledCommand) -> None:
+        """Record what a schedule asks for, after its post was moved to another thread."""
+        await self._do(queries.SET_SCHEDULE, asked.command.post_id, data=SCHEDULED.dump_json(asked).decode())
+
     async def end_schedule(self, post_id: str, why: ScheduleEnd, *, reported: bool = False) -> None:
         """End a schedule, if there is one; the first reason counts. `reported`: it needs no report."""
         await self._do(queries.END_SCHEDULE, post_id, ended=str(why), next_at=None, told=int(reported))
