@@ -53,8 +53,9 @@ os.environ["SSL_CERT_FILE"] = str(Path(__file__).with_name("authority.pem"))
 # In the environment, so that the processes of a test control the same robot.
 _domain = take("domain", FAKE_DOMAINS)
 os.environ["AGENTROB_TEST_DOMAIN"] = str(_domain)
-# With its own namespace, `agentrob stop --all` in a test does not stop the robots of tests that run in parallel.
-os.environ["AGENTROB_LOCK_NAMESPACE"] = f"test-{_domain}"
+# With its own namespace, `agentrob stop --all` in a test does not stop the robots of tests that run in parallel, and a
+# driver that outlived an earlier run holds no robot of this one.
+os.environ["AGENTROB_LOCK_NAMESPACE"] = f"test-{_domain}-{os.getpid()}"
 
 
 @pytest.hookimpl(wrapper=True)
