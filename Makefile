@@ -25,7 +25,7 @@ BY_FILE := --dist loadfile --no-loadscope-reorder
 PYTEST := nice -n 18 $(BIN)/pytest
 # Packages whose tests run without a board, robot or agent.
 QUICK := $(addprefix tests/,house language screening minds evals semantic process robots/control robots/safety)
-# Folders with tests that mostly compute and limit no short time. Tests with a world leave half of two cores idle; these
+# Folders with tests that mostly compute and have no short time limits. Tests with a world leave half of two cores idle; these
 # use it, in the scheduling class SCHED_IDLE, which gets a core when nothing else wants it.
 PURE := $(addprefix tests/,docs evals eyes language minds/extraction model packages rehearsal screening semantic sim/bodies)
 PURE_PYTEST := chrt --idle 0 $(BIN)/pytest

@@ -157,9 +157,7 @@ class Schedules:
         mention."""
         if post.topic_id == kept.asked.command.topic_id:
             return kept
-        asked = replace(kept.asked, command=replace(kept.asked.command, topic_id=post.topic_id))
-        await self.journal.set_scheduled(asked)
-        return replace(kept, asked=asked)
+        return await self.journal.move_schedule(kept.post_id, post.topic_id)
 
     async def _miss(self, kept: KeptSchedule, until: datetime) -> None:
         """Claim the first of the runs that are too late as one that may not move; its reply tells of all of them."""

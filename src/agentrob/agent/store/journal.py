@@ -12,6 +12,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -290,9 +291,16 @@ class Journal:
 
         return await self._rows.write(work, begins=True)
 
-    async def set_scheduled(self, asked: ScheduledCommand) -> None:
-        """Record what a schedule asks for, after its post was moved to another thread."""
-        await self._do(queries.SET_SCHEDULE, asked.command.post_id, data=SCHEDULED.dump_json(asked).decode())
+    async def move_schedule(self, post_id: str, topic_id: str) -> KeptSchedule:
+        """Record that the post of a schedule is in another thread now, and return the schedule."""
+
+        def work(db: Connection) -> KeptSchedule:
+            kept = read_schedule(db.execute(queries.THIS_SCHEDULE, self._this(post_id)).one())
+            asked = replace(kept.asked, command=replace(kept.asked.command, topic_id=topic_id))
+            db.execute(queries.SET_SCHEDULE, self._this(post_id, data=SCHEDULED.dump_json(asked).decode()))
+            return replace(kept, asked=asked)
+
+        return await self._rows.write(work)
 
     async def end_schedule(self, post_id: str, why: ScheduleEnd, *, reported: bool = False) -> None:
         """End a schedule, if there is one; the first reason counts. `reported`: it needs no report."""
