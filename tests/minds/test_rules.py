@@ -54,6 +54,13 @@ async def test_a_duration_becomes_a_distance_at_an_allowed_speed() -> None:
     assert step == Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.2, speed_mps=0.1)
 
 
+@pytest.mark.parametrize("text", ["yes", "go ahead", "please", "now", "开始"])
+async def test_who_only_assents_is_asked_for_a_command(text: str) -> None:
+    understood = await RulesMind().understand(f"@quadruped {text}", LISTENER)
+    assert understood.intent is Intent.ASK_BACK
+    assert understood.question.startswith(("That does not say what I shall do", "这里没有说要我做什么"))
+
+
 async def test_steps_have_the_length_that_was_measured() -> None:
     stepping = Addressee(("quadruped",), (), Capabilities("x", frozenset(Op)), step_m=0.3)
     (step,) = (await RulesMind().understand("take two steps back", stepping)).plan.steps

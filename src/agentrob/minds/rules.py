@@ -21,8 +21,10 @@ _TALK: dict[SmallTalk | None, Intent] = {
     SmallTalk.CANCEL: Intent.CANCEL,
     SmallTalk.QUESTION: Intent.QUESTION,
     SmallTalk.GREETING: Intent.QUESTION,
+    SmallTalk.ASSENT: Intent.ASK_BACK,
     SmallTalk.THANKS: Intent.QUESTION,
 }
+_ANSWERED = (SmallTalk.GREETING, SmallTalk.ASSENT, SmallTalk.THANKS)
 #: What is answered even where the grammar finds an ability that robots lack: nobody expects an actor.
 _IN_WORDS = ("joke", "who")
 
@@ -55,7 +57,7 @@ class RulesMind:
         talk = small_talk_of(text, addressee.names, addressee.others)
         if topic and talk not in (SmallTalk.CANCEL, SmallTalk.PAST):
             return self._answer(topic, understood.language, addressee)
-        answer = say(f"talk.{talk}", understood.language) if talk in (SmallTalk.GREETING, SmallTalk.THANKS) else ""
+        answer = say(f"talk.{talk}", understood.language) if talk in _ANSWERED else ""
         intent = _TALK.get(talk, Intent.NOTHING)
         return replace(understood, intent=intent, question=answer, cancels=talk is SmallTalk.CANCEL)
 

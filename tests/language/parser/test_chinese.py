@@ -156,7 +156,7 @@ UNDERSTOOD = {
     },
     "counts inside an action, and for whom it is done": {
         "打两次招呼": "hello hello",
-        "转三圈给小朋友看": "l1080",
+        "转三圈给小朋友看": "l360 l360 l360",
         "为大家表演一个后空翻": "backflip",
         "给领导展示一下，原地转一圈再挥个手": "l360 hello",
     },

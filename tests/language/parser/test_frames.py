@@ -35,6 +35,7 @@ how do you {}|the manual says {}|as the manual says, {}|the command was {}|for e
 at noon {}|{} tomorrow|{} later|{} in an hour|{} in 5 minutes|{} at noon|after lunch {}|{} after lunch
 before you go {}|without moving {}|instead of sitting {}|rather than {}|don't ever {}|under no circumstances {}
 refuse to {}|cancel {}|undo {}|forget {}|ignore {}|not {}|{} not|{}, not|{} never|{}, just kidding
+after they left {}|when he has gone {}|as soon as he moved away {}|I wanted you to {}
 {} just kidding|{}, no|{}. No.|{}? no|no {}|{} no|{} never mind|{} - never mind
 """
 FRAMES_ZH = """
@@ -42,7 +43,7 @@ FRAMES_ZH = """
 除非我说，否则{}|你昨天{}了吗|你{}了吗|他说{}|他让你{}|我看见它{}|我每天{}|为什么你要{}|会不会{}|是不是要{}
 能不能不{}|不用{}|没必要{}|不应该{}|禁止{}|假如你{}|比如{}|例如{}|{}或者坐下|要么{}要么坐下|也许{}|可能{}|明天{}
 一会儿{}|五分钟后{}|等五秒{}|饭后{}|取消{}|忘了{}|不{}|{}，算了|{}，不|{}？不|{}就算了|你为什么{}|它会{}
-我想知道怎么{}|怎么让你{}|谁让你{}的|是谁{}的
+我想知道怎么{}|怎么让你{}|谁让你{}的|是谁{}的|没人的话，{}|没有人的话{}|等人走了再{}|我来了就{}|他走了以后{}|门开了就{}
 """
 PLAIN = """
 walk forward 1 m|turn left 90 degrees|go back 2 feet|sit down|wave twice|do a backflip|turn around
@@ -90,6 +91,20 @@ def test_what_makes_no_command_of_a_command_moves_nothing(frame: str) -> None:
 @pytest.mark.parametrize("frame", _rows(FRAMES_ZH))
 def test_what_makes_no_command_of_a_chinese_command_moves_nothing(frame: str) -> None:
     assert _moved(frame, COMMANDS_ZH) == []
+
+
+CONDITIONS = """
+after they left {}|when he has gone {}|as soon as he moved away {}|if nobody's there {}|没人的话{}|没有人的话，{}
+等人走了再{}|等没人了{}|要是没人就{}|他走了以后{}|我喊了你就{}|门开了就{}|我妈进来的时候{}
+"""
+
+
+@pytest.mark.parametrize("frame", _rows(CONDITIONS))
+def test_law_18_a_command_under_a_condition_is_asked_about_and_never_passed_over(frame: str) -> None:
+    commands = ("walk forward 1 m", "turn left 90 degrees") if frame.isascii() else ("走一米", "左转90度")
+    for command in commands:
+        understood = read(frame.format(command))
+        assert understood.intent is Intent.ASK_BACK, (command, understood)
 
 
 @pytest.mark.parametrize("command", [*_rows(COMMANDS), *_rows(COMMANDS_ZH)])

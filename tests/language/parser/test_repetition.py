@@ -26,6 +26,9 @@ IN_A_THREAD = [
     ("same thing but 3 metres", "F3 l90 photo"),
     ("the same but 45 degrees", "F2 l45 photo"),
     ("do it again, then wave", "F2 l90 photo hello"),
+    ("again please", "F2 l90 photo"),
+    ("another!", "F2 l90 photo"),
+    ("one more please", "F2 l90 photo"),
     ("and now back", "r90 B2"),
     ("now go back", "r90 B2"),
     ("come back", "r90 B2"),
@@ -37,6 +40,32 @@ IN_A_THREAD = [
     ("一样，但是慢一点", "F2@0.2 l90 photo"),
     ("现在回来", "r90 B2"),
 ]
+
+
+FURTHER = {
+    "photo photo": """take a photo, then take another photo|take a photo, then another|take a photo and take another
+        |take a photo and then another one|take one photo, then one more|take a photo, and a second one
+        |take a photo, then a second photo|take a photo of the door and another of the window|take a photo. Take it again
+        |take a photo, then take a photo again|拍张照，再拍一张|先拍一张，再拍一张照片|拍张照，再拍一次|拍张照，再重拍一张""",
+    "photo": """take a photo, take a photo|take a photo and then send me the photo|take a photo. Send me a picture.
+        |take another photo|another photo please|拍张照片，发我一张照片|拍张照，再发张照片给我|再拍一张""",
+    "hello hello": "wave, then another|wave and one more please|挥手，再来一个",
+    "F1 F1": "walk forward 1 m, then another",
+    "F1 F2": "walk forward 1 m, then another 2 m",
+}
+
+
+@pytest.mark.parametrize(
+    ("plan", "text"), [(p, t) for p, texts in FURTHER.items() for t in texts.replace("\n        |", "|").split("|")]
+)
+def test_another_is_a_further_one_and_what_is_only_said_twice_is_done_once(plan: str, text: str) -> None:
+    understood = read(text)
+    assert short(understood.plan) == plan, understood.question
+
+
+@pytest.mark.parametrize("text", ["walk 1 m and take another", "walk 1 m, wave, then another", "one more", "再来一个"])
+def test_another_of_what_nobody_named_is_asked_back(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
 
 
 @pytest.mark.parametrize(("text", "plan"), IN_A_THREAD)

@@ -16,7 +16,8 @@ POSTS = {
     SmallTalk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
     SmallTalk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
     SmallTalk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
-    SmallTalk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍",
+    SmallTalk.ASSENT: "yes|Go ahead!|please|now|yes please|@quadruped come on|开始|拜托|继续",
+    SmallTalk.THANKS: "thanks, good job!|谢谢|ok|@quadruped 👍|yes, thanks|sounds good",
     None: "well done @dog2, and @quadruped|@dog2 wave, @quadruped?",
 }
 

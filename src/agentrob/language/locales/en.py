@@ -54,7 +54,7 @@ TABLE = {
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
     "move=gait": "run|sprint|jog|dash|gallop|trot|scurry|scamper|hustle|zoom|crawl|creep|sneak|tiptoe",
     "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
-        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
+        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|make way|make room|make some room|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
     "move dir=backward": """back straight up|back it straight up|back right up|back on up|back up straight
@@ -67,7 +67,8 @@ TABLE = {
         |back up and away|back away|back it up|back yourself up|keep backing up|continue backing up|back up|backup
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
-    "again=back": """come back to where you started|come back to the start|come back to where you were
+    "again=back": """go back the way you came|walk back the way you came|head back the way you came
+        |come back the way you came|return the way you came|back the way you came|come back to where you started|come back to the start|come back to where you were
         |come back to your starting point|head back to where you started|head back to the start
         |return to where you began|go back to your starting point|go back to your starting position
         |go back to your original position|return to your starting place|come back to where you began
@@ -248,7 +249,7 @@ TABLE = {
         |provide|upload|transmit|return me""",
     "picture": """snaps|snap shot|pictureof|pix|a look|visual|still|photo|photos|picture|pictures|pic|pics|image|images
         |photograph|snapshot|shot|selfie|camera image|front image|front photo""",
-    "soft": "gimme a|gimme|come on|let me think|let me see now|show me",
+    "soft": "gimme a|gimme|let me think|let me see now|show me",
     "soft=send": """transmit it|relay it|beam it back|forward it to me|send it over|send it back|send it along
         |send that over|send it here|send it|send it to me|send it to us|post it|post it here|show it to me
         |upload it|share it""",
@@ -438,7 +439,11 @@ TABLE = {
         |is it possible for you to|how about you|why don't you|would you mind|you have to|you must|can we|could we
         |may i have|can i have|can i get|could i have|could i get|kindly|have the robot|tell the robot to
         |robot please""",
-    "request=stated": """i'm hoping you can|i was hoping you would|i was wondering if you can|i wonder if you could
+    "request=stated": """i wish you would|i wish you'd|i wish you could|we wish you would
+        |i wanted to ask you to|i wanted to ask if you could|i just wanted to ask you to|i hoped you could
+        |i hoped you would
+        |i'd hoped you could|i had hoped you could|we hoped you could|i'm hoping you could|i am hoping you could
+        |i'm hoping you can|i was hoping you would|i was wondering if you can|i wonder if you could
         |i wonder if you can|i would be happy if you could|i would love it if you could
         |i would appreciate it if you could|i'd love to have you|i'd love to see you|i'd like to see you
         |i want to see you|i would like to see you|we want to see you|i wanna see you
@@ -515,7 +520,10 @@ TABLE = {
     "thanks=hello": """hello|hi|hey|good morning|hi there|hello there|good day|greetings|good evening|good afternoon
         |howdy|hiya|heya|ahoy|yo|hey there""",
     "soft=1": "a|an|new|a new",
-    "soft=one_more": "another|one more|just one more|yet one more|one additional|yet another|one extra|one further",
+    "soft=assent": "yes|yeah|yep|yup|sure|now|right now|come on|ready",
+    "soft=one_more": """another|one more|just one more|yet one more|one additional|yet another|one extra|one further
+        |a second one""",
+    "soft=one_more picture": "|".join(f"a second {what}" for what in ("photo", "picture", "pic", "image", "shot")),
     "soft=more": "more|additional|extra|further more",
     "thanks": """nice work|top job|top work|stellar|stellar job|stellar work|impressive|very impressive|so cool|
         very cool|super cool|how cool|so cute|very cute|how cute|adorable|well played|nailed it|
@@ -603,11 +611,11 @@ TABLE = {
         |the following:|instruction:|new task:|next task:|new command:|a full|a complete|completely|fully|all the way
         |entirely|let's see|at a speed of|speed of|with a speed of|a speed of|speed|at speed|yourself|me|us|you|my|our
         |it|that|this|at|by|for|on the spot|in place|mhm|ah|oh|or thereabouts|would ya|will ya
-        |would you please|well|so|like|okay|ok|kay|mkay|k|alright|all right|right now|now|yes|yeah|yep|yup|sure
+        |would you please|well|so|like|okay|ok|kay|mkay|k|alright|all right
         |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
         |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|lovely|brilliant
         |splendid|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground
-        |one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|again please|for me please
+        |one time|on the floor|in the room|in a straight line|in a line|here|in total|total|in all|overall|as well|too|for me please
         |both of you|you both|you two|all of you|both robots|for us|if it is safe|if it's safe|when safe|safely
         |from this angle|from this position|from that angle|from that position|from this spot|from this view|nicely
         |politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
@@ -616,7 +624,7 @@ TABLE = {
         |to start|lastly|about|around|approximately|roughly|approx|maybe about|at least|exactly|precisely|side|direction
         |way|hand side|straight away|immediately|directly|now then|if you can|if you're able|if you are able|if possible
         |if you please|if you could|if you would|if you don't mind|when you are ready|when you're ready|when ready
-        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|ready|i think|i guess
+        |when you can|do|do a|make a|make|give me|perform|perform a|execute|i'm ready|i am ready|i think|i guess
         |i believe|keep straight|with|on|as|be so kind and|be so kind to|would be nice|from your location|no hurry
         |no hurry at all|no rush at all|today|sir|from your position|go on and|your body|your camera|with your camera
         |with the camera|everyone|everybody|all|both|each|each of you|of you|at normal speed|there you go
@@ -681,14 +689,14 @@ def _decimals(said: str) -> float:
 
 
 #: Base forms of actions, with their gerunds and participles.
-_FORMS = """advance advancing advanced|back backing backed|clap clapping clapped|come coming|crawl crawling crawled
-    |drive driving driven|do doing done|face facing faced|get getting|give giving given|grab grabbing grabbed
-        |go going gone|greet greeting greeted
+_FORMS = """advance advancing advanced|back backing backed|clap clapping clapped|come coming came
+        |crawl crawling crawled|drive driving driven drove|do doing done did|face facing faced|get getting got
+        |give giving given gave|grab grabbing grabbed|go going gone went|greet greeting greeted
     |make making made|march marching marched|move moving moved|pivot pivoting pivoted|proceed proceeding proceeded
-    |reverse reversing reversed|roll rolling rolled|rotate rotating rotated|run running|send sending sent
-    |shake shaking shaken|shift shifting shifted|sit sitting sat|snap snapping snapped|spin spinning spun
+    |reverse reversing reversed|roll rolling rolled|rotate rotating rotated|run running ran|send sending sent
+    |shake shaking shaken shook|shift shifting shifted|sit sitting sat|snap snapping snapped|spin spinning spun
     |stand standing stood|step stepping stepped|stretch stretching stretched|swing swinging swung
-    |swivel swivelling swiveling|take taking taken|trot trotting trotted|turn turning turned|walk walking walked
+    |swivel swivelling swiveling|take taking taken took|trot trotting trotted|turn turning turned|walk walking walked
     |wave waving waved"""
 _BASE = {form: forms.split()[0] for forms in _FORMS.split("|") for form in forms.split()[1:]}
 _ORDER = OrderWords(
@@ -700,7 +708,13 @@ _ORDER = OrderWords(
         |you finish(?:ed)?|you complete|finishing|having""".replace("\n        ", ""),
     subject="you(?: can)?",
     not_doing="without|instead of|rather than|no",
-    polite="would you mind|do you mind|would you consider|how about|what about|fancy|mind|start by|begin by|please",
+    polite=r"""would you mind|do you mind|would you consider|how about|what about|fancy|mind|start by|begin by|please
+        |how about you|(?:i|we) wish you|(?:it's|it is) (?:about |high )?time you
+        |(?:(?:i|we|it|that)(?:'d| would) )?(?:really |just )?be (?:so |very |really |super )?
+        (?:great|nice|cool|lovely|awesome|amazing|wonderful|fantastic|good|neat|fun|brilliant|perfect|helpful|kind
+        |happy|glad|grateful|delighted|thankful|pleased) if you
+        |(?:(?:i|we)(?:'d| would) |would )(?:really |very much )?(?:love|like|appreciate|prefer|enjoy)(?: it)? if you
+        """.replace("\n        ", ""),
     then="then",
     never="don't",
 )

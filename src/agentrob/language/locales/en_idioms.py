@@ -136,7 +136,7 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (
         rf"^(.*\b(?:{_PICTURE})s?\b.*?\b(?:take|snap|grab|send|get|shoot)) "
         rf"(?:it again|(?:another|one more|a second|a new|the next)(?: one)?|one again){_END}",
-        r"\1 a photo",
+        r"\1 another photo",
     ),
     (r"\b(sit|stand|wave|stay|backflip),? (?:boy|girl|doggy|doggo),? \1\b", r"\1"),
     # ---------------------------------------------------------------- corrections

@@ -50,6 +50,14 @@ _POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
 _TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
+_DONE_FIRST = re.compile(
+    "(?<![给向对跟和朝冲把让叫])(?:我们?|[他她它]们?|[客别家]?人们?|大家|老师|孩子们?|同学们?|门|灯)[^，,。；;！!？?]{1,6}?"
+    "了(?:之?后|以后|的时候|时|你?就|你?再)"
+    "|(?:你|先)?[走转退进]了[^，,。；;！!？?]{1,8}?(?:之?后|以后|你?再)"
+)
+#: What begins a further picture, and what begins one that may be the one before.
+_ONCE_MORE = ("再", "多", "补", "重")
+_SENDS = ("发", "传", "送", "给")
 
 
 def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
@@ -104,6 +112,17 @@ def _stated(tokens: list[Token], said: str) -> list[Token]:
         place = tokens[at + 1].kind is TokenKind.LENGTH or _text(token, said)[-1:] in ("面", "方", "边", "头")
         if place and tokens[at + 1].kind in _AMOUNTS and there:
             found[at] = token._replace(kind=TokenKind.WORD, value=None)
+    return found
+
+
+def _once_done(tokens: list[Token], said: str) -> list[Token]:
+    """他走了以后走一米, 我来了就挥手: what somebody does first is a condition."""
+    starts = {found.start(): found.end() for found in _DONE_FIRST.finditer(said)}
+    found: list[Token] = []
+    for token in tokens:
+        if token.start in starts:
+            found.append(Token(TokenKind.CONDITION, None, token.start, starts[token.start]))
+        found.append(token)
     return found
 
 
@@ -298,6 +317,17 @@ def _begun(tokens: list[Token], said: str) -> list[Token]:
             found.append(token._replace(kind=TokenKind.AGAIN, value="this") if again else token)
         else:
             found.append(token)
+    return found
+
+
+def _further(tokens: list[Token], said: str) -> list[Token]:
+    """拍张照，再拍一张: a further picture; 再发张照片 may send the same."""
+    found: list[Token] = []
+    for token in tokens:
+        words, before = _text(token, said), _text(found[-1], said) if found else ""
+        takes = token.value == PHOTO and not words.startswith(_SENDS)
+        again = words.startswith(_ONCE_MORE) or before.endswith(_ONCE_MORE)
+        found.append(token._replace(more=True) if takes and again else token)
     return found
 
 
@@ -577,6 +607,7 @@ _REWRITES = (
     (_measured, frozenset("倒行按")),
     (_repeated, frozenset("做来")),
     (_stated, frozenset("是有")),
+    (_once_done, frozenset("了")),
     (_reported, frozenset("了")),
     (_timed, frozenset("后")),
     (_waits, frozenset("停不别")),
@@ -584,6 +615,7 @@ _REWRITES = (
     (_put_first, frozenset("前")),
     (_gone, frozenset("过出退")),
     (_begun, frozenset("拍看做来")),
+    (_further, frozenset("再多补重")),
     (_looked, frozenset("看瞧瞅拍")),
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
     (_of_relative_clauses, frozenset("的")),

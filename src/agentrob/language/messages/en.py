@@ -153,6 +153,7 @@ PHRASES = {
         "if I have a camera, `take a photo` shows it."
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
+    "talk.assent": "That does not say what I shall do, and I did not move. Please post the whole command.",
     "talk.thanks": "You are welcome.",
     "talk.praise": "Thank you!",
     "talk.bye": "Goodbye!",

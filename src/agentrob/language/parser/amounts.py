@@ -51,10 +51,17 @@ def with_amounts(tokens: Sequence[Token], text: str) -> list[Token]:
 
 
 def with_pictures(tokens: Sequence[Token]) -> list[Token]:
-    """Replace "take … picture" by one operation, and "take three pictures" by the operation and a count."""
+    """Replace "take … picture" by one operation, "take three pictures" by the operation and a count, and "another" by a
+    further picture or a repetition.
+    """
     found: list[Token] = []
     at = 0
     while at < len(tokens):
+        further, used = _another(tokens, at, found)
+        if further is not None:
+            found.append(further)
+            at += used
+            continue
         if tokens[at].kind not in _UNSETTLED:
             found.append(tokens[at])
             at += 1
@@ -70,7 +77,7 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
             end += 1
         if tokens[at].kind is TokenKind.SHOW and end < len(tokens) and tokens[end].kind is TokenKind.PICTURE:
             start, stop = tokens[at].start, tokens[end].end
-            found.append(Token(TokenKind.OP, PHOTO.value, start, stop))
+            found.append(Token(TokenKind.OP, PHOTO.value, start, stop, more=_says_more(tokens[at:end])))
             if count is not None:
                 found.append(Token(TokenKind.TIMES, count.value, start, stop))
             at = end + 1
@@ -80,6 +87,47 @@ def with_pictures(tokens: Sequence[Token]) -> list[Token]:
                 found[-1] = tokens[at]._replace(kind=TokenKind.MOVE)
             at += 1
     return found
+
+
+def _another(tokens: Sequence[Token], at: int, found: Sequence[Token]) -> tuple[Token | None, int]:
+    """Return what "another" stands for and its number of tokens, or (None, 0).
+
+    "One more photo", and "take another" or "another of the door" after a photo: a further picture; "wave, then
+    another": once more.
+    """
+    shows = tokens[at].kind is TokenKind.SHOW
+    end = at + shows
+    while shows and end < len(tokens) and tokens[end].kind is TokenKind.SOFT and tokens[end].value != Soft.ONE_MORE:
+        end += 1
+    if end >= len(tokens) or tokens[end].value != Soft.ONE_MORE:
+        return None, 0
+    end += 1
+    if end < len(tokens) and tokens[end].kind is TokenKind.NUMBER and tokens[end].value == 1.0:  # "another one"
+        end += 1
+    following = tokens[end].kind if end < len(tokens) else TokenKind.END
+    begins = found[-1].kind in _SEPARATING if (found := _spoken(found)) else True
+    after_photo = any(token.value == PHOTO for token in found)
+    start, stop = tokens[at].start, tokens[end - 1].end
+    if following is TokenKind.PICTURE:
+        return Token(TokenKind.OP, PHOTO.value, start, tokens[end].end, more=True), end + 1 - at
+    if (
+        after_photo
+        and (shows or begins)
+        and following in (*_SEPARATING, TokenKind.OF, TokenKind.THANKS, TokenKind.REQUEST)
+    ):
+        return Token(TokenKind.OP, PHOTO.value, start, stop, more=True), end - at
+    if begins and not shows and following in (*_SEPARATING, TokenKind.THANKS, TokenKind.REQUEST):
+        return Token(TokenKind.AGAIN, None, start, stop), end - at
+    return None, 0
+
+
+def _spoken(tokens: Sequence[Token]) -> list[Token]:
+    """Return the tokens that have a meaning of their own."""
+    return [token for token in tokens if token.kind is not TokenKind.SOFT]
+
+
+def _says_more(tokens: Sequence[Token]) -> bool:
+    return any(token.value in (Soft.MORE, Soft.ONE_MORE) for token in tokens)
 
 
 def _after(tokens: Sequence[Token], at: int) -> Token:
@@ -129,7 +177,7 @@ def _settled(tokens: Sequence[Token], at: int) -> Token:
     if token.kind is not TokenKind.GO_AHEAD:
         return token
     goes = bool(following) and following[0].kind is TokenKind.LENGTH
-    return Token(TokenKind.DIR if goes else TokenKind.SOFT, "forward" if goes else None, token.start, token.end)
+    return Token(TokenKind.DIR if goes else TokenKind.SOFT, "forward" if goes else Soft.ASSENT, token.start, token.end)
 
 
 def _joins_actions(tokens: Sequence[Token], at: int) -> bool:
@@ -175,7 +223,7 @@ def _amount(tokens: Sequence[Token], at: int, text: str) -> tuple[Token | None, 
         value += 0.5
         end += 1
     one = float(unit.value) if isinstance(unit.value, float) else 1.0
-    more = any(t.value in (Soft.MORE, Soft.ONE_MORE) for t in tokens[max(at - 1, 0) : end])
+    more = _says_more(tokens[max(at - 1, 0) : end])
     kind = _AMOUNT_OF[unit.kind]
     return Token(kind, value * one, tokens[at].start, tokens[end - 1].end, one, more), end - at
 

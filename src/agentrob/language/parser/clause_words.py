@@ -126,7 +126,8 @@ class SentenceState:
                 before if before and before.value == "wait" else number if number.kind is TokenKind.NUMBER else token
             )
             token, before = token._replace(start=start.start), None if start is before else before
-        if self.mode is Mode.WANTED or self.sentence.drafts:
+        ends_denial = token.value == "ends" and self.mode is Mode.DENIED  # 没人的话
+        if self.mode is Mode.WANTED or self.sentence.drafts or ends_denial:
             self.sentence.condition = before or token
 
     def _not(self, token: Token) -> None:
@@ -189,6 +190,7 @@ class SentenceState:
 
     def _thanks(self, token: Token) -> None:
         """Handle a name after thanks: "Thank you, Henry"."""
+        self.sentence.thanked = True
         at = 2 if self._next() is TokenKind.COMMA else 1
         wishes = at > 1 and self.soft_before.get(self.at + at)  # "thanks, show me your teeth" names nobody
         if not wishes and self._next(at) is TokenKind.WORD and self._next(at + 1) in (TokenKind.END, TokenKind.COMMA):

@@ -66,6 +66,8 @@ class _Reader(SentenceState):
         soft: list[Token] = []
         for token in tokens:
             self.sentence.greeted |= token.value == Soft.HELLO
+            asks = token.kind is TokenKind.REQUEST and token.value is None
+            self.sentence.assents |= asks or token.value == Soft.ASSENT
             self.sentence.sent = token if token.value == Soft.SEND else self.sentence.sent
             if token.kind is TokenKind.SOFT:
                 soft.append(token)
@@ -195,6 +197,7 @@ class _Reader(SentenceState):
         draft = self._new(token, TokenKind.OP)
         draft.op, *others = actions_of(token.value)
         draft.or_else = tuple(others)
+        draft.further = token.more
         self._take_amount_before(draft, before)
 
     # ------------------------------------------------------------ arguments of operations that the robot declares

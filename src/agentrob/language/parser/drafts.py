@@ -46,6 +46,7 @@ class Draft:
     times: int = 1
     counted: bool = False
     more: bool = False  # this many times in addition to the first
+    further: bool = False  # "another photo": in addition to the one before
     only: BaseMotion | None = None  # 再转一次: repeats a plan of only this motion
     ahead: bool = False  # "three times: …"
     each: TokenKind | None = None  # a picture after each MOVE, TURN or (END) anything
@@ -172,6 +173,8 @@ class Sentence:
     status: bool = False
     status_asked: bool = False  # a word of the robot's state, which counts in a question
     greeted: bool = False
+    thanked: bool = False
+    assents: bool = False  # "yes", "please"
     sent: Token | None = None  # "post it": a picture, when one is taken
 
     @property

@@ -250,6 +250,18 @@ class _Reader:
             if self._command(clause):
                 beside = next((other for other in clauses if other != clause), clause)
                 return self.ask("ask.besides", words=quote(beside))
+        return self._conditional(part)
+
+    def _conditional(self, part: str) -> Understanding | None:
+        """Return a question about the condition of a command in a post that would get no answer: "after they left walk
+        1 m"."""
+        tokens = self.known.tokens(part)
+        condition = next((token for token in tokens if token.kind is TokenKind.CONDITION), None)
+        for before, token in pairwise(tokens):
+            if condition is None or token.kind not in _BEGINS_COMMAND or token.start < condition.end:
+                continue
+            if before.value != Soft.TO and self._command(part[token.start :]):  # not "if I told you to walk 2 m"
+                return self.ask("ask.condition", words=quote(part[condition.start : condition.end]))
         return None
 
     def picture_at_rest(self, part: str) -> Understanding | None:
@@ -325,6 +337,7 @@ def commands_nothing(words: str, language: Language) -> bool:
     return plain and not any(marked) and not any(s.drafts or s.asked for s in sentences)
 
 
+_BEGINS_COMMAND = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP, TokenKind.DIR)
 _ASIDE_KINDS = (TokenKind.CONDITION, TokenKind.BEYOND, TokenKind.EACH)
 _LEADS_TO_THING = (Soft.TO, Soft.THE, Soft.TOWARDS, Soft.OBJECT)
 

@@ -68,7 +68,8 @@ class TokenKind(StrEnum):
     TALK_START = "talk_start"  # the same, but only where a clause begins
     IS = "is"  # 是: talk, or a correction when a motion was said before it
     REPORT = "report"  # the past: the sentence is not a command
-    #: if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after".
+    #: if, until, or: beyond these rules; value "wait": 等五秒 waits; "later": a time; "hedge": maybe; "after"; "ends":
+    #: 的话, which stands at the end of its clause.
     CONDITION = "condition"
     NOT = "not"
     NO = "no"  # "no" before a comma or after a motion: what follows corrects it
@@ -95,7 +96,8 @@ class Soft(StrEnum):
     OBJECT = "object"  # 把: belongs to the thing after it
     SEND = "send"  # "post it": a picture, which must have been taken
     MORE = "more"  # "three more feet": as before
-    ONE_MORE = "one_more"  # "another foot": one, before a unit, as before
+    ONE_MORE = "one_more"  # "another": one more of what was before, or of the unit after it
+    ASSENT = "assent"  # "yes", "now": alone it says that something is to be done, but not what
     FOR = "for"  # 给, 对: for whom something is to be done
 
 
@@ -105,7 +107,8 @@ Value = float | str | None
 class Token(NamedTuple):
     """A phrase with its meaning; `start` and `end` are its position in the text.
 
-    Of an amount `unit` is one unit in metres, degrees or seconds; `more` says that it is "more", "another".
+    Of an amount `unit` is one unit in metres, degrees or seconds; `more` says of it or of a picture that it is "more",
+    "another".
     """
 
     kind: TokenKind

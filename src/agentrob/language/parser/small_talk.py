@@ -15,11 +15,12 @@ class SmallTalk(StrEnum):
     QUESTION = "question"  # or a request for a report: "let me know when …"
     PAST = "past"  # tells what was
     GREETING = "greeting"
+    ASSENT = "assent"  # "yes", "go ahead", "please": a command is missing
     THANKS = "thanks"  # or other manners alone
 
 
 def small_talk_in(sentences: Sequence[Sentence]) -> SmallTalk | None:
-    """Return the first that applies: cancel, question, past, greeting, thanks."""
+    """Return the first that applies: cancel, question, past, greeting, assent, thanks."""
     if any(s.cancelled for s in sentences):
         return SmallTalk.CANCEL
     if any(s.question or s.asked or any(r.kind is RemarkKind.WISH for r in s.remarks) for s in sentences):
@@ -28,4 +29,7 @@ def small_talk_in(sentences: Sequence[Sentence]) -> SmallTalk | None:
         return SmallTalk.PAST
     if not all(s.says_nothing for s in sentences):
         return None
-    return SmallTalk.GREETING if any(s.greeted for s in sentences) else SmallTalk.THANKS
+    if any(s.greeted for s in sentences):
+        return SmallTalk.GREETING
+    assents = any(s.assents for s in sentences) and not any(s.thanked for s in sentences)
+    return SmallTalk.ASSENT if assents else SmallTalk.THANKS

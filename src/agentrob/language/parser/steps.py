@@ -402,10 +402,10 @@ class _StepBuilder:
             reading.object_to(say("ask.too_many", self.language, steps=MAX_STEPS))
         elif draft.each is not None:
             reading.picture_after = draft.each
-        elif step == _PICTURE and not draft.counted and reading.steps[-1:] == [step]:
+        elif step == _PICTURE and not (draft.counted or draft.again or draft.further) and reading.steps[-1:] == [step]:
             pass  # "take a picture, take a picture": said twice, meant once
         elif len(reading.steps) <= MAX_STEPS:
-            reading.steps += [step] * draft.times
+            reading.steps += _in_whole_turns(step, draft.amount) * draft.times
 
     def _routine(self, routine: Routine, draft: Draft, said: str) -> None:
         """Add the steps of a dance, a figure or a patrol, or say which sizes and counts fit this robot's limits."""
@@ -622,6 +622,14 @@ def _is_bare_angle(draft: Draft) -> bool:
 def _is_whole(amount: Token | None) -> bool:
     value = amount.value if amount is not None and amount.kind is TokenKind.ANGLE else None
     return isinstance(value, float) and value > 0 and value % 360 == 0
+
+
+def _in_whole_turns(step: Primitive, amount: Token | None) -> list[Primitive]:
+    """Return a step for each turn of "two and a half turns": no step may turn further than once around."""
+    if amount is None or amount.unit != 360.0 or not step.rotates or not step.degrees:
+        return [step]
+    turns, rest_deg = divmod(step.degrees, 360.0)
+    return [replace(step, degrees=360.0)] * int(turns) + [replace(step, degrees=rest_deg)] * bool(rest_deg)
 
 
 def _turn_to(side: Direction) -> Primitive:

@@ -28,7 +28,7 @@ from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "a05cf1e7c71b6a89316b7690c6b495cded5c2ef53a9f3113001cec239ff8fe44"
+SHA256 = "eca010235b3d1958117114c1ba28bc36971f44ab1702002aea2cb926f21f3066"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.
