@@ -45,8 +45,9 @@ IN_A_THREAD = [
 FURTHER = {
     "photo photo": """take a photo, then take another photo|take a photo, then another|take a photo and take another
         |take a photo and then another one|take one photo, then one more|take a photo, and a second one
-        |take a photo, then a second photo|take a photo of the door and another of the window|take a photo. Take it again
-        |take a photo, then take a photo again|拍张照，再拍一张|先拍一张，再拍一张照片|拍张照，再拍一次|拍张照，再重拍一张""",
+        |take a photo, then a second photo|take a photo of the door and another of the window
+        |take a photo. Take it again|take a photo, then take a photo again|拍张照，再拍一张|先拍一张，再拍一张照片
+        |拍张照，再拍一次|拍张照，再重拍一张""",
     "photo": """take a photo, take a photo|take a photo and then send me the photo|take a photo. Send me a picture.
         |take another photo|another photo please|拍张照片，发我一张照片|拍张照，再发张照片给我|再拍一张""",
     "hello hello": "wave, then another|wave and one more please|挥手，再来一个",

@@ -54,7 +54,8 @@ TABLE = {
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
     "move=gait": "run|sprint|jog|dash|gallop|trot|scurry|scamper|hustle|zoom|crawl|creep|sneak|tiptoe",
     "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
-        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|make way|make room|make some room|step aside
+        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay
+        |make way|make room|make some room|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
     "move dir=backward": """back straight up|back it straight up|back right up|back on up|back up straight
@@ -68,7 +69,8 @@ TABLE = {
         |back off|reverse|retreat|step back|move backwards|go in reverse""",
     "back move dir=backward": "go back|walk back|move back|head back|go on back",
     "again=back": """go back the way you came|walk back the way you came|head back the way you came
-        |come back the way you came|return the way you came|back the way you came|come back to where you started|come back to the start|come back to where you were
+        |come back the way you came|return the way you came|back the way you came
+        |come back to where you started|come back to the start|come back to where you were
         |come back to your starting point|head back to where you started|head back to the start
         |return to where you began|go back to your starting point|go back to your starting position
         |go back to your original position|return to your starting place|come back to where you began
@@ -615,7 +617,8 @@ TABLE = {
         |please please|great|good|nice|perfect|excellent|cool|awesome|good dog|good robot|got it|fantastic|wonderful
         |beautiful|sounds good|no rush|take your time|all set|copy|copy that|roger|ten four|very good|lovely|brilliant
         |splendid|very nice|very well|looks good|okay great|interesting|sorry|oh boy|wow|at a time|on the ground
-        |one time|on the floor|in the room|in a straight line|in a line|here|in total|total|in all|overall|as well|too|for me please
+        |one time|on the floor|in the room|here|in total|total|in all|overall|as well|too|for me please
+        |in a straight line|in a line
         |both of you|you both|you two|all of you|both robots|for us|if it is safe|if it's safe|when safe|safely
         |from this angle|from this position|from that angle|from that position|from this spot|from this view|nicely
         |politely|kind sir|doggo|pup|puppy|mate|pal|bot|little one|little guy|my dear|my good robot|everyone else
