@@ -18,6 +18,8 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent.answers import Answers
+from agentrob.agent.claims import Claims
 from agentrob.agent.execution.room_entry import RoomEntry
 from agentrob.agent.final_report import FinalReport
 from agentrob.agent.intake.clock_check import ClockCheck
@@ -35,7 +37,10 @@ from agentrob.agent.media import plot
 from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.room_map import RoomMap
 from agentrob.agent.motion import Motion
+from agentrob.agent.outcomes import Outcomes
 from agentrob.agent.pipeline import Pipeline
+from agentrob.agent.progress import show_place
+from agentrob.agent.queue.admission import Admission
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
@@ -153,6 +158,7 @@ class RobotAgent:
         self.owner = OwnerActions(
             name, settings, forum, driver, self.stops, self.stop_handler, self.event_stream.now, self._queue_changed
         )  # fmt: skip
+        self.writes = DeniedWrites()
         self.room = RoomEntry(driver, bool(settings.room), self._queue_changed)
         self.live_view = LiveView(
             name, settings, forum, driver, self.folder, self.queue, self.owner, self.activity,
@@ -208,7 +214,7 @@ class RobotAgent:
                 await self.inbox.take_waiting()
                 await self.schedules.step()
                 # Commands that wait for an approval, another robot or the right to write continue to wait next time.
-                while busy := self.tasks.running - self.queue.asking() - self.pipeline.writes.tasks:
+                while busy := self.tasks.running - self.queue.asking() - self.writes.tasks:
                     await asyncio.wait(busy, timeout=0.2)
                 await self.pipeline.summaries.step()
                 await prune(self.journal, self.records, self.settings.retention)
@@ -228,7 +234,7 @@ class RobotAgent:
         self.queue.close()
         if (job := self.queue.current) is not None and job.task is not None:
             await asyncio.wait({job.task})
-        waiting = {task for job in self.queue for task in (job.task, job.asking)} | self.pipeline.writes.tasks
+        waiting = {task for job in self.queue for task in (job.task, job.asking)} | self.writes.tasks
         if replying := self.tasks.running - waiting:
             await asyncio.wait(replying, timeout=REPLIES_S)
 
@@ -332,7 +338,7 @@ class RobotAgent:
         self.tasks.spawn(self._close_unknown(statuses))
 
     async def _close_unknown(self, statuses: Sequence[Post]) -> None:
-        await close_unknown(self.forum, self.journal, statuses, self.pipeline.moves)
+        await close_unknown(self.forum, self.journal, statuses, self.pipeline.claims.moves)
         await self.journal.put("looked_back", self.event_stream.now().isoformat())  # the next start need not
 
     async def _shut_down(self) -> None:
@@ -390,24 +396,28 @@ class RobotAgent:
             self.tasks.spawn,
             previews,
         )
-        rate_limiter, most = RateLimiter(self.settings.rates), self.settings.rates.waiting
-
-        def over_limit(command: Command) -> bool:
-            account = command.author.id
-            return rate_limiter.exceeded(account) or bool(most and self.queue.number_of(account) > most)
-
+        admission = Admission(self.settings.rates, self.queue, RateLimiter(self.settings.rates))
         assessor = Assessor(
-            names, self.settings, self.forum, self.driver, self.mind, self.journal, over_limit, self.opinion,
+            names, self.settings, self.forum, self.driver, self.mind, self.journal, admission.over_limit, self.opinion,
             self.detector,
         )  # fmt: skip
-        surroundings, writes, ending = Surroundings(self.settings.scene), DeniedWrites(), lambda: self._ending
+        ending = lambda: self._ending  # noqa: E731
         motion = Motion(
-            self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records, live.recorder,
-            live.poses, surroundings, assessor, self.room, ending, self._queue_changed,
+            self.name, self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records,
+            live.recorder, live.poses, Surroundings(self.settings.scene), assessor, self.room, ending,
+            self._queue_changed,
+        )  # fmt: skip
+        outcomes = Outcomes(self.settings, self.journal, approvals, self.clock.was_set)
+        answers = Answers(
+            self.name, self.driver, self.detector is not None, self.journal, self.queue, self.stops, self.owner,
+            admission, self.schedules, previews, outcomes,
+        )  # fmt: skip
+        claims = Claims(
+            self.settings, self.forum, self.driver, self.journal, self.queue, self.writes, self.event_stream.now
         )  # fmt: skip
         final_report = FinalReport(
-            self.name, self.forum, assessor, self.journal, self.records, live.recorder, self._store, writes, ending,
-            self.owner, self._ended, live.poses, live.geometry, previews,
+            self.name, self.forum, assessor, self.journal, self.records, live.recorder, self._store, self.writes,
+            ending, self.owner, self._ended, live.poses, live.geometry, previews,
         )  # fmt: skip
         parts = PartWaits(
             self.name, self.settings, self.forum, self.driver, self.journal, self.queue, self.threads,
@@ -415,9 +425,8 @@ class RobotAgent:
         )  # fmt: skip
         self._summaries = PartSummaries(self.forum, self.journal, self.threads, self.event_stream.now)
         return Pipeline(
-            self.name, self.settings, self.forum, self.driver, assessor, self.journal, self.event_stream, self.queue,
-            self.stops, approvals, rate_limiter, surroundings, motion, writes, final_report, self.owner,
-            self.clock.was_set, self.schedules, previews, parts, self._summaries,
+            self.name, self.settings, self.forum, self.journal, self.queue, self.event_stream.now, assessor, claims,
+            answers, admission, approvals, parts, self._summaries, motion, self.stops, outcomes, final_report,
         )  # fmt: skip
 
     def _ended(self, report: Report) -> None:
@@ -630,7 +639,7 @@ class RobotAgent:
         job.task = self.tasks.spawn(self.pipeline.run(job))
 
     def decline(self, command: Command) -> None:
-        self.tasks.spawn(self.pipeline.decline(command))
+        self.tasks.spawn(self.pipeline.final_report.decline(command))
 
     async def decide(self, post: Post, triaged: TriagedPost) -> None:
         await self.pipeline.approvals.record_decision(post, triaged)
@@ -649,4 +658,4 @@ class RobotAgent:
     def _queue_changed(self) -> None:
         self.live_view.changed()
         for job in self.queue:
-            self.pipeline.show_place(job)
+            show_place(job, self.queue)

@@ -16,6 +16,7 @@ from agentrob.agent.media.image_store import ImageStore
 from agentrob.agent.media.pictures import Picture, illustrate, late_recording
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
+from agentrob.agent.outcomes import reason_text, report_of
 from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import QueuedCommand, page_post
 from agentrob.agent.reporting import report as reply_text
@@ -23,7 +24,7 @@ from agentrob.agent.reporting import visual_calls, visual_text
 from agentrob.agent.reporting.command_page import TRIES, page_of, publish
 from agentrob.agent.reporting.mind_notes import notes, summary_text
 from agentrob.agent.reporting.preview_text import preview_paragraphs
-from agentrob.agent.reporting.status_post import DeniedWrites, Shown, retry_until_answered
+from agentrob.agent.reporting.status_post import DeniedWrites, Shown, StatusPost, retry_until_answered
 from agentrob.agent.stop.owner import OwnerActions
 from agentrob.agent.store.journal import Journal
 from agentrob.agent.store.records import Records, approval
@@ -56,6 +57,14 @@ class FinalReport:
     poses: PoseSampler
     geometry: Geometry
     previews: Previews
+
+    async def decline(self, command: Command) -> None:
+        """Reply to a command that the journal could not record: its first status is its end."""
+        job = QueuedCommand(command)
+        report = report_of(job, CommandState.FAILED, message=reason_text(job, "journal"))
+        shown = Shown(reply_text.final(report), command.card(CommandState.FAILED))
+        await self.writes.when_allowed(partial(StatusPost(self.forum, command).claim, shown))
+        self.on_end(report)
 
     async def post_final(self, job: QueuedCommand, report: Report) -> None:
         """Post the final report exactly once, close the claim, and forget the recording."""

@@ -15,7 +15,7 @@ from agentrob.agent.execution.execute import Execution, ExecutionHooks, execute
 from agentrob.agent.execution.local_goal import run_local_task
 from agentrob.agent.execution.room_entry import RoomEntry
 from agentrob.agent.execution.visual import run_visual_task
-from agentrob.agent.intake.authorization import CommandTerms, permission
+from agentrob.agent.intake.authorization import CommandTerms, own_rights, permission
 from agentrob.agent.intake.event_stream import EventStream
 from agentrob.agent.media.poses import PoseSampler
 from agentrob.agent.media.recorder import Recorder
@@ -48,6 +48,7 @@ class Motion:
     """Moves one robot for its commands. `assessor` knows the model that may steer by the camera, `on_motion` is called
     when a motion begins. While `ending` returns true no step begins."""
 
+    name: str
     settings: RobotConfig
     forum: Forum
     driver: DriverClient
@@ -61,6 +62,15 @@ class Motion:
     room: RoomEntry
     ending: Callable[[], bool]
     on_motion: Callable[[], None]
+
+    @property
+    def terms(self) -> CommandTerms:
+        """The terms by which commands are judged now."""
+        names = tuple(self.assessor.names)
+        return CommandTerms(
+            self.settings.consents, self.event_stream.step_s, robot=self.name, scene=self.surroundings.scene,
+            names=names, boards=tuple(self.settings.boards), rights=own_rights(self.settings),
+        )  # fmt: skip
 
     def read(self, text: str) -> Execution:
         """The result of a motion from the journal, with its pictures as far as the files exist."""

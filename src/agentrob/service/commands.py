@@ -155,7 +155,7 @@ class CommandService:
             return Assessment(Understanding(intents.get(heard.route, Intent.NOTHING), heard.language), "rules")
         trace = uuid4().hex[:12]
         command = Command("", "preview", "", author, agent.name, heard.text, heard.language, now, trace)
-        return await agent.pipeline.assessor.consider(QueuedCommand(command), agent.pipeline.terms)
+        return await agent.pipeline.assessor.consider(QueuedCommand(command), agent.pipeline.motion.terms)
 
     async def submit(self, caller: Caller, new: models.NewCommand, key: str | None) -> models.Submitted:
         """Post the command on the forum by the caller's account; the agent receives it from there."""

@@ -217,7 +217,7 @@ async def test_a_preview_that_hangs_delays_neither_the_question_nor_the_approval
     )
     scene.person("carol", Role.MODERATOR)
     async with scene.agent() as agent:
-        agent.pipeline.previews.rehearse = partial(rehearse, command=HANGS)
+        agent.pipeline.answers.previews.rehearse = partial(rehearse, command=HANGS)
         post = await scene.post("alice", WALK)
         await scene.until(lambda: any("A preview follows here." in p.raw for p in scene.replies(post)))
         await scene.post("carol", YES, topic=post.topic_id)
@@ -236,7 +236,7 @@ async def test_a_preview_that_cannot_be_made_is_said_and_the_command_may_be_appr
         async def fails(*_: object) -> Preview:
             raise RuntimeError("our own fault")
 
-        agent.pipeline.previews.rehearse = fails
+        agent.pipeline.answers.previews.rehearse = fails
         post = await scene.post("alice", WALK)
         await scene.until(lambda: any("There is no preview" in p.raw for p in scene.replies(post)))
         await scene.post("carol", YES, topic=post.topic_id)

@@ -60,7 +60,7 @@ def scene(request: pytest.FixtureRequest, driver: Driver, tmp_path: Path) -> Sce
 @asynccontextmanager
 async def agent(scene: Scene, rehearsals: Rehearsals, **more: Any) -> Any:
     async with scene.agent(**more) as running:
-        running.pipeline.previews.rehearse = rehearsals
+        running.pipeline.answers.previews.rehearse = rehearsals
         yield running
 
 

@@ -401,7 +401,7 @@ async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_whe
             await until(slow_driver, lambda state: state.pose.x_m > 0.3)
             await asyncio.to_thread(suspend, board, True)
             async with asyncio.timeout(60):
-                while agent.queue.moving or not agent.pipeline.writes.tasks:  # noqa: ASYNC110 (no event tells it)
+                while agent.queue.moving or not agent.writes.tasks:  # noqa: ASYNC110 (no event tells it)
                     await asyncio.sleep(0.05)
             await asyncio.to_thread(suspend, board, False)
             assert (await alice.final(topic))[0] in ("interrupted", "cancelled")

@@ -99,7 +99,7 @@ COMMANDS = [
     ("turn, slowly, left 30 degrees", "l30"),
     ("walk 1 m, slowly, forward", "F1@0.2"),
     ("顺时针转一圈半", "r540"),
-    ("左转两圈半", "l900"),
+    ("左转两圈半", "l360 l360 l180"),
     ("前进1米20", "F1.2"),
     ("挥手两下", "hello hello"),
     ("前进一米拍一张，左转拍一张", "F1 photo l90 photo"),

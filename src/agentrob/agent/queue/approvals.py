@@ -101,6 +101,19 @@ class Approvals:
             await self.journal.end([job.command.key], EndReason.LAPSED)
         self._settle(job.command.topic_id, self.now())
 
+    async def mismatch(self, job: QueuedCommand, plan: Plan) -> Verdict | None:
+        """Refuse what was approved by a preview of another plan, as another version of AgentRob may have read the post,
+        and a walk that was approved by one from another place: it would not be what was approved."""
+        language, approved = job.command.language, job.preview
+        bound = job.decided is not None and approved is not None and job.decided.preview == approved.hash
+        if bound and approved is not None and approved.plan.steps != plan.steps:
+            return Verdict(Decision.REFUSE, "approval.preview", say("agent.approval.other", language))
+        start = job.decided.start if job.decided is not None else None
+        if start is None or not plan.distance_m or (metres := await self.previews.moved_since(start)) is None:
+            return None
+        reason = say("agent.approval.moved", language, metres=metres)
+        return Verdict(Decision.REFUSE, "approval.preview", reason)
+
     def _left_s(self, job: QueuedCommand) -> float:
         """Return how much longer it can be approved."""
         assert job.asked is not None

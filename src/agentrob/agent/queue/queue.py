@@ -17,6 +17,7 @@ import structlog
 from agentrob.agent.execution.execute import Run
 from agentrob.agent.store.rows import ApprovalDecision, ApprovalRequest
 from agentrob.agent.understanding.extract import Assessment
+from agentrob.config.robots import RobotConfig
 from agentrob.language.joint.parts import JointCommand
 from agentrob.language.joint.reading import joint_command
 from agentrob.minds.visual_loop.loop import LoopRecord
@@ -28,6 +29,11 @@ from agentrob.rehearsal.preview import Preview
 LATE_S = 300.0
 T = TypeVar("T")
 _log = structlog.get_logger()
+
+
+def expiry_s(command: Command, settings: RobotConfig) -> float:
+    """Return how long after its post, or after the time of its run, a command may begin."""
+    return settings.queue_expiry_s if command.run is None else min(settings.queue_expiry_s, LATE_S)
 
 
 @dataclass(frozen=True, slots=True)
