@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from agentrob.language.locales.en import LEXICON as EN
 from agentrob.language.locales.zh import LEXICON as ZH
-from agentrob.language.locales.zh import number as zh_number
+from agentrob.language.locales.zh_numbers import number as zh_number
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.parser.grammar import MAX_CHARS, parse
 from agentrob.language.parser.lexicon import pieces_of
