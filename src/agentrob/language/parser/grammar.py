@@ -3,8 +3,8 @@
     text ── addressing ──► text for this robot ── lexicon ──► tokens ── amounts ──► tokens with metres and degrees
          ── clauses ──► one draft per step ── steps ──► steps, or a question
 
-To add a word, add it to the table of its language (`locales/en_words.py`, `locales/zh_words.py`). To add a language, add
-a file beside them: see `docs/inside/languages.md`.
+To add a word, add it to the table of its language (`locales/en_words.py`, `locales/zh_words.py`). To add a language,
+add a file beside them: see `docs/inside/languages.md`.
 """
 
 from __future__ import annotations
