@@ -21,7 +21,7 @@ from agentrob.language.messages.catalog import can_say, quote, say
 from agentrob.language.messages.plan_text import sentence
 from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
 from agentrob.language.registry import language_of
-from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
+from agentrob.language.schedule.reading import TimedText, cancels_elsewhere, lists_schedules, timed_text
 from agentrob.language.stop.at_rest import stop_intent
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.minds.protocol import Addressee
@@ -128,7 +128,7 @@ def _reading(visible: str, author: Account, robot: ReadableRobot, names: tuple[s
             return replace(untimed, line=line)
         if untimed.outcome in ("refuse", "ask_back"):
             return untimed
-    if lists_schedules(part):
+    if lists_schedules(part) or cancels_elsewhere(part):
         return RobotReading(robot.name, say("read.answer", language_of(part)), "answer")
     if timed is not None and timed.surely_later:
         return RobotReading(robot.name, timed.question, "ask_back")

@@ -12,7 +12,7 @@ from agentrob.language.joint.parts import JointCommand
 from agentrob.language.joint.reading import JointProblem, joint_command
 from agentrob.language.messages.moments import local
 from agentrob.language.previews.reading import rehearsed_part
-from agentrob.language.schedule.reading import TimedText, timed_text
+from agentrob.language.schedule.reading import TimedText, cancels_elsewhere, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions, visible_text
 from agentrob.model import Account, Intent, Role, Schedule, Understanding
 from agentrob.model.schedules import first_runs
@@ -39,12 +39,15 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     named = mentions(visible)
     name = named[0] if named else model
     others = tuple(other for other in named if other != name)
-    rehearsed = rehearsed_part(part_for(visible, (name,), others), visible)
+    part = part_for(visible, (name,), others)
+    rehearsed = rehearsed_part(part, visible)
     if rehearsed:
         text = visible = f"@{name} {rehearsed}"
     understood: Understanding = asyncio.run(understand(text, name, capabilities))
     schedule: Schedule | None = None
-    if (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
+    if lists_schedules(part) or cancels_elsewhere(part):
+        understood = Understanding(Intent.SCHEDULES, understood.language)
+    elif (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
         text = visible.replace(part_for(visible, (name,), [n for n in named if n != name]), timed.rest)
         understood, schedule = asyncio.run(understand(text, name, capabilities)), timed.schedule
     elif timed is not None and (timed.surely_later or understood.intent is not Intent.COMMAND):

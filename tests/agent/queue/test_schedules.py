@@ -120,6 +120,7 @@ async def test_a_weekday_schedule_names_the_next_three_runs_and_its_end(scene: S
         assert "take a photo" in listed
         assert "29 runs left" in listed
         assert "`alice`" in listed
+        assert "To cancel one, reply `cancel` in its thread." in listed
 
 
 async def test_law_5_a_missed_run_is_told_once_and_not_made_up(scene: Scene) -> None:

@@ -59,7 +59,7 @@ ASKED = {
     "walk forward 1 metre and tell me the temperature": "tell me the temperature",
     "Tell me the temperature. Walk forward 1 metre.": "Tell me the temperature",
     "walk forward 1 metre, then tell him the temperature": "tell him the temperature",
-    "turn left, let me know when you're done": "let me know when you're done",
+    "turn left, let me know when you're hungry": "let me know when you're hungry",
     "patrol the room and report": "report",
     "turn left and report": "report",
     "wave at sunrise": "wave at sunrise",

@@ -64,13 +64,14 @@ oh and {}|also {}|do me a favor and {}|would you be so kind to {}|feel free to {
 good boy, {}|carefully {}|I think you should {}|maybe you could {}|you can {} now|time to {}|your task: {}
 command: {}|task: {}|please, robot, {}|ok robot please {} thank you|can you please {} for us?|{} pls|pls {}
 plz {}|{} asap|quickly {}|{} again|it's time to {}|do this: {}|do the following: {}|here is your command: {}
+{} and let me know when you're done|{}, tell me when finished
 """
 POLITE_ZH = """
 请{}|请你{}|麻烦{}|麻烦你{}|{}，谢谢|谢谢，{}|{}吧|{}！|{}。|能{}吗|能不能{}|可以{}吗？|你能{}吗|帮我{}|帮忙{}
 机器人，{}|小狗{}|好的，{}|好，{}|现在{}|那就{}|先{}|然后{}|再{}|接着{}|最后{}|你好，{}|嗯，{}|我想让你{}
 我要你{}|我希望你{}|你应该{}|快{}|赶快{}|马上{}|立刻{}|慢慢{}|**{}**|“{}”|- {}|1. {}|{}，好吗|{}好不好|{}行吗
 {}就行|{}就可以了|直接{}|只要{}|请问可以{}吗|辛苦了，{}|任务：{}|命令：{}|拜托{}|给我{}|你{}|你给我{}|来，{}
-喂，{}|@robot {}|@robot，{}|@robot请{}
+{}，走完告诉我|{}，好了跟我说一声|完成后通知我，{}|喂，{}|@robot {}|@robot，{}|@robot请{}
 """
 
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agentrob.language.registry import known
-from agentrob.language.schedule.reading import cancels_schedule, lists_schedules, timed_text
+from agentrob.language.schedule.reading import cancels_elsewhere, cancels_schedule, lists_schedules, timed_text
 from agentrob.model import Schedule
 from agentrob.model.schedules import first_runs
 
@@ -45,6 +45,12 @@ UNDERSTOOD = [
     ("every day at 9 wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
     ("every weekday at 9 take a photo", "take a photo", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
     ("take a photo every weekday at 9", "take a photo", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
+    ("every morning at 8 wave", "wave", ["Wed 25 08:00:00", "Thu 26 08:00:00", "Fri 27 08:00:00"], 30),
+    ("wave each evening at 7", "wave", ["Tue 24 19:00:00", "Wed 25 19:00:00", "Thu 26 19:00:00"], 30),
+    ("every friday night at 11 sit", "sit", ["Fri 27 23:00:00", "Fri 04 23:00:00", "Fri 11 23:00:00"], 30),
+    ("every quarter of an hour wave", "wave", ["Tue 24 10:15:00", "Tue 24 10:30:00", "Tue 24 10:45:00"], 30),
+    ("每晚八点挥手", "挥手", ["Tue 24 20:00:00", "Wed 25 20:00:00", "Thu 26 20:00:00"], 30),
+    ("每早七点半拍照", "拍照", ["Wed 25 07:30:00", "Thu 26 07:30:00", "Fri 27 07:30:00"], 30),
     ("Monday to Friday at 9:00 wave", "wave", ["Wed 25 09:00:00", "Thu 26 09:00:00", "Fri 27 09:00:00"], 30),
     ("every monday and thursday at 10:15 sit", "sit", ["Thu 26 10:15:00", "Mon 30 10:15:00", "Thu 03 10:15:00"], 30),
     ("mondays at 9 wave", "wave", ["Mon 30 09:00:00", "Mon 07 09:00:00", "Mon 14 09:00:00"], 30),
@@ -230,6 +236,9 @@ ASKED = [
     ("tonight at 08:00 wave", "not understand when"),
     ("tomorrow night at 3 wave", "not understand when"),
     ("tomorrow morning at 15:00 wave", "not understand when"),
+    ("every morning at 15:00 wave", "not understand when"),
+    ("every morning wave", "not the time"),
+    ("每晚两点挥手", "没有听懂是什么时候"),
     ("tomorrow morning at 3 pm wave", "not understand when"),
     ("tomorrow morning at 12 wave", "not understand when"),
     ("tomorrow afternoon at 9 wave", "not understand when"),
@@ -331,7 +340,11 @@ def test_whatever_is_said_runs_are_in_the_future_in_order_and_within_the_limits(
     assert not re.search(words.hints, found.rest, re.IGNORECASE), "what says when is not left in the command"
 
 
-@pytest.mark.parametrize("text", ["schedules", "Schedules?", "show me your schedules", "日程", "你的日程", "日程表"])
+@pytest.mark.parametrize(
+    "text",
+    ["schedules", "Schedules?", "show me your schedules", "what is scheduled?", "what's on your schedule",
+     "when is your next run?", "日程", "你的日程", "日程表", "有什么日程？", "下次什么时候运行"],
+)  # fmt: skip
 def test_a_request_for_the_schedules(text: str) -> None:
     assert lists_schedules(text)
 
@@ -346,6 +359,24 @@ def test_no_request_for_the_schedules(text: str) -> None:
 )
 def test_a_cancellation(text: str) -> None:
     assert cancels_schedule(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["cancel all schedules", "cancel tomorrow's photo", "please cancel the run of tomorrow at 9:00", "取消所有日程",
+     "取消明天的拍照"],
+)  # fmt: skip
+def test_a_cancellation_of_a_schedule_elsewhere(text: str) -> None:
+    assert cancels_elsewhere(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["cancel", "cancel my visit", "cancel that, tomorrow at 9 wave", "cancel it and tomorrow at 9 wave",
+     "wave tomorrow", "取消", "取消关注", "取消明天的拍照，改成挥手", "取消它然后明天九点挥手"],
+)  # fmt: skip
+def test_no_cancellation_of_a_schedule_elsewhere(text: str) -> None:
+    assert not cancels_elsewhere(text)
 
 
 @pytest.mark.parametrize("text", ["cancel my visit", "don't cancel", "I had to cancel", "取消关注", "stop"])

@@ -62,7 +62,7 @@ def listed(schedules: Sequence[KeptSchedule], language: Language) -> str:
         return say("schedule.list.none", language)
     key = "schedule.list.one" if len(running) == 1 else "schedule.list"
     lines = [f"- {_item(kept, language)}" for kept in running]
-    return "\n".join([say(key, language, count=len(running)), "", *lines])
+    return "\n".join([say(key, language, count=len(running)), "", *lines, "", say("schedule.list.how", language)])
 
 
 def _item(kept: KeptSchedule, language: Language) -> str:

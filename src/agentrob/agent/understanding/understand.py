@@ -25,7 +25,7 @@ from agentrob.language.joint.reading import JointProblem, joint_command
 from agentrob.language.messages.catalog import join_sentences, quote, say
 from agentrob.language.previews.reading import rehearsed_part, speaks_of_preview
 from agentrob.language.registry import language_of
-from agentrob.language.schedule.reading import TimedText, lists_schedules, timed_text
+from agentrob.language.schedule.reading import TimedText, cancels_elsewhere, lists_schedules, timed_text
 from agentrob.language.visible_text import mentions
 from agentrob.minds.extraction.mind import ModelMind
 from agentrob.minds.extraction.summary import Summary, summarise
@@ -139,7 +139,7 @@ class Assessor:
         command = job.command
         if command.run is not None:
             return await self._consider(job, command, terms, alone=True)
-        if lists_schedules(part):
+        if lists_schedules(part) or cancels_elsewhere(part):
             return Assessment(Understanding(Intent.SCHEDULES, command.language), "rules")
         timed = timed_text(part, command.posted_at, self.settings.time_zone)
         if timed is None or (

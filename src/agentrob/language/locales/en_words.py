@@ -36,8 +36,7 @@ TABLE = {
         |continue moving|continue walking|continue going|keep on going|move yourself|get moving|go on|move on""",
     "move=gait": "run|sprint|jog|dash|gallop|trot|scurry|scamper|hustle|zoom|crawl|creep|sneak|tiptoe",
     "move=sideways": """sideways|sidle|crab|crab walk over|hop sideways|scooch|scooch over|budge over|budge|sway over|
-        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay
-        |make way|make room|make some room|step aside
+        side shuffle|scoot over|scoot sideways|slide over|shift over|crab walk|shimmy|sashay|step aside
         |move aside|shuffle|strafe|sidestep|side step|shift|slide|scoot|step sideways|walk sideways|move sideways
         |go sideways|shuffle sideways""",
     "move dir=backward": """back straight up|back it straight up|back right up|back on up|back up straight
@@ -631,8 +630,8 @@ _DOING = sorted({form for form in BASE if form.endswith("ing")} | {"with that", 
 _DONE = ("when you're done", "when you are done", "once you're done", "once you are done", "after you're done",
     "when you finish", "once you finish", "when you're finished", "once you're finished", "when finished", "when done",
     "once you've finished", "when you've finished", "after you finish", "as soon as you're done")  # fmt: skip
-#: "When you're done turning": what was said before it is done first anyway.
-TABLE["talk=tell"] += "".join(f"|{tell} {done}" for tell in ("let me know", "tell me", "let us know") for done in _DONE)
+#: The report tells it anyway. "When you're done turning": what was said before it is done first anyway.
+TABLE["soft"] += "".join(f"|{tell} {done}" for tell in ("let me know", "tell me", "let us know") for done in _DONE)
 TABLE["condition"] += "".join(f"|once done {doing}" for doing in _DOING if doing.endswith("ing"))
 TABLE["and"] += "|" + "|".join(f"{done} {doing}" for done in _DONE for doing in _DOING)
 #: Long politeness is a request like any other: "we should be most obliged if you would".

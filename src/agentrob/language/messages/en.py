@@ -153,7 +153,10 @@ PHRASES = {
         "if I have a camera, `take a photo` shows it."
     ),
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
-    "talk.assent": "That does not say what I shall do, and I did not move. Please post the whole command.",
+    "talk.assent": (
+        "That does not say what I shall do, and I did not move. Please post the whole command. "
+        "A command that waits for approval is approved by the reply `approve`."
+    ),
     "talk.thanks": "You are welcome.",
     "talk.praise": "Thank you!",
     "talk.bye": "Goodbye!",

@@ -43,7 +43,14 @@ def settled(drafts: Sequence[Draft]) -> list[Draft]:
 def _may_share_its_angle(last: Draft, draft: Draft) -> bool:
     """ "Turn left and right 45 degrees": 45 for one of them, or for both."""
     turns = last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
-    return turns and draft.verb is None and draft.direction is not None and draft.amount is not None
+    return turns and draft.verb is None and draft.direction is not None and _may_be_of_turn(last, draft)
+
+
+def _may_be_of_turn(last: Draft, draft: Draft) -> bool:
+    """Return whether a side with an amount may say how far the turn before it is to go: not "forward 1 m"."""
+    if draft.amount is None or draft.direction in _AHEAD:
+        return False
+    return draft.amount.kind is not TokenKind.LENGTH or draft.direction is last.direction
 
 
 def _leaves_out_the_verb(last: Draft, draft: Draft) -> bool:
@@ -65,6 +72,7 @@ def _completes(drafts: Sequence[Draft], extra: Draft) -> bool:
         return extra.joined  # "dance, forward 1 m" are two; "walk a square, 1 m" is its size
     if extra.direction and extra.amount and not extra.hesitant:  # "turn left, left 90 degrees": one turn or two
         bare = last.verb is TokenKind.TURN and last.direction is not None and last.amount is None
+        bare = bare and _may_be_of_turn(last, extra)
         if last is not drafts[-1] and extra.joined and extra.amount.start == extra.start:
             bare = False  # "turn right and take a picture ninety degrees to the right"
         last.vague = last.vague or bare

@@ -180,7 +180,7 @@ class _Composer:
 
     def _time(self, clock: Clock, beside: object) -> time:
         hour, sure = clock.hour, clock.sure
-        if isinstance(beside, Day) and beside.hours:
+        if isinstance(beside, Day | Weekly) and beside.hours:
             within = hour_within(clock.hour, beside.hours, exact=clock.exact)
             if within is None:
                 raise Unclear

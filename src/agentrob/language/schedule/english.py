@@ -51,6 +51,7 @@ _HOURS = {
     "evening": range(17, 24),
     "night": range(18, 24),
 }
+_PART_OF_DAY = f"(?:{'|'.join(_HOURS)})"
 _OCLOCK = r"o['’]?\s?clock"
 _HOUR_WORD = "one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve"
 #: Not the beginning of an amount: "at 0.5 m/s", "at 5 metres".
@@ -162,20 +163,24 @@ def _at(found: re.Match[str]) -> Part | None:
 
 def _weekly(found: re.Match[str]) -> Part | None:
     said = found[0].lower()
+    return None if (days := _weekly_days(said)) is None else Weekly(days, _hours(said))
+
+
+def _weekly_days(said: str) -> tuple[int, ...] | None:
     if re.search(_RANGE, said):
         days = [_day_number(one[0]) for one in re.finditer(_WEEKDAY, said)]
-        return Weekly(tuple(range(days[0], days[-1] + 1))) if len(days) == 2 and days[0] < days[1] else None
+        return tuple(range(days[0], days[-1] + 1)) if len(days) == 2 and days[0] < days[1] else None
     if re.search("weekday|work", said):
-        return Weekly(tuple(range(5)))
+        return tuple(range(5))
     if "weekend" in said:
-        return Weekly((5, 6))
-    return Weekly(_days(said) if re.search(_WEEKDAY, re.sub(r"\b(?:every|each) day|daily", "", said)) else ())
+        return 5, 6
+    return _days(said) if re.search(_WEEKDAY, re.sub(r"\b(?:every|each) day|daily", "", said)) else ()
 
 
 def _every(found: re.Match[str]) -> Part | None:
     said = found["every"].lower()
-    if said.startswith("half"):
-        return Every(1800)
+    if said.startswith(("half", "quarter")):
+        return Every(1800 if said.startswith("half") else 900)
     number, unit = re.match(rf"(?:{_COUNTED})\b", said), re.search(rf"(?:{_UNIT})$", said)
     assert unit is not None
     count = 2 if said.startswith("other") else _number(number[0]) if number else 1
@@ -224,11 +229,16 @@ WORDS = ScheduleWords(
         _form(_ONE_DAY, lambda m: _day(m[0])),
         _form(rf"at (?P<clocks>{_CLOCK}(?:{_AND}(?:at )?{_CLOCK})*)", _at),
         _form(
-            rf"(?:every|each) (?:day|weekday|work(?:ing )?day|weekend|{_DAYS})|daily|on (?:weekdays|work(?:ing )?days"
+            rf"(?:every|each) (?:{_PART_OF_DAY}|(?:day|weekday|work(?:ing )?day|weekend|{_DAYS})(?: {_PART_OF_DAY})?)"
+            rf"|daily|on (?:weekdays|work(?:ing )?days"
             rf"|weekends|{_PLURALS})|(?:from |(?:every day )?from )?(?:{_RANGE})|{_PLURALS}",
             _weekly,
         ),
-        _form(rf"every (?P<every>half(?: an)? hour|(?:(?:{_COUNTED}|other) )?(?:{_UNIT})){_NO_MORE}", _every),
+        _form(
+            rf"every (?P<every>(?:half(?: an)?|quarter(?: of an)?)[ -]hour|(?:(?:{_COUNTED}|other) )?(?:{_UNIT}))"
+            rf"{_NO_MORE}",
+            _every,
+        ),
         _form("hourly", lambda _: Every(3600)),
         _form(rf"between (?P<start>{_CLOCK}) and (?P<end>{_CLOCK})", _between),
         _form(rf"from (?P<start>{_CLOCK}) (?:to|till|until) (?P<end>{_CLOCK})", _between),
@@ -264,11 +274,15 @@ WORDS = ScheduleWords(
     present=r"\b(?:now|right away|immediately|at once|already|straight away|first|until|till|except|between)\b",
     breaks=r"[.;:!?\n](?=\s*\S)|,|\bthen\b",
     amount=r"\d|\b(?:met(?:er|re)s?|feet|foot|steps?|degrees?)\b",
-    lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all ){0,3}schedules?(?: please)?",
+    lists=r"(?:please )?(?:(?:show|list|what are)(?: me)? )?(?:the |your |my |all ){0,3}schedules?(?: please)?"
+    r"|what(?:'s| is| do you have| have you got) (?:on your schedule|scheduled)"
+    r"|(?:what|when)(?:'s| is| are) (?:your|the) next (?:scheduled )?runs?"
+    r"|(?:do you have|are there|have you got) any schedules",
     cancels=r"(?:please )?(?:cancel|cancelled|call it off|unschedule)"
     r"(?: (?:it|this|that|all|(?:the |this |that |all ){0,3}(?:schedules?|runs?)))?(?: please)?",
     cancels_by_name=r"(?:please )?(?:cancel|unschedule|delete|remove|end) (?:(?:the|this|that|my|all) ){0,3}schedules?"
     r"(?: please)?",
+    cancels_some=r"(?:(?:please|can you|could you) )?(?:cancel|unschedule) (?:(?!\b(?:and|then|but)\b)[^,;!?\n])+",
     renews=r"(?:please |yes,? )?(?:keep (?:it |this )?(?:on|going)|(?:renew|continue|extend)"
     r"(?: (?:it|this|that|(?:(?:the|this|that|my) )?schedule))?)(?: please)?",
 )

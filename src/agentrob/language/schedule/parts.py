@@ -58,9 +58,11 @@ class At:
 
 @dataclass(frozen=True, slots=True)
 class Weekly:
-    """ "Every weekday": the days on which it runs, all of them if empty."""
+    """ "Every weekday": the days on which it runs, all of them if empty. `hours` are those of the part of the day that
+    it names ("every morning"); empty if it names none."""
 
     days: tuple[int, ...]
+    hours: range = range(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +130,8 @@ class ScheduleWords:
     `present` matches words of the present, which contradict a later time. `breaks` matches what separates the clauses
     of a command, `amount` what a duration behind a command may belong to ("walk 2 m in 10 minutes"). `lists` matches
     a post that asks for the schedules, `cancels` one that cancels them, `cancels_by_name` one that also says that it
-    means a schedule, `renews` one that renews a schedule whose last run was.
+    means a schedule, `cancels_some` one that cancels what it names, `renews` one that renews a schedule whose last run
+    was.
     """
 
     forms: tuple[Form, ...] = ()
@@ -144,4 +147,5 @@ class ScheduleWords:
     lists: str = "(?!)"
     cancels: str = "(?!)"
     cancels_by_name: str = "(?!)"
+    cancels_some: str = "(?!)"
     renews: str = "(?!)"

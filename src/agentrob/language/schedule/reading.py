@@ -76,6 +76,13 @@ def cancels_named_schedule(text: str) -> bool:
     return _is_only(without_mentions(text), "cancels_by_name")
 
 
+def cancels_elsewhere(part: str) -> bool:
+    """Return whether a text that is not about the schedule of its own thread cancels one ("cancel all schedules",
+    "cancel tomorrow's photo"), in any language."""
+    named = _is_only(part, "cancels_some") and any(_compiled(of.schedule.hints).search(part) for of in known().values())
+    return named or _is_only(part, "cancels_by_name")
+
+
 def renews_schedule(text: str) -> bool:
     """Return whether a text only renews a schedule ("keep on", 继续), in any language, mentions aside."""
     return _is_only(without_mentions(text), "renews")
