@@ -383,6 +383,10 @@ class RobotAgent:
 
     def _make_pipeline(self) -> Pipeline:
         names, live = self._addressing().names, self.live_view
+
+        def ending() -> bool:
+            return self._ending
+
         room = RoomMap(self.name, self.settings)
         previews = Previews(self.name, self.settings, self.forum, self.driver, room, live.geometry)
         approvals = Approvals(
@@ -401,7 +405,6 @@ class RobotAgent:
             names, self.settings, self.forum, self.driver, self.mind, self.journal, admission.over_limit, self.opinion,
             self.detector,
         )  # fmt: skip
-        ending = lambda: self._ending  # noqa: E731
         motion = Motion(
             self.name, self.settings, self.forum, self.driver, self.event_stream, self.stops, self.records,
             live.recorder, live.poses, Surroundings(self.settings.scene), assessor, self.room, ending,

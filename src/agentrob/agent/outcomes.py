@@ -60,7 +60,7 @@ def refusal(job: QueuedCommand, assessment: Assessment) -> Report | None:
 
 @dataclass(frozen=True)
 class Outcomes:
-    """The reports of one robot's commands that did not simply succeed.
+    """Makes the report of a command by how it ended.
 
     `clock_set` returns by how much the forum's clock was set, if that was just noticed.
     """
