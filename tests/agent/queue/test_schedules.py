@@ -169,6 +169,16 @@ async def test_no_second_run_beside_the_first(scene: Scene) -> None:
 
 
 # -------------------------------------------------------------------- rights, approval, limits
+async def test_a_schedule_ends_where_its_robot_may_not_be_commanded(driver: Driver, tmp_path: Path) -> None:
+    scene = make_scene(driver, tmp_path, boards=["robots"])
+    async with scene.agent() as agent:
+        post = await posted(scene, "every hour wave")
+        scene.world.posts[post.id] = replace(scene.world.posts[post.id], board_id="lounge")
+        await steps(agent, await next_at(agent))
+        assert "may not command me here any more" in (await scene.until(lambda: ended(scene, post)))[0]
+        assert await agent.journal.schedules() == []
+
+
 async def test_law_2_who_may_not_command_schedules_nothing(scene: Scene) -> None:
     async with scene.agent() as agent:
         post = await scene.post("bob", f"@{ROBOT} every hour wave")
@@ -183,7 +193,7 @@ async def test_laws_2_and_4_an_author_who_loses_the_right_ends_the_schedule(scen
         scene.world.set_role("alice", Role.MEMBER)
         await steps(agent, due)
         (told,) = await scene.until(lambda: ended(scene, post))
-        assert "may not command me any more" in told
+        assert "may not command me here any more" in told
         assert len(finals(scene, post)) == 1
         scene.world.set_role("alice", Role.OPERATOR)
         await steps(agent, due + HOUR)

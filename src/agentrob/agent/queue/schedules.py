@@ -147,7 +147,7 @@ class Schedules:
         except (ForumError, TimeoutError) as e:
             _log.info("scheduled run waits for the forum", post=kept.post_id, error=str(e))
             return None
-        if (end := _end_of(kept, post, author, simulated=self.settings.simulated)) is not None:
+        if (end := _end_of(kept, post, author, self.settings)) is not None:
             return await self.journal.end_schedule(kept.post_id, end)
         assert author is not None
         return await self._enter(await self._follow(kept, post), author, None, url=post.url)
@@ -363,10 +363,10 @@ def lost_right(verdict: Verdict | None) -> bool:
     return refused and verdict is not None and verdict.rule.startswith("rights.") and verdict.rule != "rights.closed"
 
 
-def _end_of(kept: KeptSchedule, post: Post, author: Account | None, *, simulated: bool) -> ScheduleEnd | None:
+def _end_of(kept: KeptSchedule, post: Post, author: Account | None, settings: RobotConfig) -> ScheduleEnd | None:
     """Return why a schedule has ended, as the forum shows its post and author now; None if it has not (law 4).
 
-    `simulated`: the robot is configured as such; whether it says so itself is asked again with the run.
+    Whether the robot itself says that it is simulated, as it is configured, is asked again with the run.
     """
     if post.removed:
         return ScheduleEnd.REMOVED
@@ -374,5 +374,7 @@ def _end_of(kept: KeptSchedule, post: Post, author: Account | None, *, simulated
         return ScheduleEnd.EDITED
     if author is None or author.id != kept.asked.command.author.id or post.author.id != author.id:
         return ScheduleEnd.RIGHTS
-    refused = may(author, "command", simulated=simulated).decision is Decision.REFUSE
+    if settings.boards and post.board_id not in settings.boards:  # a moderator moved it where nobody may command
+        return ScheduleEnd.RIGHTS
+    refused = may(author, "command", simulated=settings.simulated).decision is Decision.REFUSE
     return ScheduleEnd.RIGHTS if refused else None

@@ -54,7 +54,7 @@ ENGLISH = {
     "again to continue.",
     "schedule.ended.cancelled": "This schedule is cancelled. There will be no further runs.",
     "schedule.ended.edited": "This schedule has ended because its post was edited. Post it again to continue.",
-    "schedule.ended.rights": "This schedule has ended because its author may not command me any more.",
+    "schedule.ended.rights": "This schedule has ended because its author may not command me here any more.",
     "agent.missed": "I did not run at {at} ({zone}): I was not able to begin within {late} of that time. I do not make "
     "up for it.",
     "agent.missed.more": "I did not run at {at} ({zone}) and the {count} times after it: I was not able to begin "
@@ -110,7 +110,7 @@ CHINESE = {
     "schedule.ended.stop": "这个日程已结束，因为它发布之后我被停止或解除了锁定。要继续请重新发帖。",
     "schedule.ended.cancelled": "这个日程已取消，不会再运行。",
     "schedule.ended.edited": "这个日程已结束，因为帖子被编辑了。要继续请重新发帖。",
-    "schedule.ended.rights": "这个日程已结束，因为作者不再有权指挥我。",
+    "schedule.ended.rights": "这个日程已结束，因为作者在这里不再有权指挥我。",
     "agent.missed": "{at}（{zone}）没有运行：我没能在{late}内开始。我不会补做。",
     "agent.missed.more": "{at}（{zone}）以及之后的{count}次都没有运行：我没能在{late}内开始。我不会补做。",
     "agent.because.overlap": "前一次运行还没有结束",
