@@ -19,6 +19,7 @@ from tests.agent.agent_scene import FINAL, ROBOT, Driver
 from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import RunningBoard
 from tests.forked_process import ForkedProcess
+from tests.waiting import until
 
 _running: list[ForkedProcess] = []
 
@@ -82,10 +83,7 @@ class Poster:
 
     async def final(self, topic: str, limit_s: float = 60.0) -> list[str]:
         """Wait for a final state and return all states."""
-        async with asyncio.timeout(limit_s):
-            while not set(states := await self.states(topic)) & FINAL:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.05)
-        return states
+        return await until(lambda: self.states(topic), lambda states: set(states) & FINAL, limit_s=limit_s)
 
     def __enter__(self) -> Poster:
         return self
@@ -94,8 +92,7 @@ class Poster:
         self._http.close()
 
 
-async def until(driver: Driver, condition: Callable[[Any], bool], limit_s: float = 60.0) -> None:
-    """Poll the robot's state until it meets a condition."""
-    async with asyncio.timeout(limit_s), driver.client() as client:
-        while not condition(await client.state()):  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.02)
+async def until_state(driver: Driver, condition: Callable[[Any], bool], limit_s: float = 60.0) -> None:
+    """Wait until the robot's state meets a condition."""
+    async with driver.client() as client:
+        await until(client.state, condition, limit_s=limit_s)

@@ -24,6 +24,7 @@ from agentrob.forums.memory.forum import MemoryForum, MemoryWorld
 from agentrob.model import AccountKind, ActionResult, Command, Direction, Op, Outcome, Primitive, StatusCard
 from agentrob.screening.text import described_hazards, harm, scene, side_remarks
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
+from tests.waiting import until as wait_until
 
 DRAWS = True
 
@@ -201,9 +202,7 @@ async def test_the_camera_looks_only_while_somebody_watches_or_it_moves() -> Non
         assert lens.asked == 0
         world.watch(ROBOT, 1)
         camera.wake()
-        async with asyncio.timeout(60):
-            while lens.asked < 15:  # noqa: ASYNC110 (a camera is waited for)
-                await asyncio.sleep(0.02)
+        await wait_until(lambda: lens.asked >= 15)
         assert world.frames[ROBOT].startswith(b"jpeg")
         world.watch(ROBOT, 0)
         await asyncio.sleep(0.4)

@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
@@ -28,6 +28,7 @@ from agentrob.process import host_lock
 from agentrob.robots.driver.client import DriverClient
 from tests import in_process
 from tests.forked_process import ForkedCommand, ForkedProcess, end_all
+from tests.waiting import until
 
 AGENTROB = str(Path(sys.executable).with_name("agentrob"))
 ROBOT = "quadruped"
@@ -144,18 +145,12 @@ def kill(*processes: ForkedProcess | subprocess.Popen[bytes]) -> None:
         assert process.wait(60) == -signal.SIGKILL
 
 
-async def until(robot: DriverClient, true: Callable[[Any], bool]) -> None:
-    async with asyncio.timeout(LIMIT_S):
-        while not true(await robot.state()):  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.02)
-
-
 def speed(state: Any) -> float:
     return abs((state.velocity_mps or (0.0,))[0])
 
 
 def until_it_walks(robot: DriverClient) -> None:
-    asyncio.run(_with(robot, until(robot, lambda state: speed(state) > 0.2)))
+    asyncio.run(_with(robot, until(robot.state, lambda state: speed(state) > 0.2)))
 
 
 def at_rest(robot: DriverClient) -> bool:
@@ -214,7 +209,7 @@ def test_law_15_a_hanging_driver_is_reported_and_the_other_robot_is_still_stoppe
         until_it_walks(lab.robot(name))
     lab.drivers[hung].send_signal(signal.SIGSTOP)
     stopping = lab.command("stop", "--all")
-    asyncio.run(_with(robot := lab.robot(good), until(robot, lambda state: speed(state) < 0.05)))
+    asyncio.run(_with(robot := lab.robot(good), until(robot.state, lambda state: speed(state) < 0.05)))
     assert stopping.poll() is None, "the good robot is stopped before the hung one is given up"
     out, _, code = output_of(stopping)
     assert code == 1
@@ -225,7 +220,7 @@ def test_law_15_a_hanging_driver_is_reported_and_the_other_robot_is_still_stoppe
     assert re.search(STOPPED, line)
     lab.drivers[hung].send_signal(signal.SIGCONT)
     assert [output_of(drive)[2] for drive in drives] == [1, 1]
-    asyncio.run(_with(robot := lab.robot(hung), until(robot, lambda state: speed(state) < 0.05)))
+    asyncio.run(_with(robot := lab.robot(hung), until(robot.state, lambda state: speed(state) < 0.05)))
 
 
 def test_law_17_a_hanging_driver_is_reported_in_time(lab: Lab) -> None:
@@ -278,7 +273,7 @@ async def reset_room(demo: Demo, robot: DriverClient) -> None:
         since_s = min(since_s, time.monotonic()) if near else math.inf
         return time.monotonic() - since_s > 0.4
 
-    await until(robot, there)
+    await until(robot.state, there)
 
 
 @pytest.mark.sim

@@ -26,6 +26,7 @@ from agentrob.process.child import Child, terminate_all
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.mcp.forum.inside import ALL, client_of, server_of
 from tests.mcp.running_mcp import McpSetup
+from tests.waiting import until
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples/mcp_photo.py"
@@ -101,9 +102,8 @@ async def test_law_16_a_forum_behind_mcp_that_falls_silent_stops_the_robot(drive
         post = await scene.post("alice", f"@{ROBOT} walk forward 5 m and walk backward 5 m")
         await scene.state(post, "running")
         scene.world.reachable = False
-        async with asyncio.timeout(60), driver.client() as client:
-            while (await client.holder()) is not None:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.05)
+        async with driver.client() as client:
+            await until(client.holder, lambda holder: holder is None)
         scene.world.reachable = True
         reply = await scene.final(post)
     assert reply.card is not None

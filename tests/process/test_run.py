@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from agentrob.process.run import Completed, run_process
+from tests.waiting import until
 
 #: Starts another process, says both ids, and waits.
 FAMILY = """
@@ -60,16 +61,14 @@ async def test_nothing_outlives_the_call(tmp_path: Path, how: str, parent: str) 
         run_process(python(FAMILY, tmp_path / "new", said, parent), limit_s=4.0 if how == "too long" else None)
     )
     async with asyncio.timeout(60):
-        while how == "cancelled" and not said.exists():  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.01)
         if how == "cancelled":
+            await until(said.exists)
             running.cancel()
         with pytest.raises(asyncio.CancelledError if how == "cancelled" else TimeoutError):
             await running
         pids = [int(pid) for pid in said.read_text().split()]
         assert len(pids) == 2
-        while any(map(alive, pids)):  # noqa: ASYNC110 (the grandchild's parent is gone; the system reaps it)
-            await asyncio.sleep(0.01)
+        await until(lambda: not any(map(alive, pids)))  # the grandchild's parent is gone; the system reaps it
 
 
 async def test_a_program_that_does_not_exist_is_an_os_error() -> None:

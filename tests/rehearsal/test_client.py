@@ -18,6 +18,7 @@ from agentrob.rehearsal.client import rehearse
 from agentrob.rehearsal.preview import Basis, Missing, PreviewRequest
 from agentrob.robots.unitree.go2 import Go2
 from tests.rehearsal.rehearsed import request, walk
+from tests.waiting import until
 
 HANGS = "import sys, pathlib, os, time; pathlib.Path(sys.argv[1]).write_text(str(os.getpid())); time.sleep(1000)"
 
@@ -66,9 +67,7 @@ async def test_a_process_that_is_too_slow_is_ended(tmp_path: Path) -> None:
 async def test_a_cancelled_preview_ends_its_process(tmp_path: Path) -> None:
     told = tmp_path / "pid"
     making = asyncio.ensure_future(preview_of(request(walk(0.5)), sys.executable, "-c", HANGS, str(told)))
-    async with asyncio.timeout(60):
-        while not (told.exists() and told.read_text()):  # noqa: ASYNC110 (a process)
-            await asyncio.sleep(0.01)
+    await until(lambda: told.exists() and told.read_text())
     making.cancel()
     await asyncio.gather(making, return_exceptions=True)
     assert not runs(int(told.read_text()))

@@ -20,6 +20,7 @@ from agentrob.rehearsal.runs import simulate
 from agentrob.rehearsal.side_by_side import Budget, make_runs
 from agentrob.robots.unitree.go2 import Go2
 from tests.rehearsal.rehearsed import request, walk
+from tests.waiting import until
 
 #: Makes runs whose length is the number of the process that made them.
 MAKES = """
@@ -101,14 +102,10 @@ def in_group(group: int) -> list[str]:
 async def test_a_cancelled_preview_ends_both_processes() -> None:
     asked = request(*[walk(0.5)] * 20, least_runs=5, most_runs=5)
     making = asyncio.ensure_future(rehearse(asked, Go2.describe(asked.settings)))
-    async with asyncio.timeout(60):
-        while not (groups := [g for g in children() if len(in_group(g)) == 2]):  # noqa: ASYNC110 (processes)
-            await asyncio.sleep(0.01)
+    groups = await until(lambda: [g for g in children() if len(in_group(g)) == 2])
     making.cancel()
     await asyncio.gather(making, return_exceptions=True)
-    async with asyncio.timeout(60):
-        while in_group(groups[0]):  # noqa: ASYNC110 (the kernel ends it)
-            await asyncio.sleep(0.01)
+    await until(lambda: not in_group(groups[0]))  # the kernel ends it
 
 
 def children() -> list[int]:

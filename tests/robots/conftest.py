@@ -14,9 +14,10 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
-from tests.robots.driver_scene import Drivers, Standing, at_rest, until
+from tests.robots.driver_scene import Drivers, Standing, at_rest
 from tests.robots.guard_scene import Make
 from tests.robots.sim_scene import SimScene
+from tests.waiting import until
 
 pytest.register_assert_rewrite("agentrob.robots.contract")
 
@@ -50,7 +51,7 @@ async def standing(shared: Standing) -> AsyncIterator[Standing]:
         await robot.stop("the end of a test")
         if (await robot.state()).halted:
             await robot.release("owner")
-        await until(robot, at_rest)
+        await until(robot.state, at_rest)
 
 
 @pytest.fixture

@@ -18,6 +18,7 @@ from agentrob.process.host_lock import namespaced
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.process import run_driver
 from tests.forked_process import ForkedProcess
+from tests.waiting import until
 
 FAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=4.0)
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
@@ -79,15 +80,13 @@ class Drivers:
 
 async def moving(robot: DriverClient, limit_s: float = 60.0) -> None:
     """Wait until the robot really moves."""
-    await until(robot, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s)
+    await until(robot.state, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.2, limit_s=limit_s)
 
 
-async def until(robot: DriverClient, true: Callable[[Any], bool], limit_s: float = 60.0) -> float:
+async def seconds_until(robot: DriverClient, true: Callable[[Any], bool]) -> float:
     """Return the seconds until the state meets a condition."""
     began_s = time.monotonic()
-    while not true(await robot.state()):
-        assert time.monotonic() - began_s < limit_s, "it did not become true"
-        await asyncio.sleep(0.02)
+    await until(robot.state, true)
     return time.monotonic() - began_s
 
 

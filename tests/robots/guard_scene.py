@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -39,14 +38,6 @@ def move(distance_m: float, direction: Direction = F, speed_mps: float | None = 
 
 def turn(degrees: float, direction: Direction = L) -> Primitive:
     return Primitive(Op.TURN, direction, degrees=degrees)
-
-
-def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
-    """Wait until a condition holds."""
-    end_s = time.monotonic() + limit_s
-    while not true():
-        assert time.monotonic() < end_s, "it did not become true"
-        time.sleep(LOOK_S)
 
 
 def can_set_home(guard: Guard) -> bool:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import time
-from collections.abc import Callable
 
-from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive, RobotState
+from agentrob.model import ActionResult, Direction, Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
 from tests.robots.sim_scene import Sample, SimScene, apart_m
 
@@ -15,14 +13,6 @@ FAR, METRE, NEAR = (Primitive(Op.MOVE, Direction.FORWARD, distance_m=d) for d in
 REST_LIMIT_S = 1.5
 #: A standing body sways less than this.
 UNMOVED_M = 0.03
-
-
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 60.0) -> None:
-    """Wait for a state that must come."""
-    end_s = time.monotonic() + limit_s
-    while not true(await robot.state()):
-        assert time.monotonic() < end_s, f"it did not become true: {await robot.state()}"
-        await asyncio.sleep(0.03)
 
 
 async def do(robot: DriverClient, primitive: Primitive) -> ActionResult:

@@ -23,6 +23,7 @@ from agentrob.service.dependencies import Parts
 from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.server import serving
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
+from tests.waiting import until, walks
 
 ALL: frozenset[Scope] = frozenset(("look", "preview", "command", "stop"))
 #: The callers: role and kind of their forum account, and the scopes of their token.
@@ -68,9 +69,8 @@ class Service:
 
     async def moving(self, command: dict[str, Any]) -> None:
         """Wait until a command moves the robot."""
-        async with asyncio.timeout(60), self.scene.driver.client() as client:
-            while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.01)
+        async with self.scene.driver.client() as client:
+            await until(client.state, walks)
         job = self.agent.queue.moving
         assert job is not None
         assert job.command.post_id == command["id"]

@@ -22,6 +22,7 @@ from agentrob.service.metrics import ServiceMetrics
 from agentrob.service.webhooks import verify
 from tests.agent.agent_scene import Driver
 from tests.service.service_scene import Service, make_service
+from tests.waiting import until
 
 TIME_SCALE = 3
 SECRET = "a-secret-of-the-two"
@@ -67,9 +68,7 @@ class Listener:
     url: str = ""
 
     async def until(self, count: int) -> None:
-        async with asyncio.timeout(60):
-            while len(self.got) < count:  # noqa: ASYNC110 (filled by a server of the same loop)
-                await asyncio.sleep(0.01)
+        await until(lambda: len(self.got) >= count)
 
     async def handle(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         head = (await reader.readuntil(b"\r\n\r\n")).decode().split("\r\n")[1:-2]

@@ -63,6 +63,7 @@ from agentrob.robots.zones.keeper import LocalKeeper
 from agentrob.robots.zones.ledger import Message, Place
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.agent.store.journal_store import open_journal
+from tests.waiting import until
 
 FOLDER = Path(__file__).parent
 STORIES = sorted(FOLDER.glob("*.md"))
@@ -203,9 +204,7 @@ class StoryRun:
         await self.scene.world.sign_in(name).press_release(ROBOT)
 
     async def free(self, _: str) -> None:
-        async with asyncio.timeout(60):
-            while (await self.agent.driver.state()).halted:  # noqa: ASYNC110 (a process)
-                await asyncio.sleep(0.01)
+        await until(self.agent.driver.state, lambda state: not state.halted)
 
     async def stays_locked(self, _: str) -> None:
         """Events are processed in order: once a later post is answered, the button presses before it are processed."""
@@ -297,9 +296,7 @@ class StoryRun:
         )
 
     async def walks(self, _: str) -> None:
-        async with asyncio.timeout(60):
-            while math.hypot(*((await self.agent.driver.state()).velocity_mps or (0, 0))) < 0.1:  # noqa: ASYNC110 (a process)
-                await asyncio.sleep(0.01)
+        await until(self.agent.driver.state, lambda state: math.hypot(*(state.velocity_mps or (0, 0))) >= 0.1)
 
     async def other_walks(self, name: str, _: str) -> None:
         self.others[name] = OtherRobot(name, self.scene.driver.socket.parent / "rooms")

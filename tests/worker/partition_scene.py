@@ -33,6 +33,7 @@ from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.board.board_processes import fresh_postgres
 from tests.robots.driver.network_scene import Authority
 from tests.robots.driver_scene import at_rest
+from tests.waiting import until
 from tests.worker import late_worker
 
 SERVICES = {"database": "10.99.0.1", "forum": "10.99.0.2", "driver": "10.99.0.3"}
@@ -218,9 +219,7 @@ class Scene:
         return topic
 
     async def reaches(self, true: Any) -> float:
-        async with asyncio.timeout(LIMIT_S):
-            while not true(await self.robot.state()):  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.02)
+        await until(self.robot.state, true, limit_s=LIMIT_S)
         return time.monotonic()
 
     async def connected(self, host: Host, since_s: float) -> None:
@@ -229,10 +228,8 @@ class Scene:
             "SELECT count(*) FROM pg_stat_activity "
             "WHERE client_addr = %s AND extract(epoch FROM backend_start) > %s AND query LIKE 'SELECT%%'"
         )
-        async with asyncio.timeout(LIMIT_S):
-            given = host.addresses["database"], since_s
-            while self._database.execute(query, given).fetchone() == (0,):  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.05)
+        given = host.addresses["database"], since_s
+        await until(lambda: self._database.execute(query, given).fetchone(), lambda row: row != (0,), limit_s=LIMIT_S)
 
     # ------------------------------------------------------------------ what happens
     async def loses_the_driver(self) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import socket
 import threading
 from collections.abc import AsyncIterator, Iterator
@@ -27,6 +26,7 @@ from agentrob.robots.safety.crash_marker import CrashMarker
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from tests.agent.agent_scene import ROBOT, robot_settings
+from tests.waiting import until
 
 NEAR = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.3)
 #: Routes that version 0.1 did not have.
@@ -79,9 +79,7 @@ async def older_client(driver: Driver, folder: Path) -> AsyncIterator[Any]:
 
 async def test_a_client_of_version_0_1_moves_and_stops_the_robot(driver: Driver, short_folder: Path) -> None:
     async with older_client(driver, short_folder) as ask:
-        async with asyncio.timeout(60):
-            while not (await ask("GET", "/state"))["homed"]:  # noqa: ASYNC110 (another thread)
-                await asyncio.sleep(0.02)
+        await until(lambda: ask("GET", "/state"), lambda state: state["homed"])
         assert "x_m" in (await ask("POST", "/home", {"by": "ann"}))["home"]
         lease = (await ask("POST", "/lease", {"holder": "agent t1", "since_s": None}))["lease"]
         step = {"lease": lease, "primitive": encode(NEAR), "deadline_s": 20.0}

@@ -15,6 +15,7 @@ from agentrob.agent.store.journals import SqliteJournals
 from agentrob.errors import JournalError, JournalHeld
 from agentrob.worker import worker as module
 from agentrob.worker.worker import Worker, WorkerObserver
+from tests.waiting import until
 
 LIMIT_S = 30.0
 
@@ -206,9 +207,7 @@ async def test_a_robot_that_another_worker_holds_is_logged_and_its_takeover_repo
         async with workers.running("two", standby=True):
             async with workers.running("one"):
                 await workers.until(lambda: workers.served_by("one") == ["ada", "rex"])
-                async with asyncio.timeout(LIMIT_S):
-                    while sum(log["event"] == held for log in logs) < 2:  # noqa: ASYNC110
-                        await asyncio.sleep(0.01)
+                await until(lambda: sum(log["event"] == held for log in logs) >= 2, limit_s=LIMIT_S)
                 assert workers.observer.robots_taken_over == []
             await workers.until(lambda: workers.served_by("two") == ["ada", "rex"])
             assert sorted(workers.observer.robots_taken_over) == ["ada", "rex"]

@@ -14,6 +14,7 @@ from tests.agent.agent_process import Poster
 from tests.agent.agent_scene import ROBOT
 from tests.board.running_board import RunningBoard
 from tests.host_numbers import free_port
+from tests.waiting import until
 from tests.worker.worker_processes import LIMIT_S, Workers, until_state
 
 
@@ -62,9 +63,7 @@ async def test_it_offers_metrics_where_it_is_told_to(
     with workers.running(*arguments, "--name", "lab-1", "--metrics", listen), Poster(board, "op") as op:
         assert await op.final(await op.post(f"@{ROBOT} wave")) == ["done"]
         counted = f'agentrob_commands_total{{robot="{ROBOT}",status="done"}} 1.0'
-        async with asyncio.timeout(LIMIT_S):
-            while counted not in (text := await asyncio.to_thread(scrape, listen)):  # noqa: ASYNC110
-                await asyncio.sleep(0.05)
+        text = await until(lambda: asyncio.to_thread(scrape, listen), lambda text: counted in text, limit_s=LIMIT_S)
         assert "agentrob_robots_served 1.0" in text
         card = (await asyncio.to_thread(board.client("op").get, f"/robots/{ROBOT}")).json()["card"]
         assert card["worker"] == "lab-1"

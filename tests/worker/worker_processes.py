@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ from tests.agent.agent_scene import ROBOT, Driver
 from tests.agent.store.journal_store import database_of
 from tests.board.running_board import RunningBoard
 from tests.forked_process import ForkedCommand
+from tests.waiting import until
 
 LIMIT_S = 60.0
 
@@ -55,6 +55,4 @@ class Workers:
 
 
 async def until_state(op: Poster, topic: str, state: str) -> None:
-    async with asyncio.timeout(LIMIT_S):
-        while state not in await op.states(topic):  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.05)
+    await until(lambda: op.states(topic), lambda states: state in states, limit_s=LIMIT_S)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import re
 import time
@@ -22,6 +21,7 @@ from agentrob.minds.visual_loop.claims import contradiction
 from agentrob.minds.visual_loop.tools import result_message
 from agentrob.model import ActionResult, Direction, Op, Outcome, Post, Primitive
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.waiting import until
 
 FaultyScene = Callable[..., Scene]
 
@@ -45,11 +45,10 @@ async def run_command(scene: Scene, text: str) -> Post:
     return await scene.final(await scene.post("alice", text))
 
 
-async def until(scene: Scene, true: Callable[[float], bool]) -> None:
+async def until_speed(scene: Scene, true: Callable[[float], bool]) -> None:
     """Wait until the robot's speed meets a condition."""
-    async with asyncio.timeout(60), scene.driver.client() as robot:
-        while not true(((await robot.state()).velocity_mps or (0.0, 0.0))[0]):  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.02)
+    async with scene.driver.client() as robot:
+        await until(robot.state, lambda state: true((state.velocity_mps or (0.0, 0.0))[0]))
 
 
 async def test_a_fall_on_the_way_is_reported_in_both_languages_and_nothing_moves_until_it_is_asked_to_stand(
@@ -141,11 +140,11 @@ async def test_law_5_after_ten_minutes_without_a_forum_only_what_is_fresh_moves_
     async with scene.agent():
         running = await scene.post("alice", "@quadruped walk forward 5 metres")
         await scene.state(running, "running")
-        await until(scene, lambda mps: mps > 0.1)
+        await until_speed(scene, lambda mps: mps > 0.1)
         world.reachable = False
         topic = world.topics[running.topic_id]
         early = world.add_post(topic, "alice", "@quadruped turn left 90 degrees", "early", ())
-        await until(scene, lambda mps: mps == 0.0)  # the agent stopped it, because nobody else could have
+        await until_speed(scene, lambda mps: mps == 0.0)  # the agent stopped it, because nobody else could have
         world.clock_offset_s += 600
         late = world.add_post(topic, "alice", "@quadruped turn right 45 degrees", "late", ())
         world.reachable = True

@@ -26,6 +26,7 @@ from tests.agent.execution.visual_model import (
     said,
 )
 from tests.minds.model_double import model_double
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("model_libraries")
 
@@ -269,9 +270,7 @@ async def test_law_14_a_stop_post_ends_a_walk_that_a_model_called(
     scripted_model.loop_answers = [("act_move", {"direction": "forward", "distance_m": 4, "speed_mps": 0.1}), DONE]
     async with looking.agent(mind=scripted_model.mind(looking.folder)), looking.driver.client() as client:
         post = await looking.post("alice", GOAL)
-        async with asyncio.timeout(60):
-            while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.05:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.01)
+        await until(client.state, lambda state: (state.velocity_mps or (0.0,))[0] > 0.05)
         await looking.post("bob", "stop", topic=post.topic_id)
         reply = await looking.final(post)
     assert reply.card is not None

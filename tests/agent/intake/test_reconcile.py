@@ -17,7 +17,7 @@ from agentrob.config.board import BoardRetentionConfig
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
-from tests.agent.agent_process import Poster, RunningBoard, until
+from tests.agent.agent_process import Poster, RunningBoard, until_state
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.board.running_board import running_board
@@ -54,7 +54,7 @@ async def test_law_6_events_that_are_not_kept_any_more_cost_no_command_its_answe
             first = await op.post(f"@{ROBOT} wave")
             assert await op.final(first) == ["done"]
             cut_off = await op.post(f"@{ROBOT} walk forward 5 metres slowly")
-            await until(driver, lambda state: state.mode == "walking")
+            await until_state(driver, lambda state: state.mode == "walking")
             agent.queue.close()
         lost = await op.post(f"@{ROBOT} walk forward 1 metre")
         for _ in range(6):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -16,6 +15,7 @@ from agentrob.model import Pose
 from tests.agent.agent_scene import Driver, robot_settings
 from tests.agent.joint.joint_scene import JointScene
 from tests.agent.joint.test_one_of_you import done, takes
+from tests.waiting import until
 
 #: Where the robots' homes are in the room: further apart than other tests of this module move them.
 HOMES = {"quadruped": (0.0, 0.0), "humanoid": (500.0, 0.0)}
@@ -34,9 +34,8 @@ def settings(robot: str, **more: Any) -> RobotConfig:
 async def _at_home(drivers: dict[str, Driver]) -> None:
     """A robot whose driver has just begun does not know yet where it is."""
     for driver in drivers.values():
-        async with driver.client() as client, asyncio.timeout(60):
-            while not (await client.state()).homed:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.05)
+        async with driver.client() as client:
+            await until(client.state, lambda state: state.homed)
 
 
 @asynccontextmanager

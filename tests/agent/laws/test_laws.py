@@ -6,11 +6,10 @@ import asyncio
 import json
 import re
 import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,14 +20,13 @@ from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, ActionResult, EventKind, Plan, Primitive, Role, StatusCard, Understanding
-from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.lease import TTL_S
-from tests.agent.agent_process import Poster, end_agent, start_agent
-from tests.agent.agent_process import until as until_robot
+from tests.agent.agent_process import Poster, end_agent, start_agent, until_state
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import RunningBoard, running_board
 from tests.tolerances import about_deg
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("database")
 AGENTS_DIE = True
@@ -42,12 +40,6 @@ async def position(driver: Driver) -> tuple[float, float]:
         pose = (await client.state()).pose
     assert pose is not None
     return pose.x_m, pose.y_m
-
-
-async def until(client: DriverClient, condition: Callable[[Any], bool]) -> None:
-    """Poll the robot's state until it meets a condition."""
-    while not condition(await client.state()):  # noqa: ASYNC110 (another process)
-        await asyncio.sleep(0.02)
 
 
 @pytest.fixture
@@ -77,9 +69,9 @@ async def test_law_6_a_killed_agent_s_motion_is_interrupted_and_never_repeated(
     with running_board(tmp_path / "board") as board, Poster(board, "op") as alice:
         agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
         topic = await alice.post(f"@{ROBOT} walk forward 4 m, then walk backward 3 m")
-        await until_robot(slow_driver, lambda state: state.pose.x_m > 0.5)
+        await until_state(slow_driver, lambda state: state.pose.x_m > 0.5)
         end_agent(agent)
-        await until_robot(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
+        await until_state(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
         stood = await position(slow_driver)
         assert stood[0] < 3.0, "its walk was not ended"
         async with serving(agent_on(board, slow_driver, tmp_path)):
@@ -95,7 +87,7 @@ async def test_law_6_a_disk_that_is_full_from_the_motion_on_costs_no_reply_and_n
         agent = await asyncio.to_thread(start_agent, slow_driver, tmp_path, board)
         before = await position(slow_driver)
         topic = await alice.post(f"@{ROBOT} walk forward 2 m, then turn left 20 degrees")
-        await until_robot(slow_driver, lambda state: state.pose.x_m > before[0] + 0.3)
+        await until_state(slow_driver, lambda state: state.pose.x_m > before[0] + 0.3)
         _, hard = resource.prlimit(agent.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
         assert await alice.final(topic) == ["done"]
         status_text = await alice.status_text(topic)
@@ -317,8 +309,8 @@ async def test_law_16_a_silent_forum_stops_a_moving_robot(tmp_path: Path, slow_d
         await scene.state(post, "running")
         scene.world.reachable = False
         async with asyncio.timeout(60), slow_driver.client() as client:
-            await until(client, lambda state: state.velocity_mps[0] > 0.1)
-            await until(client, lambda state: state.velocity_mps == (0.0, 0.0))
+            await until(client.state, lambda state: state.velocity_mps[0] > 0.1)
+            await until(client.state, lambda state: state.velocity_mps == (0.0, 0.0))
         scene.world.reachable = True
         reply = await scene.final(post)
     assert reply.card.state == "interrupted", reply.raw

@@ -27,10 +27,11 @@ from agentrob.minds.rules import RulesMind
 from agentrob.model import Account, ActionClass, ActionResult, Capabilities, Primitive, Role
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.lease import TTL_S
-from tests.agent.agent_process import Poster, RunningBoard, until
+from tests.agent.agent_process import Poster, RunningBoard, until_state
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings, serving
 from tests.agent.store.journal_store import open_journal
 from tests.board.running_board import running_board
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("database")
 AGENTS_DIE = True
@@ -199,13 +200,11 @@ async def test_law_4_on_the_board_what_changes_while_it_moves_begins_no_further_
         with Poster(board, "op") as op:
             assert await op.final(topic) == ["refused" if what in REFUSED else "cancelled"], await op.status_text(topic)
     assert client.begun == ["move"]
-    await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
+    await until_state(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 
 
 async def queued(poster: Poster, topic: str) -> None:
-    async with asyncio.timeout(60):
-        while await poster.states(topic) != ["queued"]:  # noqa: ASYNC110 (another process is waited for)
-            await asyncio.sleep(0.02)
+    await until(lambda: poster.states(topic), lambda states: states == ["queued"])
 
 
 @pytest.fixture
@@ -222,13 +221,13 @@ async def test_law_13_a_robot_stops_when_its_account_may_no_longer_read_the_thre
     monkeypatch.setattr(motion, "READ_AGAIN_S", 0.1)
     async with serving_on(board, DriverClient(slow_driver.name, slow_driver.socket), tmp_path):
         topic = await pilot.post(f"@{ROBOT} walk forward 5 metres slowly")
-        await until(slow_driver, lambda state: any(state.velocity_mps or ()))
+        await until_state(slow_driver, lambda state: any(state.velocity_mps or ()))
         vault = Board(f"vault-{uuid4().hex[:8]}", "Vault", read_role=Role.ADMIN, post_role=Role.ADMIN)
         with local_admin.writing(board.settings) as connection:
             management.add_board(connection, SHELL, vault)
             shell = Account("0", SHELL, role=Role.ADMIN)
             moderation.move(Transaction(connection), shell, topic, vault.id)
-        await until(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
+        await until_state(slow_driver, lambda state: state.velocity_mps == (0.0, 0.0))
     async with slow_driver.client() as client:
         pose = (await client.state()).pose
     assert pose is not None

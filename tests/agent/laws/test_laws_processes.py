@@ -16,10 +16,11 @@ from agentrob.agent.agent import RobotAgent
 from agentrob.config.forum import ForumConfig
 from agentrob.forums.agentrob.forum import BoardForum
 from agentrob.minds.rules import RulesMind
-from tests.agent.agent_process import until
+from tests.agent.agent_process import until_state
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
 from tests.agent.store.journal_store import open_journal
 from tests.board.board_processes import Forum, forum_of, fresh_postgres
+from tests.waiting import until
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("database")]
 
@@ -48,7 +49,7 @@ async def walking(forum: Forum, driver: Driver, folder: Path) -> AsyncIterator[s
         await asyncio.wait_for(agent.ready.wait(), 60)
         content = {"board_id": "robots", "title": "Walk", "body": f"@{ROBOT} walk forward 4 m, then walk backward 4 m"}
         made = await asyncio.to_thread(forum.as_("op", forum.a).post, "/topics", json=content)
-        await until(driver, lambda state: state.pose.x_m > 0.5)
+        await until_state(driver, lambda state: state.pose.x_m > 0.5)
         yield str(made.raise_for_status().json()["topic"]["id"])
     finally:
         running.cancel()
@@ -62,7 +63,7 @@ async def states(forum: Forum, topic: str) -> list[str]:
 
 
 async def stands(driver: Driver) -> None:
-    await until(driver, lambda state: state.velocity_mps == (0.0, 0.0))
+    await until_state(driver, lambda state: state.velocity_mps == (0.0, 0.0))
 
 
 async def test_law_14_a_stop_pressed_on_one_process_stops_the_robot_whose_agent_is_on_another(
@@ -74,9 +75,7 @@ async def test_law_14_a_stop_pressed_on_one_process_stops_the_robot_whose_agent_
         await asyncio.to_thread(member.post, f"/robots/{ROBOT}/stop")
         await stands(slow_driver)
         assert time.monotonic() - pressed_s < 3.0, "the stop and the braking, on a busy machine"
-        async with asyncio.timeout(60):
-            while await states(forum, topic) != ["stopped"]:  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.05)
+        await until(lambda: states(forum, topic), lambda found: found == ["stopped"])
 
 
 async def test_law_16_a_robot_stops_by_itself_when_its_process_cannot_hear_the_others(

@@ -6,7 +6,7 @@ import asyncio
 import gzip
 import json
 import math
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from itertools import accumulate
 from pathlib import Path
@@ -24,6 +24,7 @@ from agentrob.errors import ForumUnreachable
 from agentrob.forums.protocol import PoseViewers
 from agentrob.model import Direction, Op, Pose, Posture, Primitive
 from tests.robots.driver_scene import Drivers
+from tests.waiting import until
 
 WALK = Primitive(Op.MOVE, Direction.FORWARD, distance_m=0.4)
 ROOM = RobotConfig(
@@ -53,12 +54,6 @@ class Pages:
 
     async def publish_replay(self, post_id: str, replay: bytes) -> None:
         raise AssertionError("not asked for")
-
-
-async def until(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(60):
-        while not condition():  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
 
 
 @pytest.fixture

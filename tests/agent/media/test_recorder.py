@@ -43,6 +43,7 @@ from agentrob.model import (
 )
 from agentrob.robots.fake import FakeRobot
 from tests.agent.agent_scene import Driver, Scene, make_scene, robot_settings
+from tests.waiting import until
 
 DRAWS = True
 
@@ -224,8 +225,7 @@ async def test_when_the_recorder_is_closed_no_drawing_is_left_not_even_one_that_
         walk = report(walked)
         assert await records.animation(replace(walk, command=replace(walk.command, post_id=post))) is None
     async with asyncio.timeout(60):
-        while not (tmp_path / "pids").exists() or len((tmp_path / "pids").read_text().split()) < 2:  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
+        await until(lambda: (tmp_path / "pids").exists() and len((tmp_path / "pids").read_text().split()) >= 2)
         records.forget("7")
         await records.close()
     assert not any(Path(f"/proc/{pid}").exists() for pid in (tmp_path / "pids").read_text().split())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
 from tests.board.running_board import running_board
 from tests.board.web.forum_site import PageClient
+from tests.waiting import until
 
 WAVE = f"@{ROBOT} wave"
 
@@ -57,9 +59,7 @@ async def asked(board: RunningBoard, driver: Driver, folder: Path) -> AsyncItera
 
 
 async def states(poster: Poster, topic: str, wanted: str) -> None:
-    async with asyncio.timeout(60):
-        while await poster.states(topic) != [wanted]:  # noqa: ASYNC110 (another process is waited for)
-            await asyncio.sleep(0.02)
+    await until(lambda: poster.states(topic), lambda found: found == [wanted])
 
 
 def page_client(board: RunningBoard, name: str) -> PageClient:
@@ -114,9 +114,8 @@ async def test_law_2_the_api_approves_for_who_may_and_for_nobody_else(
         assert await said("mod") == 201
         assert await op.final(topic) == ["done"]
         assert await said("mod") == 409
-        async with asyncio.timeout(60):  # the record follows the reply
-            while "Approved by" not in (await asyncio.to_thread(page_client(board, "op").get, f"/c/{post}")).text:  # noqa: ASYNC110
-                await asyncio.sleep(0.05)
+        page = partial(asyncio.to_thread, page_client(board, "op").get, f"/c/{post}")
+        await until(page, lambda answer: "Approved by" in answer.text)  # the record follows the reply
 
 
 @pytest.mark.slow
@@ -158,9 +157,7 @@ async def test_law_7_the_owner_s_settings_let_an_author_approve_alone(
 
 async def _line(board: RunningBoard, post: str) -> None:
     """Wait until the robot's page shows its queue."""
-    async with asyncio.timeout(60):
-        while post not in board.services.presence.robot(ROBOT).card.get("line", ()):  # noqa: ASYNC110 (the board's thread)
-            await asyncio.sleep(0.02)
+    await until(lambda: post in board.services.presence.robot(ROBOT).card.get("line", ()))
 
 
 async def _answered(poster: Poster, topic: str, post: str) -> None:

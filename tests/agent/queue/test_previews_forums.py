@@ -19,6 +19,7 @@ from agentrob.model import Post, Role, StatusCard
 from agentrob.rehearsal.client import rehearse
 from agentrob.rehearsal.preview import Preview
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings
+from tests.waiting import until
 
 DRAWS = True
 WALK, YES, NO = f"@{ROBOT} walk forward 0.3 m", f"@{ROBOT} approve", f"@{ROBOT} deny"
@@ -66,9 +67,7 @@ class DelayingForum(MemoryForum):
 
 async def until_moved(agent: RobotAgent, post: Post) -> None:
     """Wait until the journal has the measured result of the command."""
-    async with asyncio.timeout(30):
-        while await agent.journal.motion_result(post.id) is None:  # noqa: ASYNC110 (a database)
-            await asyncio.sleep(0.05)
+    await until(lambda: agent.journal.motion_result(post.id), lambda text: text is not None)
 
 
 @pytest.mark.parametrize("delayed", [SHOWN, "Waits for approval"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_process import Poster, RunningBoard
 from tests.agent.agent_scene import ROBOT, Driver, robot_settings
 from tests.board.running_board import running_board
+from tests.waiting import until
 
 
 @pytest.fixture(scope="module")
@@ -51,22 +52,9 @@ async def posts(poster: Poster, topic: str, count: int) -> list[dict[str, Any]]:
             await asyncio.sleep(0.05)
 
 
-async def until(condition: Callable[[], bool]) -> None:
-    """Wait until a condition on the board holds."""
-    async with asyncio.timeout(60):
-        while True:
-            if await asyncio.to_thread(condition):
-                return
-            await asyncio.sleep(0.05)
-
-
 async def none_kept(agent: RobotAgent) -> None:
     """Wait until the journal keeps no schedule: one that has ended is kept until its end is told."""
-    async with asyncio.timeout(60):
-        while True:
-            if not await agent.journal.schedules():
-                return
-            await asyncio.sleep(0.05)
+    await until(agent.journal.schedules, lambda kept: not kept)
 
 
 async def page_of_run(board: RunningBoard, report: dict[str, Any], schedule: str) -> None:
@@ -77,7 +65,8 @@ async def page_of_run(board: RunningBoard, report: dict[str, Any], schedule: str
     (item,) = client.get(f"/commands/{report['id']}").json()["items"]
     assert (item["record"]["status"], item["record"]["run"]["number"]) == ("done", 2)
     assert item["record"]["trace_id"] == report["card"]["trace_id"]
-    await until(lambda: client.get(f"/commands/{report['id']}/replay?robot={ROBOT}").status_code == 200)
+    replay = f"/commands/{report['id']}/replay?robot={ROBOT}"
+    await until(lambda: asyncio.to_thread(client.get, replay), lambda answer: answer.status_code == 200)
     page = board.browser("op").get(f"/c/{report['id']}").text
     assert "A run of the schedule that" in page
     assert f'href="/p/{schedule}"' in page
@@ -114,16 +103,15 @@ async def test_a_schedule_runs_twice_on_the_board_and_is_cancelled_in_its_thread
             assert f"Run 2 of at most 30 of [this schedule]({asked['url']}), due on " in last["raw"]
             await page_of_run(board, last, first_post)
             agent.schedules.changed()
-            await until(lambda: listed(board) == [(first_post, 28, author)])
-            while len(agent.queue):  # noqa: ASYNC110 (as elsewhere: the queue has no event)
-                await asyncio.sleep(0.02)
+            await until(lambda: asyncio.to_thread(listed, board), lambda found: found == [(first_post, 28, author)])
+            await until(lambda: not len(agent.queue))
             await agent.schedules.load()
             said = await asyncio.to_thread(op._http.post, f"/topics/{topic}/posts", json={"body": "cancel"})
             said.raise_for_status()
             told = (await posts(op, topic, 4))[-1]
             assert (told["card"], "cancelled" in told["raw"]) == (None, True)
             await none_kept(agent)
-            await until(lambda: listed(board) == [])
+            await until(lambda: asyncio.to_thread(listed, board), lambda found: found == [])
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)

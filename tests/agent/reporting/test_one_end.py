@@ -27,9 +27,10 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, Command, Plan, Post, Role, StatusCard, Understanding
 from agentrob.robots.driver.lease import TTL_S
-from tests.agent.agent_process import Poster, end_agent, start_agent, until
+from tests.agent.agent_process import Poster, end_agent, start_agent, until_state
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, make_scene, robot_settings, serving
 from tests.board.running_board import RunningBoard, running_board
+from tests.waiting import until
 
 AGENTS_DIE = True
 WALK = f"@{ROBOT} walk forward 1 metre"
@@ -260,7 +261,7 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
             agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
             topic = await alice.post(f"@{ROBOT} walk forward 2 m, then turn left 20 degrees")
             begun = (await place(slow_driver))[0]
-            await until(slow_driver, lambda state, m=begun + walked_m: state.pose.x_m > m)  # type: ignore[misc]
+            await until_state(slow_driver, lambda state, m=begun + walked_m: state.pose.x_m > m)  # type: ignore[misc]
             for agent in agents:
                 end_agent(agent)
             agents = [await asyncio.to_thread(start_agent, slow_driver, folder, board) for folder in folders]
@@ -268,9 +269,7 @@ async def test_law_6_two_agents_that_are_killed_in_a_walk_tell_one_end_between_t
             status_text = await alice.status_text(topic)
             last = await alice.post(f"@{ROBOT} turn right 20 degrees")
             await alice.final(last)
-            async with asyncio.timeout(60):
-                while len(await ends(folders, "final IS NULL")):  # noqa: ASYNC110 (other processes)
-                    await asyncio.sleep(0.1)
+            await until(lambda: ends(folders, "final IS NULL"), lambda left: not left)
             for agent in agents:
                 end_agent(agent)
             assert (await alice.states(topic), await alice.status_text(topic)) == (["interrupted"], status_text)
@@ -398,11 +397,9 @@ async def test_law_18_on_the_board_a_robot_suspended_in_a_walk_tells_its_end_whe
         agent = RobotAgent(ROBOT, slow_driver.settings, forum, slow_driver.client(), RulesMind(), tmp_path)
         async with serving(agent):
             topic = await alice.post(f"@{ROBOT} walk forward 1 m, then walk backward 1 m")
-            await until(slow_driver, lambda state: state.pose.x_m > 0.3)
+            await until_state(slow_driver, lambda state: state.pose.x_m > 0.3)
             await asyncio.to_thread(suspend, board, True)
-            async with asyncio.timeout(60):
-                while agent.queue.moving or not agent.writes.tasks:  # noqa: ASYNC110 (no event tells it)
-                    await asyncio.sleep(0.05)
+            await until(lambda: not agent.queue.moving and agent.writes.tasks)
             await asyncio.to_thread(suspend, board, False)
             assert (await alice.final(topic))[0] in ("interrupted", "cancelled")
             status_text = await alice.status_text(topic)

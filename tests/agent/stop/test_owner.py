@@ -17,6 +17,7 @@ from agentrob.minds.protocol import Addressee
 from agentrob.minds.rules import RulesMind
 from agentrob.model import AccountKind, EventKind, Plan, RobotState, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings, set_home
+from tests.waiting import until
 
 
 @pytest.fixture
@@ -301,9 +302,8 @@ async def test_law_9_a_robot_without_home_says_how_it_is_set_and_the_owner_s_but
             await scene.until(lambda: scene.world.robots[ROBOT]["homed"] is True)
             walk = await scene.post("alice", "@quadruped walk forward 3 metres, then walk back 3 metres")
             await scene.state(walk, "running")
-            async with asyncio.timeout(60), homeless.client() as client:
-                while not any((await client.state()).velocity_mps or ()):  # noqa: ASYNC110 (another process)
-                    await asyncio.sleep(0.01)
+            async with homeless.client() as client:
+                await until(client.state, lambda state: any(state.velocity_mps or ()))
             await scene.world.sign_in("olga").press_home(ROBOT)
             await scene.until(lambda: not scene.world.robots[ROBOT]["last_action"]["done"])
             assert "cannot set home" in scene.world.robots[ROBOT]["last_action"]["message"]

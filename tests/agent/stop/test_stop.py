@@ -19,6 +19,7 @@ from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.driver.lease import TTL_S
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene, robot_settings
 from tests.agent.store.journal_store import fail_disk
+from tests.waiting import until, walks
 
 #: Time in which a body at 0.5 m/s comes to rest; most of it is for busy machines.
 REST_S = 1.5
@@ -38,9 +39,8 @@ async def running(scene: Scene) -> str:
     """Start a walk and return the id of its post once the robot moves."""
     post = await scene.post("alice", "@quadruped walk forward 5 metres")
     await scene.state(post, "running")
-    async with asyncio.timeout(60), scene.driver.client() as client:
-        while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.01)
+    async with scene.driver.client() as client:
+        await until(client.state, walks)
     return post.id
 
 
@@ -157,9 +157,7 @@ async def test_law_14_a_stop_at_the_robot_while_it_comes_to_rest_ends_what_was_p
         async with scene.agent(), slow.client() as other:
             first = scene.world.posts[await running(scene)]
             await scene.post("bob", "@quadruped stop")
-            async with asyncio.timeout(60):
-                while await other.holder() is not None:  # noqa: ASYNC110 (another process)
-                    await asyncio.sleep(0.01)
+            await until(other.holder, lambda holder: holder is None)
             second = await scene.post("alice", "@quadruped turn left 90 degrees")
             await scene.until(lambda: scene.replies(second))
             beside = await other.stop("somebody at the robot")
@@ -190,9 +188,8 @@ async def test_law_15_a_stop_goes_past_a_journal_that_cannot_be_written(scene: S
         post = scene.world.posts[await running(scene)]
         fail_disk(agent.journal)
         await scene.post("bob", "@quadruped stop", topic=post.topic_id)
-        async with asyncio.timeout(60), scene.driver.client() as client:
-            while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.01)
+        async with scene.driver.client() as client:
+            await until(client.state, lambda state: state.velocity_mps == (0.0, 0.0))
         reply = await scene.final(post)
     assert reply.card.state in ("stopped", "failed")
 
@@ -241,9 +238,8 @@ async def test_law_15_a_stop_that_gets_through_on_no_channel_lets_the_lease_laps
         post = await running(scene)
         stop = await scene.post("bob", "stop", topic=scene.world.posts[post].topic_id)
         asked_s = time.monotonic()
-        async with asyncio.timeout(60), scene.driver.client() as client:
-            while (await client.state()).velocity_mps != (0.0, 0.0):  # noqa: ASYNC110 (another process)
-                await asyncio.sleep(0.01)
+        async with scene.driver.client() as client:
+            await until(client.state, lambda state: state.velocity_mps == (0.0, 0.0))
         assert time.monotonic() - asked_s < TTL_S + REST_S
         over.set()
         never.set()

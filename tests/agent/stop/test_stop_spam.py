@@ -23,6 +23,7 @@ from agentrob.model import ActionResult, Post, Primitive, Role, StopResult
 from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import FINAL, ROBOT, Driver, Scene, robot_settings, serving
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
+from tests.waiting import until, walks
 
 SHOUTERS, TIMES = 10, 24
 #: Moderators are told once, after the third stop.
@@ -54,10 +55,9 @@ class LoggingClient(DriverClient):
         return await super().step(lease, primitive, deadline_s)
 
 
-async def walks(driver: Driver) -> None:
-    async with asyncio.timeout(60), driver.client() as client:
-        while not ((await client.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
-            await asyncio.sleep(0.01)
+async def until_it_walks(driver: Driver) -> None:
+    async with driver.client() as client:
+        await until(client.state, walks)
 
 
 # ---------------------------------------------------------------------- the memory forum
@@ -89,7 +89,7 @@ async def test_law_15_ten_accounts_that_shout_stop_end_it_once_and_delay_nobody(
         shared = await scene.post("bob", "Let us talk")
         running = await scene.post("alice", COMMAND)
         await scene.state(running, "running")
-        await walks(scene.driver)
+        await until_it_walks(scene.driver)
         before, began_s = len(scene.world.events), time.monotonic()
         await scene.post("bob", "stop", topic=running.topic_id)
         shouted = await asyncio.gather(
@@ -170,7 +170,7 @@ async def test_law_15_the_board_takes_every_stop_of_ten_accounts_and_the_next_co
                 "id"
             ]
             await board_answer(op, running, {"running"})
-            await walks(driver)
+            await until_it_walks(driver)
             answers = await asyncio.gather(
                 *(asyncio.to_thread(post_every_stop_to_board, board, name, running) for name in names)
             )
@@ -225,8 +225,6 @@ async def test_law_15_a_board_that_refuses_posts_since_too_many_wait_still_takes
         sent.append(asyncio.create_task(asyncio.to_thread(client.patch, f"/posts/{own}", json=stop)))
         pressed = await asyncio.to_thread(board.client("admin").post, f"/robots/{ROBOT}/stop")
         assert pressed.status_code in (200, 201, 202)  # and at once, without waiting for any write
-        async with asyncio.timeout(LIMIT_S):
-            while queued() < full + len(sent) and not any(task.done() for task in sent):  # noqa: ASYNC110
-                await asyncio.sleep(0.01)
+        await until(lambda: queued() >= full + len(sent) or any(task.done() for task in sent), limit_s=LIMIT_S)
         free.set()
         assert {answer.status_code for answer in await asyncio.gather(*sent)} <= {200, 201}

@@ -26,6 +26,7 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from tests.agent.agent_scene import FINAL, ROBOT, robot_settings
 from tests.agent.laws.machine_scene import GatedClient, GatedMind, Gates, RecordingRobot, Stand
+from tests.waiting import until
 
 LIMIT_S = 60.0
 #: Stops on the forum, and stops at the robot's machine without the forum.
@@ -75,10 +76,7 @@ class Scenario:
     _count: int = 0
 
     async def until(self, true: Callable[[], Any]) -> Any:
-        async with asyncio.timeout(LIMIT_S):
-            while not (found := true()):  # noqa: ASYNC110 (the robot is in other threads)
-                await asyncio.sleep(0.005)
-        return found
+        return await until(true, limit_s=LIMIT_S)
 
     async def post(self, name: str, text: str, topic: str | None = None) -> Post:
         forum, key = self.world.sign_in(name), f"k{(count := self._count)}"

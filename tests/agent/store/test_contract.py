@@ -19,6 +19,7 @@ from tests.agent.store.journal_store import JournalStore, open_journal
 from tests.agent.store.old_journal import write_old_journal
 from tests.agent.store.test_journal import ALICE, command, says, state
 from tests.agent.store.test_schedules import asked as scheduled
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("database")
 REX, MAX = "rex", "max"
@@ -195,14 +196,13 @@ async def test_a_motion_that_fails_or_is_ended_without_its_caller_is_no_error_of
         raise NotBegun
 
     callers = [asyncio.create_task(journal.move(post, work)) for post, work in (("1", fails), ("2", not_yet))]
-    while not (await journal.moved("1") and await journal.moved("2")):  # noqa: ASYNC110 (a database)
-        await asyncio.sleep(0.01)
+    await until(lambda: journal.moved("1"))
+    await until(lambda: journal.moved("2"))
     for caller in callers:
         caller.cancel()
     await asyncio.gather(*callers, return_exceptions=True)
     end.set()
-    while await journal.moved("2"):  # noqa: ASYNC110 (a database)
-        await asyncio.sleep(0.01)
+    await until(lambda: journal.moved("2"), lambda moved: not moved)
     await journal.close()
     del callers, caller
     gc.collect()  # an exception that nobody asked for is reported when its task is deleted
@@ -224,8 +224,7 @@ async def test_a_motion_goes_on_when_its_caller_is_cancelled(tmp_path: Path) -> 
     await asyncio.gather(caller, return_exceptions=True)
     assert await journal.motion_result("1") is None
     end.set()
-    while await journal.motion_result("1") is None:  # noqa: ASYNC110 (a database)
-        await asyncio.sleep(0.01)
+    await until(lambda: journal.motion_result("1"), lambda text: text is not None)
     assert await journal.move("1", says("again")) == "moved"
     await journal.close()
 

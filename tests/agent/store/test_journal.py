@@ -17,6 +17,7 @@ from agentrob.errors import IllegalTransition
 from agentrob.model import Account, AccountKind, Command, CommandState, EndReason, Role
 from tests.agent.agent_scene import FINAL, ROBOT, Scene
 from tests.agent.store.journal_store import JournalStore, open_journal
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("database")
 
@@ -157,8 +158,7 @@ async def test_the_journal_and_the_forum_tell_the_same_end(scene: Scene) -> None
         await scene.post("alice", f"@{ROBOT} stop")
         posts[far.id] = (await scene.final(far)).card
         await scene.until(lambda: not len(agent.queue))
-        while await agent.journal.open_claims():  # noqa: ASYNC110 (a database)
-            await asyncio.sleep(0.01)
+        await until(agent.journal.open_claims, lambda claims: not claims)
         in_journal = {post: await state(agent.journal, post) for post in posts}
     assert in_journal == {post: card.state for post, card in posts.items() if card is not None}
     assert set(in_journal.values()) >= {"done", "asks_back", "answered", "refused", "stopped"}

@@ -21,6 +21,7 @@ from agentrob.robots.driver.client import DriverClient
 from tests.agent.agent_scene import ROBOT, Driver, Scene, held_by, make_scene, robot_settings
 from tests.agent.store.journal_store import open_journal
 from tests.agent.store.old_journal import OLDEST_CLAIM, write_old_journal
+from tests.waiting import until, walks
 
 pytestmark = pytest.mark.usefixtures("database")
 AGENTS_DIE = True
@@ -494,9 +495,7 @@ async def test_law_17_a_stop_past_the_forum_is_reported_with_whose_it_was(tmp_pa
         async with scene.agent(), local.client() as other:
             post = await scene.post("alice", f"@{ROBOT} walk forward 5 metres")
             await scene.state(post, "running")
-            async with asyncio.timeout(60):
-                while not ((await other.state()).velocity_mps or (0.0,))[0] > 0.1:  # noqa: ASYNC110 (another process)
-                    await asyncio.sleep(0.02)
+            await until(other.state, walks)
             await other.stop("@alice `beside` the robot")
             reply = await scene.final(post)
     finally:

@@ -20,6 +20,7 @@ from agentrob.agent.store.session_locks import ANSWER_S, BEAT_S, SILENT_S, Sessi
 from agentrob.agent.store.versions import VERSION, VERSION_LOCK
 from agentrob.errors import JournalError, JournalHeld
 from tests.board.running_board import database_for
+from tests.waiting import until
 
 REX, MAX = "rex", "max"
 #: How much later a busy machine may notice something.
@@ -66,9 +67,7 @@ def holder_of_locks(url: str) -> int:
 async def freed(locks: SessionLocks, robot: str) -> None:
     """Return when nobody holds the robot: the server frees what a connection held a moment after its end, and long
     before it ends a silent one."""
-    async with asyncio.timeout(SILENT_S / 2):
-        while robot not in await locks.free([robot]):  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
+    await until(lambda: locks.free([robot]), lambda free: robot in free, limit_s=SILENT_S / 2)
 
 
 async def test_law_11_a_released_robot_is_anybodys_at_once_under_a_larger_number(tables: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +17,7 @@ from agentrob.model import AccountKind, Intent, Plan, Post, Role, Understanding
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 from tests.minds.faulty_server import called, said
 from tests.minds.scripted_model import FINE, ScriptedModel, move, running_scripted_model
+from tests.waiting import until
 
 pytestmark = pytest.mark.usefixtures("model_libraries")
 
@@ -415,9 +415,7 @@ async def test_a_mind_is_made_ready_at_the_start_and_closed_at_the_end(
             await super().close()
 
     async with scene.agent(mind=RecordingMind(mind.model)):
-        async with asyncio.timeout(60):
-            while not seen:  # noqa: ASYNC110
-                await asyncio.sleep(0.01)
+        await until(lambda: seen)
     assert seen == ["prepared", "closed"]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import pytest
 from agentrob.model import AccountKind, Role
 from tests.agent.agent_scene import ROBOT, Driver, Scene, make_scene
 from tests.agent.execution.visual_model import ScriptedLoopModel, running_loop_model
+from tests.waiting import until
 
 STAIRS = "A landing. There are stairs 1 m ahead of the robot."
 WALK = f"@{ROBOT} walk forward 2 m"
@@ -18,10 +18,10 @@ WALK = f"@{ROBOT} walk forward 2 m"
 
 async def run_command(scene: Scene, text: str) -> tuple[str, str]:
     """Return how a post ends and the text of the reply."""
-    async with scene.agent() as agent, asyncio.timeout(60):
+    async with scene.agent() as agent:
         reply = await scene.final(await scene.post("alice", text))
-        while await agent.journal.open_claims():  # noqa: ASYNC110  the next agent would take it for a waiting command
-            await asyncio.sleep(0.01)
+        # The next agent would take it for a waiting command.
+        await until(agent.journal.open_claims, lambda claims: not claims)
     assert reply.card is not None
     return reply.card.state, reply.raw
 

@@ -24,8 +24,8 @@ from agentrob.board.web import posts as pages_posts
 from agentrob.board.web import topics
 from agentrob.errors import BoardError
 from tests.board.auth.test_rights import admin_api, client_with_role, new_board, topic_on
-from tests.board.events.test_streams import wait_for
 from tests.board.running_board import RunningBoard, running_board
+from tests.waiting import wait_for
 
 ATOM = "{http://www.w3.org/2005/Atom}"
 

@@ -26,10 +26,11 @@ from agentrob.board.events.hub import PROVEN_S
 from agentrob.errors import BoardError
 from tests.board.auth.test_rights import jpeg
 from tests.board.board_processes import BoardProcess, Forum, forum_of, fresh_postgres
-from tests.board.events.test_streams import now, post_topic, stream, until, wait_for
+from tests.board.events.test_streams import now, post_topic, stream, until
 from tests.board.events.test_webhooks import receiver
 from tests.board.robots.test_robots import picture, pictures
 from tests.board.running_board import LIMIT_S
+from tests.waiting import wait_for
 
 pytestmark = pytest.mark.slow
 #: A stop must reach the agent within this time.

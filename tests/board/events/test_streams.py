@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
-import threading
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
@@ -25,6 +24,7 @@ from agentrob.board.events.hub import Hub
 from agentrob.errors import BoardError
 from agentrob.model import EventKind, Role
 from tests.board.running_board import LIMIT_S, RunningBoard, running_board
+from tests.waiting import wait_for
 
 
 def post_topic(client: httpx2.Client, body: str = "hello") -> dict:
@@ -211,14 +211,6 @@ async def test_two_hundred_listeners_receive_all_events_in_order(board: RunningB
         async with asyncio.timeout(LIMIT_S):
             everybody = await asyncio.gather(*map(heard, readers))
     assert everybody == [made] * 200
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    """Poll, with a time limit, until a condition in another thread holds."""
-    pause, end = threading.Event(), time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        pause.wait(0.01)
 
 
 def test_a_disconnected_listener_is_removed(board: RunningBoard) -> None:

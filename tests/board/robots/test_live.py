@@ -17,8 +17,9 @@ from agentrob.board.events import poses
 from agentrob.board.robots import geometry, live, replays
 from agentrob.config.board import BoardRetentionConfig
 from agentrob.model import EventKind
-from tests.board.robots.test_robots import _listen, wait_for
+from tests.board.robots.test_robots import _listen
 from tests.board.running_board import RunningBoard
+from tests.waiting import wait_for
 
 MAP = {
     "room": "lab",

@@ -29,19 +29,13 @@ from agentrob.board.robots import actions
 from agentrob.errors import BoardError
 from agentrob.model import AccountKind, EventKind, Role
 from tests.board.running_board import LIMIT_S, RunningBoard
+from tests.waiting import wait_for
 
 
 def picture(width: int = 64, height: int = 48, kind: str = "JPEG", **options: object) -> bytes:
     out = io.BytesIO()
     Image.new("RGB", (width, height), (200, 100, 50)).save(out, format=kind, **options)
     return out.getvalue()
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    pause, end = threading.Event(), time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        pause.wait(0.01)
 
 
 # -------------------------------------------------------------------- cards and buttons

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.board.robots.test_robots import wait_for
 from tests.board.web.browser_windows import Windows
 from tests.board.web.forum_site import CARD, Site, running_site
+from tests.waiting import wait_for
 
 pytestmark = pytest.mark.browser
 

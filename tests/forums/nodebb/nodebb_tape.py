@@ -30,6 +30,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
 from agentrob.forums.http import USER_AGENT
+from tests.waiting import until
 
 Message = dict[str, Any]
 Receive, Send = Callable[[], Awaitable[Message]], Callable[[Message], Awaitable[None]]
@@ -373,9 +374,7 @@ async def serving(application: Any) -> AsyncIterator[str]:
         uvicorn.Config(application, host="127.0.0.1", port=0, log_level="error", lifespan="off", date_header=False)
     )
     task = asyncio.create_task(server.serve())
-    async with asyncio.timeout(60):
-        while not server.started:  # noqa: ASYNC110 - uvicorn has no event for it
-            await asyncio.sleep(0.01)
+    await until(lambda: server.started)
     try:
         yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
     finally:

@@ -6,7 +6,6 @@ test is collected.
 
 from __future__ import annotations
 
-import asyncio
 import os
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -24,6 +23,7 @@ from tests.forums.nodebb.nodebb_processes import (
     state,
 )
 from tests.forums.nodebb.nodebb_world import NodeBBWorld
+from tests.waiting import until
 
 URL = os.environ.get("AGENTROB_TEST_NODEBB_URL", "")
 ADMIN = os.environ.get("AGENTROB_TEST_NODEBB_ADMIN", "")
@@ -81,9 +81,10 @@ if URL:
         text = f"@{ROBOT} walk forward 1 m, then @{other} walk forward 0.5 m. Then one of you walk backward 0.5 m"
         with running_robots(world, {name: world.secrets[name] for name in (ROBOT, other)}, tmp_path):
             post = (await alice.create_topic("robots", "Together", text, key="together")).post
-            async with asyncio.timeout(180):
-                while not (summary := [p for p in await replies_to(world, post) if " of 3 done:" in p.raw]):  # noqa: ASYNC110
-                    await asyncio.sleep(0.5)
+            found = await until(
+                lambda: replies_to(world, post), lambda found: any(" of 3 done:" in p.raw for p in found), limit_s=180
+            )
+            summary = [p for p in found if " of 3 done:" in p.raw]
         assert summary[0].raw.startswith("3 of 3 done:"), summary[0].raw
         cards = [p.card for p in await replies_to(world, post) if p.card]
         assert sorted((c.part, c.state) for c in cards if c.state == "done") == [(1, "done"), (2, "done"), (3, "done")]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-
 import pytest
 
 from agentrob.errors import ForumDenied, ForumError, ForumNotFound, ForumUnoffered
@@ -11,6 +9,7 @@ from agentrob.forums.nodebb.forum import NodeBBForum
 from agentrob.forums.protocol import Notification
 from agentrob.model import AccountKind, Role
 from tests.forums.nodebb.nodebb_world import NodeBBWorld, begin
+from tests.waiting import until
 
 
 # ---------------------------------------------------------------------- moderators
@@ -82,10 +81,7 @@ async def test_law_2_a_right_by_a_group_that_is_open_is_not_said_to_be_given(nod
 # ---------------------------------------------------------------------- notifications
 async def wait_for_notifications(forum: NodeBBForum, number: int) -> tuple[Notification, ...]:
     """Wait for this many notifications; NodeBB creates them a moment after the post."""
-    async with asyncio.timeout(60):
-        while len(found := (await forum.notifications()).items) < number:  # noqa: ASYNC110 - it has no event of its own
-            await asyncio.sleep(0.2)
-    return found
+    return (await until(forum.notifications, lambda found: len(found.items) >= number)).items
 
 
 async def test_a_reply_is_a_notice_one_that_mentions_is_one_only_page_by_page(

@@ -15,6 +15,7 @@ from agentrob.forums.nodebb.markers import MarkedText, mark
 from agentrob.forums.nodebb.socket import Push
 from agentrob.model import AccountKind, EventKind, Role, StatusCard
 from tests.forums.nodebb.nodebb_world import NodeBBWorld, begin, replies, texts
+from tests.waiting import until
 
 
 # ---------------------------------------------------------------------- limits
@@ -167,9 +168,7 @@ async def test_mentions_are_accounts_outside_of_code_and_quotes_and_are_noticed(
     text = "@bob look, @nobody-at-all\n\n> @quadruped said\n\n`@quadruped` code"
     post = (await alice.create_topic("robots", "A topic", text, key="1")).post
     assert post.mentions == ("bob",)
-    async with asyncio.timeout(60):
-        while post.id not in [p.id for p in await bob.mentions()]:  # noqa: ASYNC110 - it has no event of its own
-            await asyncio.sleep(0.2)
+    await until(bob.mentions, lambda found: post.id in [p.id for p in found])
 
 
 async def test_words_are_found_by_the_search_plugin(nodebb: NodeBBWorld) -> None:

@@ -28,6 +28,7 @@ from agentrob.mcp.robots.tools import allowed
 from agentrob.process.child import Child, terminate_all
 from tests.agent.agent_scene import ROBOT
 from tests.service.service_scene import Service, token
+from tests.waiting import until
 
 ALWAYS = ["list_robots", "robot_status", "camera_snapshot", "list_queue", "get_command", "stop"]
 EVERYTHING = McpRobotConfig(preview=True, submit=True)
@@ -113,9 +114,7 @@ async def test_a_snapshot_is_an_image_and_snapshots_are_limited(service: Service
 async def test_law_13_and_15_a_stop_passes_waiting_calls_and_all_limits(service: Service) -> None:
     async with client_of(service) as client:
         waiting = asyncio.create_task(ask(client, "submit_command", text="walk forward 5 m", wait_s=30))
-        async with asyncio.timeout(60):
-            while service.agent.queue.moving is None:  # noqa: ASYNC110
-                await asyncio.sleep(0.02)
+        await until(lambda: service.agent.queue.moving)
         service.parts.auth._limit = type(service.parts.auth._limit)(1)  # from now on everything else is refused
         stopped = (await ask(client, "stop"))["data"]["stop"]
         assert stopped["confirmed"]

@@ -10,19 +10,16 @@ import json
 import subprocess
 import sys
 import time
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from agentrob.model import ActionResult
 from agentrob.robots.driver.client import DriverClient
-from tests.robots.guard_scene import until as wait_for
 from tests.robots.sim_scene import DRIVER, Process
 from tests.robots.sim_steps import FAR, NEAR
-from tests.robots.sim_steps import until as until_limited
+from tests.waiting import until, wait_for
 
 DOMAIN = 0  # these namespaces have no other processes
-until = partial(until_limited, limit_s=60.0)
 WORLD = """
 read go
 ip link set lo up; ip addr add 10.99.0.2/24 dev robot; ip link set robot up
@@ -67,10 +64,10 @@ def said(result: ActionResult) -> dict[str, Any]:
 async def pull_cable(folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = {}
     async with DriverClient("quadruped", folder / "quadruped.sock") as robot:
-        await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+        await until(robot.state, lambda state: state.age_s < 0.2 and state.homed)
         async with robot.lease("walker") as lease:
             step = asyncio.create_task(robot.step(lease, FAR, 30))
-            await until(robot, lambda state: state.pose is not None and state.pose.x_m > 0.4)
+            await until(robot.state, lambda state: state.pose is not None and state.pose.x_m > 0.4)
             pulled_s = set_link(False)
             found["pulled"] = said(await step)
             found["ended_s"] = time.monotonic() - pulled_s
@@ -80,8 +77,10 @@ async def pull_cable(folder: Path) -> dict[str, Any]:
         async with robot.lease("walker") as lease:
             found["unplugged"] = said(await robot.step(lease, NEAR, 30))
         set_link(True)
-        await until(robot, lambda state: state.age_s < 0.2)
-        await until(robot, lambda state: state.homed and not any(abs(v) > 0.1 for v in state.velocity_mps or (1.0,)))
+        await until(robot.state, lambda state: state.age_s < 0.2)
+        await until(
+            robot.state, lambda state: state.homed and not any(abs(v) > 0.1 for v in state.velocity_mps or (1.0,))
+        )
         async with robot.lease("walker") as lease:
             found["again"] = said(await robot.step(lease, NEAR, 30))
     return found

@@ -18,8 +18,9 @@ from agentrob.robots.driver.connection import LEASE_CONNECTIONS, STOP_CONNECTION
 from agentrob.robots.driver.lease import TTL_S
 from tests.robots.driver.network_scene import TOKEN_ENV, NetworkDrivers
 from tests.robots.driver.slow_link import SlowLink
-from tests.robots.driver_scene import FAR, NEAR, at_rest, until
+from tests.robots.driver_scene import FAR, NEAR, at_rest, seconds_until
 from tests.sizes import size
+from tests.waiting import until
 
 DELAY_S, LOSS = 0.1, 0.02
 #: What a busy machine may add.
@@ -44,16 +45,16 @@ async def linked(
     name = network.serve(fence=fence, options={"faults": {"stop_s": 0.03}, "room": [-99, 99, -99, 99]})
     link = SlowLink(network.listens[name], DELAY_S, loss, seed)
     async with link.open(), network.remote(name, port=link.port) as far, network.client(name) as near:
-        await until(near, lambda state: state.homed)
+        await until(near.state, lambda state: state.homed)
         await far.state()
-        await until(near, lambda _: link.connections > STOP_CONNECTIONS + LEASE_CONNECTIONS)
+        await until(near.state, lambda _: link.connections > STOP_CONNECTIONS + LEASE_CONNECTIONS)
         for _ in range(3):
             await far.state()  # meanwhile their TLS handshakes end
         yield far, near, link
 
 
 async def walking(near: DriverClient) -> None:
-    await until(near, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.1)
+    await until(near.state, lambda state: abs((state.velocity_mps or (0, 0))[0]) > 0.1)
 
 
 async def test_law_13_a_stop_needs_one_way_and_no_handshake(network: NetworkDrivers) -> None:
@@ -62,7 +63,7 @@ async def test_law_13_a_stop_needs_one_way_and_no_handshake(network: NetworkDriv
         await walking(near)
         asked_s = time.monotonic()
         stopping = asyncio.create_task(far.stop("a person"))
-        await until(near, at_rest)
+        await until(near.state, at_rest)
         assert time.monotonic() - asked_s < DELAY_S + SLACK_S
         stopped = await stopping
         assert time.monotonic() - asked_s < 2 * DELAY_S + 2 * SLACK_S
@@ -102,7 +103,7 @@ async def test_law_11_a_link_that_is_cut_stops_the_robot_within_the_leases_time(
         await walking(near)
         link.cut()
         cut_s = time.monotonic()
-        await until(near, at_rest)
+        await until(near.state, at_rest)
         assert 0.2 < time.monotonic() - cut_s < TTL_S + SLACK_S
         assert await near.holder() is None
         step.cancel()
@@ -122,9 +123,7 @@ async def test_law_11_a_renewal_says_when_it_was_sent_by_the_drivers_clock(
     monkeypatch.setattr(DriverConnection, "ask", recorded)
     async with linked(network) as (far, _, _), far.lease("agent") as lease:
         assert await far.lost(lease) is None
-        async with asyncio.timeout(30):
-            while len(renewals) < 10:  # noqa: ASYNC110 (each is sent by the client's own clock)
-                await asyncio.sleep(0.05)
+        await until(lambda: len(renewals) >= 10)  # each is sent by the client's own clock
     for sent_s, said_s in renewals:
         assert 0 <= sent_s - said_s < 2 * DELAY_S + SLACK_S, "never later than it was"
 
@@ -137,8 +136,8 @@ async def test_law_13_a_stop_that_cannot_arrive_stops_the_robot_by_the_lease(net
         link.cut()
         asked_s = time.monotonic()
         with pytest.raises(RobotError):
-            await asyncio.gather(far.stop("a person"), until(near, at_rest))
-        rest_s = await until(near, at_rest)
+            await asyncio.gather(far.stop("a person"), until(near.state, at_rest))
+        rest_s = await seconds_until(near, at_rest)
         assert rest_s < 0.5
         assert time.monotonic() - asked_s < 5.0 + TTL_S + SLACK_S, "and the client says that it could not stop it"
         step.cancel()

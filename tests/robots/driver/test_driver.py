@@ -32,7 +32,8 @@ from agentrob.robots.driver.stop import halt_robot, stop_all, stop_driver
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
-from tests.robots.driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, until
+from tests.robots.driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, seconds_until
+from tests.waiting import until
 
 
 # ------------------------------------------------------------------ normal operation
@@ -59,7 +60,7 @@ async def test_after_a_step_that_is_not_done_the_rest_is_skipped(drivers: Driver
 async def test_the_posture_is_in_the_frame_of_the_home_and_unknown_without_one(drivers: Drivers) -> None:
     name, _ = drivers.start(options={"time_scale": 20})
     async with drivers.client(name) as robot:
-        await until(robot, lambda state: state.homed)
+        await until(robot.state, lambda state: state.homed)
         async with robot.lease("walker") as lease:
             assert (await robot.step(lease, NEAR, 60)).ok
             assert (await robot.step(lease, Primitive(Op.TURN, Direction.LEFT, degrees=90), 60)).ok
@@ -79,7 +80,7 @@ async def test_capabilities_and_state_say_what_is(drivers: Drivers) -> None:
         capabilities = await robot.capabilities()
         assert (capabilities.model, capabilities.simulated, capabilities.limits.speed_mps) == ("fake", True, 0.3)
         assert Op.MOVE in capabilities.ops
-        await until(robot, lambda state: state.homed)
+        await until(robot.state, lambda state: state.homed)
         state = await robot.state()
         assert state.pose is not None
         assert state.battery_percent == 87
@@ -150,7 +151,7 @@ async def test_law_11_a_holder_that_dies_or_freezes_stops_the_robot(drivers: Dri
     async with drivers.client(name) as robot:
         await moving(robot)
         os.kill(holder.pid, how)
-        assert await until(robot, at_rest) <= 1.5
+        assert await seconds_until(robot, at_rest) <= 1.5
         assert await robot.holder() is None
         async with robot.lease("the next"):
             assert at_rest(await robot.state())
@@ -168,7 +169,7 @@ async def test_law_11_a_step_whose_caller_is_gone_ends_without_waiting_for_the_l
                 step = asyncio.create_task(caller.step(lease, FAR, 60))
                 await moving(robot)
                 step.cancel()  # its connection is closed, like that of a killed process
-                await until(robot, at_rest)
+                await until(robot.state, at_rest)
                 assert await robot.holder() is None
                 await caller.close()
         finally:

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from collections.abc import AsyncIterator, Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,13 +21,12 @@ from agentrob.model import ActionResult, Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.unitree.g1_fsm import OLD_S
 from tests.robots.sim_steps import METRE, NEAR, do
-from tests.robots.sim_steps import until as until_limited
+from tests.waiting import until
 
 pytestmark = [pytest.mark.sim, pytest.mark.slow]
 
 DOMAINS = range(221, 230)
 #: Full physics of 29 joints is slow on a busy machine.
-until = partial(until_limited, limit_s=60.0)
 CLAP, PHOTO = Primitive(Op.CLAP), Primitive(Op.GET_FRONT_IMAGE)
 
 
@@ -76,7 +74,9 @@ async def robot(stand: Stand) -> AsyncIterator[DriverClient]:
     stand.room.post("/reset").raise_for_status()
     set_up_s = time.monotonic() + OLD_S
     async with DriverClient("humanoid", stand.socket) as client:
-        await until(client, lambda s: time.monotonic() > set_up_s and s.age_s < 0.2 and s.homed and s.mode == "idle")
+        await until(
+            client.state, lambda s: time.monotonic() > set_up_s and s.age_s < 0.2 and s.homed and s.mode == "idle"
+        )
         await client.release("owner")
         assert not (await client.state()).halted
         yield client
@@ -86,7 +86,7 @@ async def walking(stand: Stand, robot: DriverClient, **faults: Any) -> ActionRes
     """Walk one metre, let this happen on the way, and return the result."""
     async with robot.lease("tester") as lease:
         step = asyncio.create_task(robot.step(lease, METRE, 30))
-        await until(robot, lambda s: s.pose is not None and s.pose.x_m > 0.3)
+        await until(robot.state, lambda s: s.pose is not None and s.pose.x_m > 0.3)
         stand.faults(**faults)
         return await step
 
@@ -94,7 +94,7 @@ async def walking(stand: Stand, robot: DriverClient, **faults: Any) -> ActionRes
 async def test_law_8_a_g1_that_falls_stays_down(stand: Stand, robot: DriverClient) -> None:
     result = await walking(stand, robot, tip=True)
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "fallen"), result.message
-    await until(robot, lambda s: s.upright is False)
+    await until(robot.state, lambda s: s.upright is False)
     for primitive in (NEAR, CLAP):
         refused = await do(robot, primitive)
         assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "fallen"), refused.message

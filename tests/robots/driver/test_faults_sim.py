@@ -18,7 +18,8 @@ import pytest
 from agentrob.model import Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
 from tests.robots.sim_scene import SimScene, apart_m
-from tests.robots.sim_steps import METRE, NEAR, REST_LIMIT_S, LeasedStep, assert_movable, do, refused, until
+from tests.robots.sim_steps import METRE, NEAR, REST_LIMIT_S, LeasedStep, assert_movable, do, refused
+from tests.waiting import until
 
 pytestmark = pytest.mark.sim
 
@@ -81,7 +82,7 @@ async def test_a_cable_that_is_pulled_ends_the_step_and_the_robot_stops_by_itsel
     assert await place.truth.rest(at_s) < 1.0 + REST_LIMIT_S, "its own hold of a velocity ends after a second"
     await refused(place, robot, NEAR, "stale_state")
     place.faults()  # plugged in again
-    await until(robot, lambda state: state.age_s < 0.2)
+    await until(robot.state, lambda state: state.age_s < 0.2)
     await place.truth.rest(time.monotonic())
     await robot.home("owner")  # distance covered unseen may count as a jump of the odometry
     await assert_movable(robot)
@@ -132,7 +133,7 @@ async def test_law_8_below_the_battery_level_no_motion_begins_and_none_is_left_h
     async with LeasedStep(place, robot, METRE) as walk:
         await walk.under_way(0.2)
         place.faults(battery_percent=9)
-        await until(robot, lambda state: state.battery_percent == 9)
+        await until(robot.state, lambda state: state.battery_percent == 9)
         result = await walk.result()
     assert result.ok, (result.reason, result.message)
     assert "The battery is at 9 %" in result.message
@@ -141,7 +142,7 @@ async def test_law_8_below_the_battery_level_no_motion_begins_and_none_is_left_h
     assert "9 %, and below 15 %" in said.message
     await refused(place, robot, STAND, "low_battery")
     place.faults()
-    await until(robot, lambda state: state.battery_percent != 9)  # it is read every two seconds
+    await until(robot.state, lambda state: state.battery_percent != 9)  # it is read every two seconds
 
 
 # ------------------------------------------------------------------ senses
@@ -217,7 +218,7 @@ async def test_a_robot_that_appears_later_is_driven_without_a_restart_of_its_dri
         async with DriverClient("late", place.folder / "late.sock") as robot:
             assert (await do(robot, NEAR)).reason == "stale_state"
             world = await asyncio.to_thread(world_on, domain)
-            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            await until(robot.state, lambda state: state.age_s < 0.2 and state.homed)
             await assert_movable(robot)
     finally:
         driver.end()
@@ -236,7 +237,7 @@ async def test_in_a_world_slower_than_life_a_robot_walks_and_waves(place: SimSce
         await asyncio.to_thread(driver.warm)
         await asyncio.to_thread(driver.ask, "")
         async with DriverClient("slow", place.folder / "slow.sock") as robot:
-            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            await until(robot.state, lambda state: state.age_s < 0.2 and state.homed)
             began_s = time.monotonic()
             waved = await do(robot, HELLO)
             assert waved.ok, (waved.reason, waved.message)

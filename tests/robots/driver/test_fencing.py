@@ -18,7 +18,8 @@ from agentrob.process.host_lock import namespaced
 from agentrob.robots.driver.fencing import STORES, FencingNumbers
 from agentrob.robots.driver.lease import Leases
 from agentrob.robots.driver.stop import stop_driver
-from tests.robots.driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving, until
+from tests.robots.driver_scene import FAR, NEAR, Drivers, Standing, at_rest, moving
+from tests.waiting import until
 
 
 async def test_law_11_a_newer_worker_stops_the_robot_of_an_older_one_and_locks_it_out(drivers: Drivers) -> None:
@@ -36,7 +37,7 @@ async def test_law_11_a_newer_worker_stops_the_robot_of_an_older_one_and_locks_i
             assert "because another worker took the robot" in str(lost)
             with pytest.raises(LeaseLost):
                 await older.step(lease, NEAR, 10)
-        await until(newer, at_rest)
+        await until(newer.state, at_rest)
         async with newer.lease("newer") as lease:
             assert (await newer.step(lease, NEAR, 10)).ok
         for call in (older.fence(FencingToken("db", 1)), older.lease("older").__aenter__()):

@@ -15,7 +15,8 @@ import pytest
 
 from agentrob.config.load import parse
 from agentrob.robots.driver.remote import driver_client
-from tests.robots.driver_scene import NEAR, Drivers, until
+from tests.robots.driver_scene import NEAR, Drivers
+from tests.waiting import until
 
 GUIDE = (Path(__file__).parents[3] / "docs/robots/real-robot.md").read_text(encoding="utf-8")
 SECTION = GUIDE[GUIDE.index("## 9. The driver on the robot's computer") : GUIDE.index("## What is unverified")]
@@ -58,7 +59,7 @@ async def test_the_commands_make_certificates_and_the_configurations_reach_each_
     port = json.loads(process.stdout.readline())["listen"].rpartition(":")[2]
     config = parse({"robots": {"rex": settings(on_agent, certificates, port)}})
     async with driver_client("rex", config.robot("rex")) as robot:
-        await until(robot, lambda state: state.homed)
+        await until(robot.state, lambda state: state.homed)
         async with robot.lease("agent") as lease:
             assert (await robot.step(lease, NEAR, 10)).ok
         assert (await robot.stop("agent")).confirmed

@@ -22,7 +22,7 @@ from agentrob.robots.driver.credentials import token_of
 from agentrob.robots.driver.network import BODY_BYTES, NetworkListener
 from agentrob.robots.driver.stop import halt_robot, stop_all, stop_robot
 from tests.robots.driver.network_scene import TOKEN_ENV, Authority, NetworkDrivers
-from tests.robots.driver_scene import FAR, NEAR, at_rest, moving, until
+from tests.robots.driver_scene import FAR, NEAR, at_rest, moving, seconds_until
 
 WAYS = ["certificate", "token", "plain"]
 
@@ -104,7 +104,7 @@ async def test_law_11_a_client_that_disappears_stops_the_robot(network: NetworkD
         await far.close()
         with contextlib.suppress(RobotError):
             await step
-        assert await until(near, at_rest) <= 1.5
+        assert await seconds_until(near, at_rest) <= 1.5
 
 
 async def test_law_11_over_the_network_a_shared_robot_is_leased_only_with_a_fencing_number(

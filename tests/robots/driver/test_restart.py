@@ -22,7 +22,8 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.safety.takeover import DECAY_S, TakeoverDetector
 from tests.robots.driver_scene import FAR, NEAR, Drivers, moving
-from tests.robots.guard_scene import ExternalController, until
+from tests.robots.guard_scene import ExternalController
+from tests.waiting import wait_for
 
 SETTINGS = RobotConfig(model="fake", simulated=True, home_on_start=True)
 #: Its walk takes longer to fade than the time after which motion counts as a takeover.
@@ -62,11 +63,11 @@ def test_law_12_a_walk_that_a_killed_driver_left_behind_is_stopped_and_is_no_hal
     robot = FakeRobot(SLOW)
     leave_marker(tmp_path / "fake.step")
     robot.command(Velocity(0.5))  # held for a second
-    until(lambda: speed(robot) > 0.4)
+    wait_for(lambda: speed(robot) > 0.4)
     guard = restart(robot)
     guard.settle()
     assert speed(robot) < 0.05
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     assert not guard.state().halted
     assert not (tmp_path / "fake.step").exists()
     robot.faults.stop_s = 0.15
@@ -76,10 +77,10 @@ def test_law_12_a_walk_that_a_killed_driver_left_behind_is_stopped_and_is_no_hal
 def test_law_12_without_a_mark_the_same_walk_is_a_foreign_hand(restart: Restart) -> None:
     robot = FakeRobot(SLOW)
     robot.command(Velocity(0.5))
-    until(lambda: speed(robot) > 0.4)
+    wait_for(lambda: speed(robot) > 0.4)
     guard = restart(robot)
     guard.settle()
-    until(lambda: guard.state().halted)
+    wait_for(lambda: guard.state().halted)
 
 
 @pytest.mark.parametrize("settles", [True, False])
@@ -89,11 +90,11 @@ def test_law_12_a_motion_that_does_not_die_down_is_a_halt_also_after_a_death(
     robot = FakeRobot(SETTINGS)
     leave_marker(tmp_path / "fake.step")
     with ExternalController(robot):
-        until(lambda: speed(robot) > 0.4)
+        wait_for(lambda: speed(robot) > 0.4)
         guard = restart(robot)
         if settles:
             guard.settle()
-        until(lambda: guard.state().halted, DECAY_S + 3.0)
+        wait_for(lambda: guard.state().halted, limit_s=DECAY_S + 3.0)
     assert "did not command" in guard.step(NEAR, go_on).message
 
 
@@ -106,7 +107,7 @@ def test_law_12_a_mode_that_the_step_does_not_lead_to_is_a_halt_also_after_a_dea
     robot.faults.mode = mode  # before the new driver has read any state
     guard = restart(robot)
     guard.settle()
-    until(lambda: guard.state().halted)
+    wait_for(lambda: guard.state().halted)
     assert mode in guard.step(NEAR, go_on).message
 
 
@@ -135,7 +136,7 @@ def test_law_12_only_what_the_step_leads_to_is_taken_for_ours(op: Op, before: st
 def test_a_mark_is_there_while_a_step_runs_and_no_longer(tmp_path: Path) -> None:
     robot, mark = FakeRobot(SETTINGS), CrashMarker(tmp_path / "drivers" / "fake.step")
     guard = Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), mark)
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     seen: list[InterruptedStep | None] = []
     try:
         assert guard.step(NEAR, lambda _: seen.append(CrashMarker(mark.path).interrupted_step())).ok
@@ -179,7 +180,7 @@ def test_a_disk_that_refuses_the_mark_does_not_hold_up_a_step(tmp_path: Path) ->
     (tmp_path / "a file").write_text("not a folder")
     robot = FakeRobot(SETTINGS)
     guard = Guard(robot, SETTINGS, Halt(tmp_path / "fake.halt"), CrashMarker(tmp_path / "a file" / "fake.step"))
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     try:
         assert guard.step(NEAR, go_on).ok
     finally:

@@ -14,7 +14,8 @@ import pytest
 from agentrob.model import ActionResult, Direction, Hindrance, Op, Outcome, Primitive
 from agentrob.robots.driver.client import DriverClient
 from tests.robots.driver.network_scene import TOKEN, TOKEN_ENV, NetworkDrivers
-from tests.robots.driver_scene import FAR, NEAR, Drivers, at_rest, moving, until
+from tests.robots.driver_scene import FAR, NEAR, Drivers, at_rest, moving
+from tests.waiting import until
 
 TURN = Primitive(Op.TURN, Direction.LEFT, degrees=90)
 
@@ -26,7 +27,7 @@ def in_lab(at_m: tuple[float, float], error_m: float | None = 0.1, **more: Any) 
 
 
 async def homed(robot: DriverClient) -> None:
-    await until(robot, lambda state: state.homed)
+    await until(robot.state, lambda state: state.homed)
 
 
 async def entered(robot: DriverClient, step: Primitive, limit_s: float = 60.0) -> None:

@@ -18,7 +18,8 @@ from agentrob.robots.control.picture_check import picture_problem
 from agentrob.robots.fake import FakeRobot
 from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.guard import Guard
-from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn, until
+from tests.robots.guard_scene import Make, can_set_home, fake_of, move, turn
+from tests.waiting import wait_for
 
 STAND, HELLO, PHOTO = Primitive(Op.STAND), Primitive(Op.HELLO), Primitive(Op.GET_FRONT_IMAGE)
 
@@ -68,16 +69,16 @@ def test_law_9_a_fall_voids_home_and_a_robot_that_lies_may_stand_up_without_one(
 ) -> None:
     """Home can only be set where the robot stands, so standing up cannot need it: nobody could ever move it again."""
     guard = make(home_on_start=False)
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
     fake = gets_up(guard, monkeypatch)
     fake.faults.fallen = True
-    until(lambda: not guard.state().homed)
+    wait_for(lambda: not guard.state().homed)
     assert guard.step(HELLO, keep_going).reason == "fallen"
     assert guard.step(STAND, keep_going).ok
     for primitive in (STAND, move(0.1)):
         result = guard.step(primitive, keep_going)
         assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed"), result.message
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
     assert guard.step(move(0.1), keep_going).ok
 
 
@@ -121,7 +122,7 @@ def test_a_robot_without_an_attitude_is_not_stood_up(make: Make, monkeypatch: py
 def test_law_9_a_robot_that_lies_is_given_no_home(make: Make) -> None:
     guard = make(home_on_start=False)
     fake_of(guard).faults.fallen = True
-    until(lambda: guard.state().mode == "fallen")
+    wait_for(lambda: guard.state().mode == "fallen")
     with pytest.raises(RobotError, match="upright"):
         guard.home("owner")
 
@@ -165,7 +166,7 @@ def test_a_wall_clock_that_leaps_changes_nothing(make: Make, monkeypatch: pytest
     real = time.time
     monkeypatch.setattr(time, "time", lambda: real() + next(day_s))
     guard = make(options={"time_scale": 10})
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     result = guard.step(move(1.0), keep_going)
     assert result.ok, result.message
     assert 0 < result.duration_s < 10

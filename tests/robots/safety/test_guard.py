@@ -16,7 +16,8 @@ from agentrob.config.robots import FenceConfig
 from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.safety.lock import Halt
-from tests.robots.guard_scene import B, F, L, Make, can_set_home, fake_of, move, turn, until
+from tests.robots.guard_scene import B, F, L, Make, can_set_home, fake_of, move, turn
+from tests.waiting import wait_for
 
 
 # ------------------------------------------------------------------ before a step
@@ -106,7 +107,7 @@ def test_law_9_no_home_no_motion(make: Make) -> None:
     guard = make(home_on_start=False)
     result = guard.step(move(0.5), go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "not_homed")
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
     assert guard.state().homed
     assert guard.step(move(0.5), go_on).ok
 
@@ -131,7 +132,7 @@ def test_the_configuration_of_the_guide_homes_its_robot(make: Make) -> None:
 def test_the_fence_lies_around_home_and_turns_with_it(make: Make) -> None:
     guard = make(fence=FenceConfig(x_min_m=-0.5, x_max_m=2, y_min_m=-0.5, y_max_m=0.5), home_on_start=False)
     fake_of(guard).carry(Pose(3.0, -2.0, math.pi / 2))
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
     assert guard.step(move(1.8), go_on).ok
     assert fake_of(guard).pose.y_m == pytest.approx(-0.2, abs=0.05)
     refused = guard.step(move(0.5, L), go_on)
@@ -151,10 +152,10 @@ def test_a_step_that_cannot_end_in_time_is_not_begun(make: Make) -> None:
 def test_law_10_a_flip_needs_the_owners_consent_on_a_real_robot(make: Make) -> None:
     flip = Primitive(Op.BACKFLIP)
     real = make(simulated=False)
-    until(lambda: can_set_home(real))
+    wait_for(lambda: can_set_home(real))
     assert real.step(flip, go_on).reason == "consent"
     willing = make(simulated=False, allow_flip=True)
-    until(lambda: can_set_home(willing))
+    wait_for(lambda: can_set_home(willing))
     assert willing.step(flip, go_on).ok
     assert make().step(flip, go_on).ok
 
@@ -251,7 +252,7 @@ def test_two_steps_at_once_are_not_done(make: Make) -> None:
 
 def test_law_14_a_stop_while_a_step_is_prepared_ends_it(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     look, stops = fake_of(guard).state, list[bool]()
 
     def state() -> RobotState:

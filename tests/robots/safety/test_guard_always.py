@@ -19,7 +19,8 @@ from agentrob.robots.control.controller import known, wrap
 from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.fence import Fence
 from agentrob.robots.safety.ranges import RangeMonitor, sides
-from tests.robots.guard_scene import B, L, Make, R, fake_of, move, turn, until
+from tests.robots.guard_scene import B, L, Make, R, fake_of, move, turn
+from tests.waiting import wait_for
 
 steps = st.one_of(
     st.builds(
@@ -36,7 +37,7 @@ FENCE = FenceConfig(x_min_m=-1.0, x_max_m=2.0, y_min_m=-1.5, y_max_m=1.2)
 
 def test_whatever_is_asked_the_robot_stays_inside_its_fence_and_limits(make: Make) -> None:
     guard = make(fence=FENCE)
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot, done = fake_of(guard), list[bool]()
 
     @settings(max_examples=60, database=None)
@@ -72,7 +73,7 @@ def test_law_9_a_point_that_is_no_number_is_outside_of_every_fence(x: float, y: 
 
 def test_law_9_whatever_odometry_that_is_no_number_moves_nothing(make: Make) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot, place = fake_of(guard), fake_of(guard).pose
 
     @settings(max_examples=40, database=None)
@@ -95,7 +96,7 @@ def test_law_9_whatever_odometry_that_is_no_number_moves_nothing(make: Make) -> 
 @pytest.mark.parametrize("bad", [Pose(math.nan, 0, 0), Pose(0, math.inf, 0), Pose(0.5, 0, math.nan)])
 def test_law_9_odometry_that_becomes_no_number_on_the_way_ends_the_step(make: Make, bad: Pose, guarded: bool) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot = fake_of(guard)
 
     def watch(state: RobotState) -> str | None:
@@ -120,7 +121,7 @@ def test_whatever_is_asked_the_robot_keeps_off_the_walls(make: Make) -> None:
     @given(yaw_rad=st.floats(-3, 3), plan=st.lists(st.one_of(steps, moves), min_size=4, max_size=12))
     def property_holds(yaw_rad: float, plan: list[Primitive]) -> None:
         fake_of(guard).carry(Pose(0.0, 0.0, yaw_rad))
-        until(lambda: guard.state().homed and guard.step(turn(6), go_on).ok)
+        wait_for(lambda: guard.state().homed and guard.step(turn(6), go_on).ok)
         for primitive in plan:
             result = guard.step(primitive, go_on)
             done.append(bool(result.path))
@@ -145,10 +146,12 @@ def test_law_8_old_states_are_no_readings_so_what_a_dead_robot_said_last_proves_
 
 def test_law_8_a_robot_that_falls_silent_leaves_no_readings_behind(make: Make) -> None:
     guard = make({"faults": {"stale": True, "after_m": 0.5}, "time_scale": 1.0})
-    until(lambda: guard.state().homed and guard._ranges.enough)
+    wait_for(lambda: guard.state().homed and guard._ranges.enough)
     result = guard.step(move(2.0), go_on)
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "stale_state")
-    until(lambda: not guard._ranges.enough)  # so that the first state after the silence is not judged by earlier ones
+    wait_for(
+        lambda: not guard._ranges.enough
+    )  # so that the first state after the silence is not judged by earlier ones
     assert guard._ranges.known() == (None,) * 4
 
 
@@ -164,7 +167,7 @@ def test_law_8_readings_lost_on_the_way_end_a_step_at_any_speed_unless_the_owner
 ) -> None:
     wide = FenceConfig(x_min_m=-999, x_max_m=999, y_min_m=-999, y_max_m=999)
     guard = make({"room": [-999, 999, -999, 999]}, fence=wide, allow_unknown_ranges=consent)
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot, lost, blind, slow_ones_ended = fake_of(guard), dict[str, float | None](), set[int](), list[bool]()
     seen = robot._ranges
     monkeypatch.setattr(robot, "_ranges", lambda: tuple(lost["as"] if k in blind else r for k, r in enumerate(seen())))
@@ -213,7 +216,7 @@ def test_law_8_readings_lost_on_the_way_end_a_step_at_any_speed_unless_the_owner
 
 def test_law_8_readings_that_freeze_on_the_way_end_a_slow_step_within_a_second(make: Make) -> None:
     guard = make({"faults": {"ranges": "constant", "after_m": 0.3}, "time_scale": 1})
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     result = guard.step(move(1.0, speed_mps=0.2), go_on)
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "ranges_unknown"), result.message
     assert 0.3 < fake_of(guard).pose.x_m < 0.65
@@ -238,7 +241,7 @@ def test_law_18_no_number_spans_a_jump_or_a_silence_of_the_odometry(
 ) -> None:
     """The reading fails in motion and recovers at once, so at rest everything looks fine."""
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot, looks = fake_of(guard), list[RobotState]()
     seen, start = robot._seen, robot.pose
 
@@ -269,7 +272,7 @@ def test_law_18_a_robot_of_somebody_else_that_measures_across_a_jump_is_not_beli
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot = fake_of(guard)
 
     def step(primitive: Primitive, watch: Watch) -> ActionResult:

@@ -18,7 +18,8 @@ from agentrob.robots.safety.crash_marker import CrashMarker, InterruptedStep
 from agentrob.robots.safety.fence import Fence
 from agentrob.robots.safety.guard import Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
-from tests.robots.guard_scene import ExternalController, Make, age_states, can_set_home, fake_of, move, turn, until
+from tests.robots.guard_scene import ExternalController, Make, age_states, can_set_home, fake_of, move, turn
+from tests.waiting import wait_for
 
 #: Needs no range readings, which an old state does not bring.
 HELLO = Primitive(Op.HELLO)
@@ -29,7 +30,7 @@ def guard(make: Make, monkeypatch: pytest.MonkeyPatch) -> Guard:
     """A guard that is homed and does not wait for readings that will not come."""
     monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
     made = make()
-    until(lambda: made.state().homed)
+    wait_for(lambda: made.state().homed)
     return made
 
 
@@ -63,7 +64,7 @@ def test_law_8_states_that_come_too_seldom_tell_nothing_about_free_space(
     guard: Guard, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     age_states(guard, monkeypatch, 0.3)
-    until(lambda: not guard._ranges.enough)
+    wait_for(lambda: not guard._ranges.enough)
     result = guard.step(move(0.3), go_on)
     assert (result.outcome, result.reason) == (Outcome.REFUSED, "stale_state")
     assert "comes too seldom" in result.message
@@ -73,7 +74,7 @@ def test_law_9_home_is_set_only_by_a_state_younger_than_half_a_second(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     age_states(guard, monkeypatch, 0.5)
     with pytest.raises(RobotError, match=r"is 0.5 s old; it must be younger than 0.5 s"):
         guard.home("owner")
@@ -128,7 +129,7 @@ def test_a_robot_without_a_camera_is_not_looked_through(make: Make) -> None:
 def test_home_can_be_set_again_after_a_step(make: Make) -> None:
     guard = make()
     assert guard.step(move(0.3), go_on).ok
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
     at_home = guard.posture().pose
     assert at_home is not None
     assert (at_home.x_m, at_home.y_m) == pytest.approx((0.0, 0.0), abs=0.01)
@@ -136,10 +137,10 @@ def test_home_can_be_set_again_after_a_step(make: Make) -> None:
 
 def test_law_12_a_mode_right_after_our_own_stop_is_no_takeover(make: Make) -> None:
     guard = make()
-    until(lambda: guard.state().homed and guard._takeover._mode != "")
+    wait_for(lambda: guard.state().homed and guard._takeover._mode != "")
     guard.stop()
     fake_of(guard).faults.mode = "locked"
-    until(lambda: guard._takeover._mode == "locked")
+    wait_for(lambda: guard._takeover._mode == "locked")
     assert not guard.state().halted
 
 
@@ -160,14 +161,14 @@ def test_a_closed_guard_closes_its_robot(make: Make, monkeypatch: pytest.MonkeyP
 def test_law_9_no_home_is_set_while_somebody_moves_the_robot(make: Make) -> None:
     guard = make({"time_scale": 1}, home_on_start=False)
     with ExternalController(fake_of(guard)):
-        until(lambda: (guard.state().velocity_mps or (0.0, 0.0))[0] > 0.3)
+        wait_for(lambda: (guard.state().velocity_mps or (0.0, 0.0))[0] > 0.3)
         with pytest.raises(RobotError, match="while the robot moves"):
             guard.home("owner")
 
 
 def test_law_9_no_home_is_set_during_a_gesture_even_if_the_body_stays_in_its_place(make: Make) -> None:
     guard, refusals = make(home_on_start=False), list[str]()
-    until(lambda: can_set_home(guard))  # it has been still for a while
+    wait_for(lambda: can_set_home(guard))  # it has been still for a while
     home = guard.home("owner")
     assert home == guard.state().pose
 
@@ -307,7 +308,7 @@ def test_law_8_a_walk_that_nears_the_fence_ends_so_that_the_robot_rests_inside(
     make: Make, monkeypatch: pytest.MonkeyPatch, tells_speed: bool
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     robot, edge_m = fake_of(guard), 0.6
     seen = robot._seen
     if not tells_speed:  # then it counts as fast as it was asked to go
@@ -331,7 +332,7 @@ def test_a_walk_is_not_ended_because_it_is_measured_faster_than_its_limit(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make(fence={"x_min_m": -9, "x_max_m": 9, "y_min_m": -9, "y_max_m": 9})
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     seen = fake_of(guard)._seen
     monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), velocity_mps=(1.0, 0.0)))
     assert guard.step(move(0.3), go_on).reason != "limit_speed_mps"

@@ -18,7 +18,8 @@ from agentrob.robots.protocol import Watch
 from agentrob.robots.safety.guard import Guard, SimulatedTime
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.safety.takeover import OURS_S
-from tests.robots.guard_scene import Make, age_states, fake_of, move, until
+from tests.robots.guard_scene import Make, age_states, fake_of, move
+from tests.waiting import wait_for
 
 HELLO = Primitive(Op.HELLO)
 
@@ -58,7 +59,7 @@ def test_law_18_a_jump_is_the_reason_also_if_the_state_is_lost_after_it(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
 
     def jump(state: RobotState) -> None:
         if state.pose is not None and 0.1 < state.pose.x_m < 1.0:
@@ -73,7 +74,7 @@ def test_law_18_a_jump_stays_the_reason_if_the_state_is_lost_before_the_next_loo
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
 
     def stepped(primitive: Primitive, watch: Watch) -> ActionResult:
         fake_of(guard).carry(Pose(5.0, 0.0, 0.0))
@@ -91,7 +92,7 @@ def test_law_8_a_step_during_which_the_robot_tells_no_position_is_ended_and_says
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     seen = fake_of(guard)._seen
     result = guard.step(
         HELLO, lambda _: monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None))
@@ -102,7 +103,7 @@ def test_law_8_a_step_during_which_the_robot_tells_no_position_is_ended_and_says
 
 def test_law_18_a_gesture_during_which_the_odometry_jumps_has_not_left_its_place(make: Make) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     result = guard.step(HELLO, lambda _: fake_of(guard).carry(Pose(5.0, 0.0, 0.0)))
     assert (result.outcome, result.reason) == (Outcome.STOPPED, "odometry_jump")
     assert "from its place" not in result.message

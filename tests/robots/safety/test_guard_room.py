@@ -20,7 +20,8 @@ from agentrob.robots.safety.guard import SAME_PLACE_M, Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.zones.keeper import LocalKeeper
 from agentrob.robots.zones.member import RoomMember
-from tests.robots.guard_scene import B, F, can_set_home, fake_of, move, until
+from tests.robots.guard_scene import B, F, can_set_home, fake_of, move
+from tests.waiting import wait_for
 
 InRoom = Callable[..., tuple[Guard, RoomMember]]
 
@@ -45,11 +46,11 @@ def in_room(tmp_path: Path) -> Iterator[InRoom]:
 
 
 def homed(guard: Guard) -> None:
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
 
 
 def set_home(guard: Guard) -> None:
-    until(lambda: can_set_home(guard))
+    wait_for(lambda: can_set_home(guard))
 
 
 def test_law_11_a_home_that_is_set_in_another_place_is_not_where_the_settings_say(in_room: InRoom) -> None:
@@ -107,7 +108,7 @@ def test_law_11_a_robot_whose_odometry_jumps_takes_the_whole_room(in_room: InRoo
     guard, room = in_room("ann")
     homed(guard)
     fake_of(guard).carry(Pose(5.0, 0, 0))
-    until(lambda: not room.framed)
+    wait_for(lambda: not room.framed)
 
 
 def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(
@@ -129,7 +130,7 @@ def test_law_11_a_step_is_refused_while_another_robot_of_the_room_moves(
     refused = bob.step(move(0.3), go_on)
     assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "room_busy")
     ann.leave_room()
-    until(lambda: bob.enter_room([move(0.3)]) is None)
+    wait_for(lambda: bob.enter_room([move(0.3)]) is None)
     assert bob.step(move(0.3), go_on).ok
 
 
@@ -179,12 +180,12 @@ def test_law_11_a_stop_ends_the_wait_for_a_zone(in_room: InRoom, monkeypatch: py
 def test_law_11_while_a_step_runs_the_robot_does_not_count_as_at_rest(in_room: InRoom) -> None:
     guard, room = in_room("ann")
     homed(guard)
-    until(lambda: room.at_rest)
+    wait_for(lambda: room.at_rest)
     during: list[bool] = []
     assert guard.step(move(0.3), lambda _: during.append(room.at_rest)).ok
     assert during
     assert not any(during)
-    until(lambda: room.at_rest)
+    wait_for(lambda: room.at_rest)
 
 
 def test_a_robot_that_shares_no_room_has_no_zone_to_wait_for(make: Callable[..., Guard]) -> None:
@@ -207,5 +208,5 @@ def test_law_11_after_a_jump_of_the_odometry_the_place_in_the_room_is_unknown(in
     set_home(guard)
     assert room.framed
     fake_of(guard).carry(Pose(5.0, 0.0, 0.0))
-    until(lambda: not room.framed)
+    wait_for(lambda: not room.framed)
     assert not guard.state().homed

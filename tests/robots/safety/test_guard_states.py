@@ -11,7 +11,8 @@ import pytest
 from agentrob.model import Op, Outcome, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.safety.guard import sanitized
-from tests.robots.guard_scene import Make, fake_of, move, until
+from tests.robots.guard_scene import Make, fake_of, move
+from tests.waiting import wait_for
 
 
 @pytest.mark.parametrize("velocity_mps", [(math.nan, 0.0), (0.0, math.inf), (math.nan, math.nan)])
@@ -34,7 +35,7 @@ def test_law_8_a_robot_whose_mode_says_that_it_has_fallen_is_not_known_to_stand(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     seen = fake_of(guard)._seen
     monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), upright=True, mode="fallen"))
     result = guard.step(Primitive(Op.HELLO), go_on)
@@ -45,7 +46,7 @@ def test_law_8_a_robot_whose_mode_says_that_it_has_fallen_is_not_known_to_stand(
 def test_of_an_old_state_without_a_position_its_age_is_told(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agentrob.robots.safety.guard.PREPARE_S", 0.1)
     guard = make()
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     seen = fake_of(guard)._seen
     monkeypatch.setattr(fake_of(guard), "_seen", lambda: replace(seen(), pose=None, age_s=0.5))
     result = guard.step(Primitive(Op.HELLO), go_on)
@@ -65,7 +66,7 @@ def test_law_9_a_simulated_robot_that_has_a_home_keeps_it_where_it_rests(
         return update(now_s, state, **ours)
 
     monkeypatch.setattr(guard._takeover, "update", noted)
-    until(lambda: seen.count(True) > 2)  # the guard has seen it stand, as it must to set a home
+    wait_for(lambda: seen.count(True) > 2)  # the guard has seen it stand, as it must to set a home
     assert guard._odometry.still(time.monotonic())
     pose = guard.posture().pose
     assert pose is not None

@@ -10,17 +10,18 @@ from agentrob.model import Op, Outcome, Pose, Primitive, RobotState
 from agentrob.robots.contract import go_on
 from agentrob.robots.control.odometry import OdometryMonitor
 from agentrob.robots.safety.takeover import TakeoverDetector
-from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn, until
+from tests.robots.guard_scene import ExternalController, Make, can_set_home, fake_of, move, turn
+from tests.waiting import wait_for
 
 
 def test_law_9_a_jump_at_rest_voids_home_and_only_a_simulation_homes_itself_again(make: Make) -> None:
     for simulated in (True, False):
         guard = make(simulated=simulated)
-        until(lambda guard=guard: can_set_home(guard))
+        wait_for(lambda guard=guard: can_set_home(guard))
         fake_of(guard).carry(Pose(3.0, 1.0, 1.0))
-        until(lambda guard=guard: not guard.state().homed or guard._fence.home.x_m > 2)
+        wait_for(lambda guard=guard: not guard.state().homed or guard._fence.home.x_m > 2)
         if simulated:
-            until(lambda guard=guard: guard.state().homed)
+            wait_for(lambda guard=guard: guard.state().homed)
             assert guard.step(move(0.3), go_on).ok
         else:
             assert guard.step(move(0.3), go_on).reason == "not_homed"
@@ -42,16 +43,16 @@ def test_law_9_a_silence_in_which_a_robot_may_restart_voids_home(silent_s: float
 def test_law_12_a_mode_that_we_did_not_command_is_a_halt(make: Make) -> None:
     guard = make()
     assert guard.step(move(0.3), go_on).ok
-    until(lambda: guard._takeover._mode == "idle")
+    wait_for(lambda: guard._takeover._mode == "idle")
     with guard._looking:  # the observer must not be processing an earlier state
         guard._takeover._ours_until_s = 0.0  # the last step of this driver is long ago
     fake_of(guard).faults.mode = "locked"
-    until(lambda: guard.state().halted)
+    wait_for(lambda: guard.state().halted)
     fake_of(guard).faults.mode = ""
     result = guard.step(move(0.3), go_on)
     assert result.reason == "halted"
     assert "locked" in result.message
-    until(guard._halt.path.exists)  # a release while the lock is being written would leave the robot locked
+    wait_for(guard._halt.path.exists)  # a release while the lock is being written would leave the robot locked
     guard.release("owner")
     assert guard.step(move(0.3), go_on).ok
 
@@ -60,15 +61,15 @@ def test_law_12_the_robot_is_locked_before_it_is_stopped_and_the_lock_is_written
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     guard = make()
-    until(lambda: guard._takeover._mode == "idle")
+    wait_for(lambda: guard._takeover._mode == "idle")
     monkeypatch.setattr(guard, "halt", lambda *_: None)  # as if the stop, or the disk, took long
     fake_of(guard).faults.mode = "damping"
-    until(lambda: guard.state().halted)
+    wait_for(lambda: guard.state().halted)
 
 
 def test_law_12_a_takeover_does_not_change_who_locked_the_robot(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     guard = make()
-    until(lambda: guard._takeover._mode == "idle")
+    wait_for(lambda: guard._takeover._mode == "idle")
     guard.halt("bob", "smoke")
     seen, update = list[str](), guard._takeover.update
 
@@ -78,7 +79,7 @@ def test_law_12_a_takeover_does_not_change_who_locked_the_robot(make: Make, monk
 
     monkeypatch.setattr(guard._takeover, "update", noted)
     fake_of(guard).faults.mode = "damping"
-    until(lambda: seen.count("damping") > 2)  # then the guard has done what it does about the first of them
+    wait_for(lambda: seen.count("damping") > 2)  # then the guard has done what it does about the first of them
     lock = guard.state().lock
     assert lock is not None
     assert (lock.by, lock.why) == ("bob", "smoke")
@@ -86,7 +87,7 @@ def test_law_12_a_takeover_does_not_change_who_locked_the_robot(make: Make, monk
 
 def test_law_12_damping_during_a_gesture_is_a_halt(make: Make) -> None:
     guard = make({"time_scale": 1})
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
 
     def damp(_: RobotState) -> str | None:
         fake_of(guard).faults.mode = "damping"
@@ -103,7 +104,7 @@ def test_law_12_damping_right_after_our_own_step_is_a_halt(make: Make) -> None:
     guard = make()
     assert guard.step(move(0.3), go_on).ok
     fake_of(guard).faults.mode = "damping"
-    until(lambda: guard.state().halted)
+    wait_for(lambda: guard.state().halted)
     fake_of(guard).faults.mode = ""
     assert guard.step(move(0.3), go_on).reason == "halted"
 
@@ -128,7 +129,7 @@ def test_a_mode_that_is_there_when_the_first_state_comes_is_nobodys_change(mode:
 
 def test_law_12_a_robot_that_somebody_else_walks_is_halted(make: Make) -> None:
     guard = make({"time_scale": 1})
-    until(lambda: guard.state().homed)
+    wait_for(lambda: guard.state().homed)
     with ExternalController(fake_of(guard)):
-        until(lambda: guard.state().halted)
+        wait_for(lambda: guard.state().halted)
     assert "did not command" in guard.step(move(0.3), go_on).message

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from agentrob.robots.safety.guard import Guard
 from agentrob.robots.safety.lock import Halt
 from agentrob.robots.unitree.g1 import G1
 from tests.host_numbers import dds_number
+from tests.waiting import wait_for
 
 #: The domain of the Go2's tests: the SDK joins one DDS domain per process, and their world has ended before.
 DOMAIN = 171 + dds_number()
@@ -71,16 +72,8 @@ def g1(connected: G1, room: str) -> G1:
         since_s = min(since_s, now_s) if there and state.mode == "idle" and state.age_s < 0.2 else math.inf
         return now_s - since_s > THERE_S
 
-    until(ready)
+    wait_for(ready)
     return connected
-
-
-def until(true: Callable[[], bool], limit_s: float = 60.0) -> None:
-    """Wait until a condition holds."""
-    end_s = time.monotonic() + limit_s
-    while not true():
-        assert time.monotonic() < end_s, "it did not become true"
-        time.sleep(0.02)
 
 
 class TestG1OnTheSimulatedWorld(RobotContract):
@@ -142,13 +135,13 @@ def test_law_14_a_stop_ends_a_gesture_and_the_arms_come_down(g1: G1, op: Op, loo
 
 def test_law_12_and_14_it_is_not_unlocked_after_an_objection_and_never_got_up_from_damping(g1: G1, room: str) -> None:
     assert fsm(g1, 4) == 0  # like an operator's remote control
-    until(lambda: g1.state().mode == "locked")
+    wait_for(lambda: g1.state().mode == "locked")
     stopped = g1.step(NEAR, lambda _: "lease_lapsed")
     assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")
     assert json.loads(g1._sport._Call(7001, "{}")[1])["data"] == 4
     assert g1.step(NEAR, go_on).ok, "without an objection it is unlocked and walks"
     assert fsm(g1, 1) == 0
-    until(lambda: g1.state().mode in ("damping", "fallen"))
+    wait_for(lambda: g1.state().mode in ("damping", "fallen"))
     refused = g1.step(NEAR, go_on)
     assert (refused.outcome, refused.reason) == (Outcome.REFUSED, "posture")
     assert json.loads(g1._sport._Call(7001, "{}")[1])["data"] == 1
@@ -169,9 +162,9 @@ def test_a_driver_that_falls_silent_leaves_it_walking_no_longer_than_half_a_seco
         pose = g1.state().pose
         return pose is not None and rest.update(time.monotonic(), pose)
 
-    until(walks)
+    wait_for(walks)
     silent = g1.state()
-    until(rests)
+    wait_for(rests)
     assert apart_m(silent, g1.state()) < 0.3
 
 

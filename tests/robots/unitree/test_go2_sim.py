@@ -10,20 +10,20 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from agentrob.config.robots import RobotConfig
 from agentrob.errors import RobotBusy
-from agentrob.model import Direction, Op, Outcome, Primitive, RobotState
+from agentrob.model import Direction, Op, Outcome, Primitive
 from agentrob.robots.contract import RobotContract, fresh, go_on
 from agentrob.robots.driver.client import DriverClient
 from agentrob.robots.protocol import Robot
 from agentrob.robots.unitree.go2 import Go2
 from tests.host_numbers import dds_number
-from tests.robots import guard_scene
+from tests.waiting import until, wait_for
 
 DOMAIN = 171 + dds_number()
 SETTINGS = RobotConfig(model="go2", domain=DOMAIN, simulated=True, home_on_start=True)
@@ -93,7 +93,7 @@ def test_what_the_robot_does_not_offer_is_a_failure_with_its_code(go2: Go2) -> N
 
 def mode(robot: Go2, wanted: str, limit_s: float = 60.0) -> None:
     """Wait until the robot is in a mode."""
-    guard_scene.until(lambda: robot.state().mode == wanted, limit_s)
+    wait_for(lambda: robot.state().mode == wanted, limit_s=limit_s)
 
 
 def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_stop(go2: Go2) -> None:
@@ -104,9 +104,7 @@ def test_law_12_and_14_the_robot_is_not_stood_ready_out_of_damping_or_after_a_st
     assert (stopped.outcome, stopped.reason) == (Outcome.STOPPED, "lease_lapsed")
     assert "before it began" in stopped.message
     ended_s = time.monotonic()
-    guard_scene.until(
-        lambda: (go2._state.newest() or (0.0,))[0] >= ended_s + 0.1
-    )  # its reply after everything was sent
+    wait_for(lambda: (go2._state.newest() or (0.0,))[0] >= ended_s + 0.1)  # its reply after everything was sent
     assert go2.state().mode == "locked"
     assert go2._actions.Damp() == 0
     mode(go2, "damping")
@@ -137,7 +135,7 @@ async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_
         async with DriverClient("quadruped", tmp_path / "quadruped.sock") as robot:
             async with robot.lease("walker") as lease:
                 step = asyncio.create_task(robot.step(lease, far, 30))
-                await until(robot, lambda state: math.hypot(*(state.velocity_mps or (0, 0))) > 0.25)
+                await until(robot.state, lambda state: math.hypot(*(state.velocity_mps or (0, 0))) > 0.25)
                 processes[0].kill()
                 killed_s = time.monotonic()
                 result = await step
@@ -147,7 +145,7 @@ async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_
                 assert "old" in stopped.message
                 assert time.monotonic() - killed_s < 10
             processes.append(await asyncio.to_thread(start_world, domain, camera="off"))
-            await until(robot, lambda state: state.age_s < 0.2 and state.homed)
+            await until(robot.state, lambda state: state.age_s < 0.2 and state.homed)
             async with robot.lease("walker") as lease:
                 result = await robot.step(lease, near, 30)
                 assert result.ok, result.message
@@ -155,14 +153,6 @@ async def test_law_8_a_world_that_dies_under_a_walk_ends_it_and_the_next_one_is_
         for process in processes:
             process.kill()
             process.wait()
-
-
-async def until(robot: DriverClient, true: Callable[[RobotState], bool], limit_s: float = 60.0) -> None:
-    """Wait for a state that must come."""
-    end_s = time.monotonic() + limit_s
-    while not true(await robot.state()):
-        assert time.monotonic() < end_s, "it did not become true"
-        await asyncio.sleep(0.05)
 
 
 async def test_a_driver_without_a_robot_serves_and_moves_nothing(tmp_path: Path) -> None:
