@@ -18,6 +18,7 @@ from typing import Any
 
 import structlog
 
+from agentrob.agent.admission import Admission
 from agentrob.agent.answers import Answers
 from agentrob.agent.claims import Claims
 from agentrob.agent.execution.room_entry import RoomEntry
@@ -40,7 +41,6 @@ from agentrob.agent.motion import Motion
 from agentrob.agent.outcomes import Outcomes
 from agentrob.agent.pipeline import Pipeline
 from agentrob.agent.progress import show_place
-from agentrob.agent.queue.admission import Admission
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from agentrob.agent.admission import Admission
 from agentrob.agent.outcomes import Outcomes, refusal, report_of
 from agentrob.agent.progress import show
-from agentrob.agent.queue.admission import Admission
 from agentrob.agent.queue.previews import Previews
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand
 from agentrob.agent.queue.schedules import MOST, Schedules

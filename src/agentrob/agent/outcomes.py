@@ -43,6 +43,7 @@ def report_of(
 
 
 def reason_text(job: QueuedCommand, why: str) -> str:
+    """Return the sentence `agent.because.WHY` in the language of the command."""
     return say(f"agent.because.{why}", job.command.language)
 
 

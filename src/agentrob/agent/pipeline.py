@@ -12,6 +12,7 @@ from functools import partial
 
 import structlog
 
+from agentrob.agent.admission import Admission
 from agentrob.agent.answers import Answers
 from agentrob.agent.claims import Claim, Claims
 from agentrob.agent.execution.execute import decisive
@@ -21,7 +22,6 @@ from agentrob.agent.joint.waits import PartWaits
 from agentrob.agent.motion import Motion
 from agentrob.agent.outcomes import Outcomes, refusal, report_of
 from agentrob.agent.progress import show_place, show_step, show_wait
-from agentrob.agent.queue.admission import Admission
 from agentrob.agent.queue.approvals import Approvals
 from agentrob.agent.queue.queue import CommandQueue, QueuedCommand, expiry_s
 from agentrob.agent.reporting import report as reply_text

@@ -64,7 +64,16 @@ def test_another_is_a_further_one_and_what_is_only_said_twice_is_done_once(plan:
     assert short(understood.plan) == plan, understood.question
 
 
-@pytest.mark.parametrize("text", ["walk 1 m and take another", "walk 1 m, wave, then another", "one more", "再来一个"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "walk 1 m and take another",
+        "walk 1 m, wave, then another",
+        "take a photo, wave, then another",
+        "one more",
+        "再来一个",
+    ],
+)
 def test_another_of_what_nobody_named_is_asked_back(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
 

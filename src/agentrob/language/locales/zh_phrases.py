@@ -50,6 +50,7 @@ _POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
 _ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
 _TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
+#: What somebody, or the robot, does before something else.
 _DONE_FIRST = re.compile(
     "(?<![给向对跟和朝冲把让叫])(?:我们?|[他她它]们?|[客别家]?人们?|大家|老师|孩子们?|同学们?|门|灯)[^，,。；;！!？?]{1,6}?"
     "了(?:之?后|以后|的时候|时|你?就|你?再)"

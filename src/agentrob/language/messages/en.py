@@ -155,7 +155,7 @@ PHRASES = {
     "talk.greeting": "Hello! Say `help` and I tell you what I can do.",
     "talk.assent": (
         "That does not say what I shall do, and I did not move. Please post the whole command. "
-        "A command that waits for approval is approved by the reply `approve`."
+        "To approve a command that waits for approval, reply `approve`."
     ),
     "talk.thanks": "You are welcome.",
     "talk.praise": "Thank you!",

@@ -27,6 +27,9 @@ _LONGEST_PICTURE = 6
 _SEPARATING = (TokenKind.AND, TokenKind.COMMA, TokenKind.END)
 #: What may end an action that something is to follow.
 _ENDING = (TokenKind.OP, TokenKind.TURN, TokenKind.PICTURE, TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.TIMES)
+#: What may follow "another" that stands alone: "another, please".
+_AFTER_ANOTHER = (*_SEPARATING, TokenKind.THANKS, TokenKind.REQUEST)
+_ACTIONS = (TokenKind.OP, TokenKind.MOVE, TokenKind.TURN)
 _INCH_M = 0.0254
 
 
@@ -93,7 +96,7 @@ def _another(tokens: Sequence[Token], at: int, found: Sequence[Token]) -> tuple[
     """Return what "another" stands for and its number of tokens, or (None, 0).
 
     "One more photo", and "take another" or "another of the door" after a photo: a further picture; "wave, then
-    another": once more.
+    another": once more. The grammar asks which of several actions that is.
     """
     shows = tokens[at].kind is TokenKind.SHOW
     end = at + shows
@@ -105,25 +108,18 @@ def _another(tokens: Sequence[Token], at: int, found: Sequence[Token]) -> tuple[
     if end < len(tokens) and tokens[end].kind is TokenKind.NUMBER and tokens[end].value == 1.0:  # "another one"
         end += 1
     following = tokens[end].kind if end < len(tokens) else TokenKind.END
-    begins = found[-1].kind in _SEPARATING if (found := _spoken(found)) else True
-    after_photo = any(token.value == PHOTO for token in found)
+    before = [token for token in found if token.kind is not TokenKind.SOFT]
+    begins = not before or before[-1].kind in _SEPARATING
+    actions = [token.value for token in before if token.kind in _ACTIONS]
+    after_photo = PHOTO in (actions if shows else actions[-1:])  # "take a photo, wave, then another": of which?
     start, stop = tokens[at].start, tokens[end - 1].end
     if following is TokenKind.PICTURE:
         return Token(TokenKind.OP, PHOTO.value, start, tokens[end].end, more=True), end + 1 - at
-    if (
-        after_photo
-        and (shows or begins)
-        and following in (*_SEPARATING, TokenKind.OF, TokenKind.THANKS, TokenKind.REQUEST)
-    ):
+    if after_photo and (shows or begins) and following in (*_AFTER_ANOTHER, TokenKind.OF):
         return Token(TokenKind.OP, PHOTO.value, start, stop, more=True), end - at
-    if begins and not shows and following in (*_SEPARATING, TokenKind.THANKS, TokenKind.REQUEST):
+    if begins and not shows and following in _AFTER_ANOTHER:
         return Token(TokenKind.AGAIN, None, start, stop), end - at
     return None, 0
-
-
-def _spoken(tokens: Sequence[Token]) -> list[Token]:
-    """Return the tokens that have a meaning of their own."""
-    return [token for token in tokens if token.kind is not TokenKind.SOFT]
 
 
 def _says_more(tokens: Sequence[Token]) -> bool:

@@ -253,7 +253,7 @@ class _Reader:
         return self._conditional(part)
 
     def _conditional(self, part: str) -> Understanding | None:
-        """Return a question about the condition of a command in a post that would get no answer: "after they left walk
+        """Return a question about the condition in a post that is not understood as a command: "after they left walk
         1 m"."""
         tokens = self.known.tokens(part)
         condition = next((token for token in tokens if token.kind is TokenKind.CONDITION), None)

@@ -117,6 +117,7 @@ _USUAL_ANGLES = (30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0)
 #: Numbers that are degrees when nothing else is said with them.
 _WHOLE_TURNS = (180.0, 360.0)
 _PAUSE = re.compile(r"[,.;:!?\n，。；：！？]")
+_WHOLE_TURN_DEG = 360.0
 _PICTURE = Primitive(PHOTO)
 
 
@@ -626,10 +627,10 @@ def _is_whole(amount: Token | None) -> bool:
 
 def _in_whole_turns(step: Primitive, amount: Token | None) -> list[Primitive]:
     """Return a step for each turn of "two and a half turns": no step may turn further than once around."""
-    if amount is None or amount.unit != 360.0 or not step.rotates or not step.degrees:
+    if amount is None or amount.unit != _WHOLE_TURN_DEG or not step.rotates or not step.degrees:
         return [step]
-    turns, rest_deg = divmod(step.degrees, 360.0)
-    return [replace(step, degrees=360.0)] * int(turns) + [replace(step, degrees=rest_deg)] * bool(rest_deg)
+    turns, rest_deg = divmod(step.degrees, _WHOLE_TURN_DEG)
+    return [replace(step, degrees=_WHOLE_TURN_DEG)] * int(turns) + [replace(step, degrees=rest_deg)] * bool(rest_deg)
 
 
 def _turn_to(side: Direction) -> Primitive:
