@@ -240,6 +240,11 @@ def test_law_18_an_unclear_or_impossible_time_moves_nothing_now_or_later(text: s
     assert (told["plan"], "schedule" in told) == ([], False)
 
 
+@pytest.mark.parametrize("text", ["yesterday you walked 2 m", "it waved at 9 yesterday", "昨天你走了两米"])
+def test_a_report_of_the_past_is_not_asked_about_its_time(text: str) -> None:
+    assert plan_text(text, "go2")["intent"] == "nothing"
+
+
 def test_the_parts_of_a_post_to_several_robots_are_shown() -> None:
     shown = describe_plan(plan_text("@rex walk 1 m, then @bot or @cat wave", "go2"))
     assert shown.splitlines() == [

@@ -47,7 +47,8 @@ class Locale:
     `prohibits` matches the beginning of a prohibition ("do not"), and `reassures` those that limit no command: wishes,
     and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it").
     A walk in the words of one of these is asked about: `circular` matches what is said of turns only ("clockwise"),
-    `some_side` a side that may be the left or the right one, `pointing` where somebody points ("that way").
+    `some_side` a side that may be the left or the right one, `pointing` where somebody points ("that way"). So are two
+    steps that are to be done at the same time, by the words of `meanwhile`.
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -92,6 +93,7 @@ class Locale:
     circular: str = "(?!)"
     some_side: str = "(?!)"
     pointing: str = "(?!)"
+    meanwhile: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"

@@ -50,7 +50,9 @@ def plan_text(text: str, model: str, tz: str = "UTC") -> dict[str, Any]:
     elif (timed := when_of(visible, (name,), tz)) is not None and timed.schedule is not None:
         text = visible.replace(part_for(visible, (name,), [n for n in named if n != name]), timed.rest)
         understood, schedule = asyncio.run(understand(text, name, capabilities)), timed.schedule
-    elif timed is not None and (timed.surely_later or understood.intent is not Intent.COMMAND):
+    elif timed is not None and (
+        understood.intent is Intent.ASK_BACK or (timed.surely_later and understood.intent is Intent.COMMAND)
+    ):
         understood = Understanding(Intent.ASK_BACK, understood.language, question=timed.question)
     facts: dict[str, Any] = {
         "intent": "preview" if rehearsed and understood.intent is Intent.COMMAND else str(understood.intent),

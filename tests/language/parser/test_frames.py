@@ -130,3 +130,24 @@ def test_manners_and_hesitations_change_nothing(frame: str) -> None:
 @pytest.mark.parametrize("frame", _rows(POLITE_ZH))
 def test_manners_and_hesitations_change_nothing_in_chinese(frame: str) -> None:
     assert _changed(frame, PLAIN_ZH) == []
+
+
+TOGETHER = """
+wave as you walk 1 m|as you turn left, take a photo|wave when walking 1 m|walk 1 m, waving on the way
+walk 1 m and on the way back wave|走一米，同时左转|走一米的同时挥手|边走一米边挥手|挥着手走一米
+"""
+
+
+@pytest.mark.parametrize("text", _rows(TOGETHER))
+def test_law_18_what_is_to_be_done_at_the_same_time_is_asked_about(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize("text", _rows("walk l 1 m|step rig 1 m|walk bck 1 m|walk n 1 m|turn r 90|walk > 1 m|走 > 1米"))
+def test_law_18_a_side_that_is_cut_short_and_a_comparison_are_not_passed_over(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+@pytest.mark.parametrize("text", _rows("finish with a photo, walk 1 m|walk 1 m, finish with a photo, turn left"))
+def test_law_18_a_last_step_that_is_not_said_last_is_asked_about(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK

@@ -202,6 +202,17 @@ COMMANDS = [
     ("wave, wave", "hello hello"),
     ("向右横移半米", "R0.5"),
     ("strafe right 20 cm", "R0.2"),
+    ("walk 1 m -> turn left → photo", "F1 l90 photo"),
+    ("• walk 1 m\n• turn left 30 degrees", "F1 l30"),
+    ("walk 1 m | turn left 30 degrees", "F1 l30"),
+    ("walk 1 m, then right after that wave", "F1 hello"),
+    ("let's start with a photo, then walk 1 m", "photo F1"),
+    ("begin with a wave", "hello"),
+    ("walk 1 m, finishing with a photo", "F1 photo"),
+    ("could we have a photo of the lab?", "photo"),
+    ("may we see a picture?", "photo"),
+    ("turn to the r left 90 degrees", "l90"),
+    ("turn fif ninety degrees left", "l90"),
 ]
 
 

@@ -8,7 +8,7 @@ from agentrob.language.addressing import addresses
 from agentrob.language.parser.grammar import MAX_CHARS, parse, small_talk_of
 from agentrob.language.parser.small_talk import SmallTalk
 from agentrob.model import Direction, Intent, Op
-from tests.language.saying import read
+from tests.language.saying import read, short
 
 POSTS = {
     SmallTalk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
@@ -177,3 +177,29 @@ def test_a_wish_beside_talk_or_in_the_form_of_talk_is_asked_back(text: str) -> N
 def test_praise_does_not_swallow_a_command_after_it() -> None:
     assert read("跳得真好，再来一个后空翻").intent is not Intent.NOTHING
     assert read("well done, wave again").intent is Intent.COMMAND
+
+
+PRAISE = """nice wave!|Great dance|really nice stretch, thanks|wow, lovely wave there buddy|good job with the dance
+|bad turn|nice walk!|excellent backflip|漂亮的挥手！|挥手不错|坐得真乖|转身真帅|好厉害的转圈|比心好可爱|哇，跳得真棒"""
+#: What is asked for beside praise, or in its words.
+REQUESTED_KINDLY = {
+    "a nice wave please": "hello",
+    "nice wave please": "hello",
+    "a great big wave": "hello",
+    "Nice wave! Now walk 1 m": "F1",
+    "great dance, now sit": "sit",
+    "nice, wave": "hello",
+    "来个漂亮的挥手": "hello",
+    "走得好，坐下": "sit",
+    "转圈真漂亮，再转一圈": "l360",
+}
+
+
+@pytest.mark.parametrize("text", PRAISE.replace("\n|", "|").split("|"))
+def test_law_18_praise_of_an_action_does_not_ask_for_it(text: str) -> None:
+    assert read(text).intent is Intent.NOTHING
+
+
+@pytest.mark.parametrize(("text", "plan"), REQUESTED_KINDLY.items())
+def test_an_action_is_requested_in_kind_words_or_beside_praise(text: str, plan: str) -> None:
+    assert short(read(text).plan) == plan

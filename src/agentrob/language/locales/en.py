@@ -6,6 +6,7 @@ from agentrob.language.joint.english import WORDS as JOINT
 from agentrob.language.locale import Locale
 from agentrob.language.locales.en_idioms import IDIOMS
 from agentrob.language.locales.en_numbers import NUMERALS, number
+from agentrob.language.locales.en_phrases import with_phrases
 from agentrob.language.locales.en_words import BASE, TABLE
 from agentrob.language.messages.en import PHRASES
 from agentrob.language.messages.play_en import PHRASES as PLAY
@@ -18,9 +19,11 @@ from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
 from agentrob.language.talk.words_en import FORMS
 
+_ACTING = "|".join(sorted({*BASE, *BASE.values()}, key=len, reverse=True))
 _ORDER = OrderWords(
     BASE,
-    when="once|as soon as|when|following",
+    # "When you turn" and "when turning" may be any time, also during the turn.
+    when=r"once|as soon as|when(?! (?!finishing\b|having\b)\w+ing\b)|following",
     after="after|right after|straight after|immediately after",
     before="before|prior to",
     done=r"""done|finished|you(?:'ve| have)(?: finished| completed)?|you(?:'re| are)(?: done| finished)
@@ -72,12 +75,17 @@ LOCALE = Locale(
     circular=r"\b(?:(?:counter|anti)?[ -]?clock ?wise|c ?c ?w|cw)\b",
     some_side=r"\b(?:to|on) (?:the|your|one|a|either|its) side\b",
     pointing=r"\b(?:that|this) (?:way|direction)\b|\b(?:over|up|out|down) (?:there|here)\b|\bto (?:that|this) side\b",
+    meanwhile=rf"\bas you(?:'re| are)? (?:{_ACTING})\b"
+    r"|(?:^|[,.;!]|\b(?:and|then)) ?(?:on|along) (?:the|your) way\b(?! (?:home|to|from|here|out|in|over|down|up)\b)"
+    r"|\b(?:on|along) (?:the|your) way\s*(?=$|[,.;!]|and\b)"
+    r"|\b(?:c?m|met(?:er|re)s?|f(?:ee|oo)?t|steps?|degrees?|forwards?|backwards?|left|right) waving\b",
     prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from|avoid(?:ing)?)\b(?! been\b)"
     r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
     reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
         |judge|laugh|hurry|rush|stress|cry|get\ (?:mad|me\ wrong|hurt|scared|lost|excited)|hate|blame|thank|tell
         |hurt|bump|crash|collide|trip|fall|slip|stumble|knock|(?:walk|run|drive|bang|smash)\ (?:in)?to
         |hit|touch|break|go\ too\ (?:far|fast)|too\ (?:far|fast|much)|overdo)\b""",
+    phrases=with_phrases,
     in_order=_ORDER,
     idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",

@@ -156,6 +156,11 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"^\s*(?:after|following|having done) an? (.{3,30}?) (?:turn|rotation),? (?=\w)", r"turn \1, then "),
     (r"^([^,]+?) (?:after|following) an? ([^,]{3,30}?) (?:turn|rotation)$", r"turn \2, then \1"),
     (r"^\s*(?:start|begin) with (.+?)[, ]+(?:and |then |and then )*(?:end|finish) with (.+)$", r"please \1, then \2"),
+    (r"^\s*(?:let's |we'll |please )?(?:start|begin|kick|lead)(?: off| out)? (?:with|by) ", "please "),
+    (
+        r"(?<=[,.;!]) *(?:please )?(?:end|finish|clos|conclud)(?:e|ing)?(?: up| off)? (?:with|by) (?=[^,.;!]*$)",
+        " then ",
+    ),
     (r"\b(?:and|then|and then) (?:end|finish)(?: up| off)? with\b", "then"),
     (r"\bhaving (turned|moved|walked|gone|stepped|backed)\b", r"once you've \1"),
     (r",? followed by (?=an? |the |\d|your )", ", then "),

@@ -223,8 +223,9 @@ TABLE = {
         |send me what u see|send what u see|let me see what u see|show view|show me the view|show me your view
         |give me a visual|let me see what you see|look ahead|what does your camera see|show me your camera""",
     "op=get_front_image": "send it again|send that again|resend|resend it|resend that|send me that again",
-    "show=talk": """let me see|can i see|could i see|may i see|let us see|i want to see|i wanna see|i'd like to see
-        |we want to see|i would like to see|can we see|could we see|i need to see|we need to see""",
+    "show=talk": """let me see|let us see|i want to see|i wanna see|i'd like to see|we want to see|i would like to see
+        |i need to see|we need to see""",
+    "request show=talk": "can i see|could i see|may i see|can we see|could we see|may we see",
     "show=picture": "snap|a snap|click|snapshot now",
     "show": """send back|send over|send across|send through|send along|snag|
         beam back|relay|taking|snapping|grabbing|sending|take|send|grab|shoot|get|give|show|capture|make|record|post
@@ -344,7 +345,8 @@ TABLE = {
         |having done that|and from there|following that|subsequently|thereafter|from there on|after doing that
         |as well as|plus|and lastly|and last|and in the end|and to finish|and|then|and then|next|after that|afterwards
         |followed by|and after that|then next|and also|also|and finally|after which|once done|when done
-        |when you are done|when that is done|and when done|and next|then after that|after this""",
+        |when you are done|when that is done|and when done|and next|then after that|after this|right after that
+        |right after this|right afterwards|and right after that|and then right after that|then right after that""",
     "comma": "but|instead|finally|but then|and just",
     "comma=word": "just|only|rather",
     "no": "no|nope|nah",
@@ -420,8 +422,8 @@ TABLE = {
         |do me a favour and|be a dear and|please go ahead and|go ahead and|let's have you|please could you
         |please can you|please would you|your task is to|your next task is to|are you able to|are you able to please
         |is it possible for you to|how about you|why don't you|would you mind|you have to|you must|can we|could we
-        |may i have|can i have|can i get|could i have|could i get|kindly|have the robot|tell the robot to
-        |robot please""",
+        |may i have|may we have|can i have|can we have|can i get|could i have|could we have|could i get|could we get
+        |may i get|may we get|kindly|have the robot|tell the robot to|robot please""",
     "request=stated": """i wish you would|i wish you'd|i wish you could|we wish you would
         |i wanted to ask you to|i wanted to ask if you could|i just wanted to ask you to|i hoped you could
         |i hoped you would

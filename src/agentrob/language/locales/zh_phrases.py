@@ -10,7 +10,16 @@ import re
 from collections.abc import Sequence
 
 from agentrob.language.locales.zh_characters import TWINS
-from agentrob.language.locales.zh_doubts import reported_pictures, rests_after, shared_later
+from agentrob.language.locales.zh_doubts import (
+    denied_until_request,
+    of_relative_clauses,
+    only_one_of_two,
+    praised,
+    reported_pictures,
+    rests_after,
+    shared_later,
+    sits_or_does,
+)
 from agentrob.language.operations.spoken import FOR_SOMEBODY
 from agentrob.language.parser.lexicon import Soft, Token, TokenKind
 from agentrob.language.remarks.chinese import TRIAL
@@ -42,13 +51,8 @@ _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATI
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _MANNERS = (TokenKind.SLOW, TokenKind.FASTER, TokenKind.SPEED, TokenKind.VAGUE)
-_DO_ALONE = re.compile(r"(?:^|[，,。；;！!\s先再])(做下)(?=$|[，,。；;！!\s]|然后|接着|再)")
-_RELATIVE = re.compile("的(?!同时|时候|时)(?=[^，。！？；,.!?;\\s了吧呢吗话])")
 _BESIDE = re.compile("(?:你|的|那|这|在|到)*(?:左|右|后|背)[面边侧方手后]")
 _TRIAL = re.compile(TRIAL)
-_POLITE = ("麻烦", "请", "劳驾", "拜托", "烦请")
-_ONLY = re.compile("只[^，,。；;]{1,6}不[^，,。；;]{1,6}[，,]")
-_TAKEN = re.compile("[拍照摄][下到好]?的")
 _SIDES = (Direction.LEFT, Direction.RIGHT, Direction.BACKWARD)
 #: What somebody, or the robot, does before something else.
 _DONE_FIRST = re.compile(
@@ -562,47 +566,12 @@ def _fits(items: Sequence[Sequence[Token]], verbs: Sequence[Token], amount: Toke
 
 
 #: Each rewriting, in this order, and characters of which it needs one: most posts need none.
-def _of_relative_clauses(tokens: list[Token], said: str) -> list[Token]:
-    """拍的照片, 走的路: an action that describes a thing is not commanded."""
-
-    def describes(token: Token) -> bool:
-        of = _RELATIVE.match(said, token.end) or _TAKEN.match(said, token.start)
-        return token.kind in (*_VERBS, TokenKind.SHOW) and of is not None
-
-    return [token._replace(kind=TokenKind.WORD, value=None) if describes(token) else token for token in tokens]
-
-
-def _denied_until_request(tokens: list[Token], said: str) -> list[Token]:
-    """没有人麻烦你后退: the request is not denied, so the denial's end is not known."""
-    found = list(tokens)
-    acts = asked = False  # whether a verb, and a request before it, stand later in the clause
-    for at in range(len(tokens) - 1, -1, -1):
-        token = tokens[at]
-        if token.kind is TokenKind.NOT and asked:
-            found[at] = token._replace(kind=TokenKind.WORD, value=None)
-        ends = token.kind in _BREAKS
-        acts = not ends and (acts or token.kind in _VERBS)
-        asked = not ends and (asked or (acts and _text(token, said).startswith(_POLITE)))
-    return found
-
-
-def _only(tokens: list[Token], said: str) -> list[Token]:
-    """只转身不走路: it does not say whether the turn is one more or the one that is commanded."""
-    found = [match.start() for match in _ONLY.finditer(said)]
-    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
-
-
-def _sits_or_does(tokens: list[Token], said: str) -> list[Token]:
-    """做下，站起来: likely 坐下 with a wrong character, so it must not be passed over as "do"."""
-    found = [match.start(1) for match in _DO_ALONE.finditer(said)]
-    return [t._replace(kind=TokenKind.WORD, value=None) if t.start in found else t for t in tokens]
-
-
 _REWRITES = (
+    (praised, frozenset("的得真好太很非超特挺相这那有不棒")),
     (reported_pictures, frozenset("谢收看存拍照很真太不好挺糊模清漂美歪反倒黑亮没呢")),
     (rests_after, frozenset("动")),
     (shared_later, frozenset("都均全")),
-    (_sits_or_does, frozenset("做")),
+    (sits_or_does, frozenset("做")),
     (_enumerated, frozenset("1")),
     (_rather, frozenset("是")),
     (_measured, frozenset("倒行按")),
@@ -619,9 +588,9 @@ _REWRITES = (
     (_further, frozenset("再多补重")),
     (_looked, frozenset("看瞧瞅拍")),
     (_with_recipients, frozenset("给向对跟和与朝冲往同为到着")),
-    (_of_relative_clauses, frozenset("的")),
-    (_only, frozenset("只")),
-    (_denied_until_request, frozenset("没不别勿")),
+    (of_relative_clauses, frozenset("的")),
+    (only_one_of_two, frozenset("只")),
+    (denied_until_request, frozenset("没不别勿")),
     (_of_subjects, frozenset("的把将")),
     (_counted_ahead, frozenset("次遍回个下")),
     (_shared, frozenset("各别")),

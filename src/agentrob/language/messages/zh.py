@@ -97,6 +97,7 @@ PHRASES = {
     "ask.fix": "我不确定{words}改的是哪一句，请把整条命令重说一遍。",
     "ask.what": "{words}是要我做什么？",
     "ask.view": "{words}：我的摄像头只朝正前方，得先转过去才能拍到。",
+    "ask.meanwhile": "我一次只做一件事，不会{words}；请说清先做什么。",
     "ask.condition": "我不会处理{words}这样的条件或选择，请直接说要做什么。",
     "ask.denial": "我不确定{words}指的是什么。",
     "ask.limit": "我在路上没法保证{words}；请直接说几米或几度，或者去掉它。",

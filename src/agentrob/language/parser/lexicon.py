@@ -7,7 +7,7 @@ more symbols, `kind` or `kind=value`: "move" is a verb, "move dir=backward" is a
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import lru_cache
@@ -153,8 +153,9 @@ class Lexicon:
     misread: Mapping[str, str] = field(default_factory=dict)
     twins: Mapping[int, int] = field(default_factory=dict)
     vocabulary: frozenset[str] = field(init=False)
-    #: Beginnings of words that people break off and repeat: "turn ri right", "thir thirty degrees".
-    broken_off: frozenset[str] = field(init=False)
+    #: Beginnings of words that people break off, and say again or replace: "turn ri left", "thir forty degrees".
+    begun_sides: frozenset[str] = field(init=False)
+    begun_numerals: frozenset[str] = field(init=False)
     _tree: dict[str, Any] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -166,10 +167,10 @@ class Lexicon:
             at[""] = meaning
         said = frozenset(word for phrase in self.phrases for word in phrase) | self.numerals
         sides = {phrase[0] for phrase, meaning in self.phrases.items() if {k for k, _ in meaning} <= _SIDE_WORDS}
-        starts = frozenset(w[:n] for w in self.numerals | sides if w.isascii() for n in range(1, min(len(w), 4)))
         object.__setattr__(self, "_tree", tree)
         object.__setattr__(self, "vocabulary", said)
-        object.__setattr__(self, "broken_off", starts)
+        object.__setattr__(self, "begun_sides", _beginnings(sides))
+        object.__setattr__(self, "begun_numerals", _beginnings(self.numerals))
 
     def longest(self, pieces: Sequence[Piece], at: int, end: int | None = None) -> tuple[int, Meaning | None]:
         """Return the longest phrase at this position, up to `end`, as (number of pieces, meaning), or (0, None)."""
@@ -181,6 +182,10 @@ class Lexicon:
             if "" in node:
                 best, meaning = here + 1 - at, node[""]
         return best, meaning
+
+
+def _beginnings(said: Iterable[str]) -> frozenset[str]:
+    return frozenset(word[:n] for word in said if word.isascii() for n in range(1, min(len(word), 4)))
 
 
 def lexicon(
@@ -264,6 +269,8 @@ def _symbol(text: str) -> tuple[TokenKind, Value]:
 _PIECE = re.compile(
     # 1,500 · -2 · 2-3 · 2x3: not to be guessed
     r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<![^\W\u3400-\u9fff])[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
+    # Before an amount an arrow may be "more than".
+    r"|(?P<arrow>(?:[=-]*>+|[→➡➜➔⇒⟶])\ufe0f?(?!\s*[>0-9.一二两三四五六七八九十百半]))"
     r"|(?P<feet>[0-9]+)['′]\s?(?P<inches>[0-9]+)(?:[\"”″]|''|′′)?(?!\w)"  # 6'2"
     r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
     r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
@@ -272,6 +279,8 @@ _PIECE = re.compile(
 )
 _IGNORED_MARKS = frozenset("*_\"'“”‘’「」『』«»`-~#¡¿")
 _DASHES = frozenset("–—―")
+#: Between spaces they separate, as the marks of a list or a table do.
+_BULLETS = frozenset("-•▪◦‣●|")
 
 
 def pieces_of(text: str) -> list[Piece]:
@@ -282,11 +291,13 @@ def pieces_of(text: str) -> list[Piece]:
         piece, (start, end) = match[0], match.span()
         if match.lastgroup == "bad":
             found.append(Piece("\0" + piece, start, end))
+        elif match.lastgroup == "arrow":
+            found.append(Piece("&", start, end))
         elif match.lastgroup is not None:
             (feet, inches), last = (match.span(part) for part in ("feet", "inches")), match.end("inches")
             found += [Piece(match["feet"], *feet), Piece("′", *feet), Piece(match["inches"], *inches)]
             found.append(Piece("″", last, max(last, end)))
-        elif (piece in "-" and _stands_alone(lowered, start)) or piece in _DASHES:
+        elif (piece in _BULLETS and _stands_alone(lowered, start)) or piece in _DASHES:
             found.append(Piece("—", start, end))
         elif piece not in _IGNORED_MARKS:
             found.append(Piece(piece, start, end))
@@ -294,7 +305,7 @@ def pieces_of(text: str) -> list[Piece]:
 
 
 def _stands_alone(text: str, at: int) -> bool:
-    return text[at - 1 : at].isspace() and text[at + 1 : at + 2].isspace()
+    return (at == 0 or text[at - 1].isspace()) and text[at + 1 : at + 2].isspace()
 
 
 def _same_length_lower(text: str) -> str:
@@ -363,8 +374,8 @@ def _spelt(pieces: list[Piece], words: Lexicon) -> tuple[list[Piece], list[tuple
 def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
     """Return how many pieces here are emoji or words that are broken off and repeated; 0 for none.
 
-    Examples: "t turn", "yo to your", "ff four"; before a number or direction also the beginning of another one: "fif
-    ninety degrees", "to the r left", "nin degree ninety degrees".
+    Examples: "t turn", "yo to your", "ff four"; before a number also the beginning of another one, and so before a
+    direction: "fif ninety degrees", "to the r left", "nin degree ninety degrees".
     """
     piece = pieces[at].text
     if len(piece) == 1 and ("\u2600" <= piece <= "\u27bf" or "\U0001f300" <= piece <= "\U0001faff"):
@@ -376,10 +387,14 @@ def _hesitation(pieces: Sequence[Piece], at: int, words: Lexicon) -> int:
     begun = re.sub(r"^(.)\1+", r"\1", piece)
     if len(begun) > 3:
         return 0
-    if begun in words.broken_off and _is_unit(pieces, at + 1, words) and _replaces(pieces, at + 2, words):
+    if begun in words.begun_numerals and _is_unit(pieces, at + 1, words) and _is_number(pieces, at + 2, words):
         return 2
     again = any(following.text.startswith(begun) for following in pieces[at + 1 : at + 3])
-    return 1 if again or (begun in words.broken_off and _replaces(pieces, at + 1, words)) else 0
+    # One or two letters may also be short for a side ("l", "ne"), but hardly "fff" or "fif".
+    numeral = begun in words.begun_numerals and (
+        len(piece) > len(begun) or (len(begun) == 3 and begun not in words.begun_sides)
+    )
+    return 1 if again or _is_replaced(pieces, at + 1, words, side=begun in words.begun_sides, numeral=numeral) else 0
 
 
 def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
@@ -387,12 +402,18 @@ def _is_unit(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
     return meaning is not None and meaning[0][0] in (TokenKind.LENGTH_UNIT, TokenKind.ANGLE_UNIT)
 
 
-def _replaces(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
-    """Return whether a number or direction stands here."""
+def _is_number(pieces: Sequence[Piece], at: int, words: Lexicon) -> bool:
+    return at < len(pieces) and words.number(pieces, at) is not None
+
+
+def _is_replaced(pieces: Sequence[Piece], at: int, words: Lexicon, *, side: bool, numeral: bool) -> bool:
+    """Return whether the word here replaces one that was begun, a `side` or a `numeral`. In "walk l 1 m" nothing
+    replaces the side."""
     if at >= len(pieces):
         return False
     meaning = words.longest(pieces, at)[1]
-    return words.number(pieces, at) is not None or (meaning is not None and meaning[-1][0] is TokenKind.DIR)
+    is_side = meaning is not None and meaning[-1][0] is TokenKind.DIR
+    return (side and is_side) or (numeral and _is_number(pieces, at, words))
 
 
 # ---------------------------------------------------------------------- spelling mistakes

@@ -171,6 +171,8 @@ class _StepBuilder:
             )
             self.clause = self._clause_of(draft, before, after)
             self._add(draft)
+        if len(drafts) > 1 and (during := re.search(locale(self.language).meanwhile, self.text, re.IGNORECASE)):
+            reading.object_to(self._say("ask.meanwhile", during[0].strip(" ,.;!，、")))
         reading.problem = " ".join(part for part in (reading.problem, self.besides) if part)
         if reading.picture_after is not None:
             reading.steps = _after_each(reading.steps, reading.picture_after)

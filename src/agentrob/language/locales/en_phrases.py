@@ -1,0 +1,50 @@
+"""English phrases of several words that mean less than their words one by one: "nice wave!" asks for no wave."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from agentrob.language.parser.lexicon import Token, TokenKind
+
+_JUDGES = (
+    "nice|good|great|lovely|cool|sweet|cute|neat|awesome|amazing|wonderful|beautiful|fantastic|brilliant|excellent"
+    "|perfect|superb|impressive|incredible|fabulous|terrific|marvell?ous|splendid|gorgeous|elegant|graceful|flawless"
+    "|adorable|charming|delightful|outstanding|epic|stunning|best|solid|decent|bad|poor|terrible|awful|horrible|sloppy"
+    "|wobbly|weird|odd|strange"
+)
+_ACTION = (
+    "waves?|waving|dance|dancing|dance moves|moves?|walk|walking|turns?|turning|rotation|spin|twirl|flip|backflip"
+    "|sit|sitting|stretch|stretching|heart|handshake|bow|clap|clapping|high five|greeting|gesture|pose|routine"
+)
+_LEAD = "wow|oh|ah|ha(?:ha)*|ok|okay|hey|hi|thanks|thank you|cheers|yay|yes|well|lol|robot|buddy|doggo|rex"
+_TAIL = (
+    "there|today|indeed|ever|earlier|just now|by the way|btw|thanks|thank you|buddy|pal|mate|friend|bro|dude|man|robot"
+    "|bot|dog|doggo|doggy|boy|girl|sir|lol"
+)
+_REQUESTED = re.compile(r"\b(?:please|pls|plz|now|again|want|like|need|could|can|would)\b")
+#: A sentence, or its beginning up to a comma, that only judges what the robot did.
+_PRAISE = re.compile(
+    rf"(?:^|[.!?\n])[\s,]*(?:(?:{_LEAD})\b[\s,!]*)*(?P<praise>(?:(?:really|very|so|such|pretty|truly|absolutely|quite|super"
+    rf"|what|such an?|what an?|the)\s+)*(?:(?:{_JUDGES}),? )*(?:{_JUDGES}) (?:little |big )?(?:{_ACTION})"
+    rf"|(?:(?:{_JUDGES}|well) (?:job|work|one|done)|well done|congrat\w*|kudos|props|bravo) (?:on|with|at|for|doing)"
+    rf" (?:the|that|this|your) (?:little |big )?(?:{_ACTION}))"
+    rf"(?P<tail>(?:[\s,]+(?:{_TAIL})\b)*)\s*(?=$|[.,;!?\n)(:]|and now\b)",
+    re.IGNORECASE,
+)
+_WORD = re.compile(rf"\b(?:{_JUDGES}|job|done|congrat\w*|kudos|props|bravo)\b", re.IGNORECASE)
+
+
+def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
+    """Rewrite the tokens of an English post; `text` is the post."""
+    found = list(tokens)
+    if not _WORD.search(text):
+        return found
+    for praise in _PRAISE.finditer(text):
+        start, end = praise.start("praise"), praise.end("tail")
+        if _REQUESTED.search(re.split(r"[.!?,\n]|\band\b", text[end:], maxsplit=1)[0]):
+            continue
+        at = next((n for n, token in enumerate(found) if token.start >= start), len(found))
+        after = next((n for n, token in enumerate(found) if token.start >= end), len(found))
+        found[at:after] = [Token(TokenKind.THANKS, None, start, end)]
+    return found
