@@ -11,14 +11,16 @@ from agentrob.language.visible_text import mention_spans, without_mentions
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all|please|请|你|都)*", re.IGNORECASE)
 
+_POSSESSIVE = re.compile(r"(?P<latin>['’]s\b)|的")
+
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
     """Return the text for the robot called `names`, without mentions of robots.
 
     It is the text after the robot's own mention, up to another robot's mention. Adjacent mentions ("@a and @b wave")
     share what follows, and a clause that begins with "both of you" is for every robot mentioned. Text before the first
-    mention counts only when no other robot is mentioned. A post that mentions no robot is returned whole: the caller
-    has decided that it is for this robot.
+    mention counts only when no other robot is mentioned. What is said of "@robot's wave" is said of "your wave". A post
+    that mentions no robot is returned whole: the caller has decided that it is for this robot.
     """
     mine = {n.lower() for n in names}
     robots = mine | {n.lower() for n in others}
@@ -34,7 +36,10 @@ def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:
         text = visible[end : spans[i + 1][1] if i + 1 < len(spans) else len(visible)]
         if i + 1 < len(spans) and only_joint(text):
             continue
-        if called:
+        if called and (of := _POSSESSIVE.match(text)):  # "I love @robot's wave": your wave
+            before = parts.pop() if parts else ""
+            parts.append(f"{before}{'your' if of['latin'] else '你的'}{text[of.end() :]}")
+        elif called:
             parts.append(text)
         elif any(is_mine for is_mine, _, _ in spans) and (shared := together().search(text)):
             parts.append(text[shared.start("words") :])

@@ -148,6 +148,17 @@ def test_law_18_a_side_that_is_cut_short_and_a_comparison_are_not_passed_over(te
     assert read(text).intent is Intent.ASK_BACK
 
 
+OTHERS = """
+I love @quadruped's wave|@quadruped's wave was great|我喜欢@quadruped的挥手|@quadruped 的舞很好看
+@quadruped 我能走一米吗？|@quadruped 我可以坐下吗|@quadruped heat wave|@quadruped sand please|@quadruped shit, left 1 m
+"""
+
+
+@pytest.mark.parametrize("text", _rows(OTHERS))
+def test_law_18_what_is_said_of_a_robot_or_of_oneself_and_words_like_commands_move_nothing(text: str) -> None:
+    assert parse(text, ["quadruped"], [], OPS).intent in (Intent.NOTHING, Intent.ASK_BACK)
+
+
 @pytest.mark.parametrize("text", _rows("finish with a photo, walk 1 m|walk 1 m, finish with a photo, turn left"))
 def test_law_18_a_last_step_that_is_not_said_last_is_asked_about(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK

@@ -208,6 +208,8 @@ COMMANDS = [
     ("walk 1 m, then right after that wave", "F1 hello"),
     ("let's start with a photo, then walk 1 m", "photo F1"),
     ("begin with a wave", "hello"),
+    ("Mission: walk 1 m, take a photo", "F1 photo"),
+    ("Here's what I want: a photo.", "photo"),
     ("walk 1 m, finishing with a photo", "F1 photo"),
     ("could we have a photo of the lab?", "photo"),
     ("may we see a picture?", "photo"),

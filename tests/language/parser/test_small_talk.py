@@ -13,7 +13,8 @@ from tests.language.saying import read, short
 POSTS = {
     SmallTalk.CANCEL: """never mind|Never mind!|forget it|don't bother|I changed my mind|@quadruped nevermind, thanks
         |算了|不用了|算了吧""",
-    SmallTalk.QUESTION: "what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？",
+    SmallTalk.QUESTION: """what do you see|is there a door|do you see a cone?|who are you|你叫什么名字？
+        |天气好吗？|可以吗？""",
     SmallTalk.PAST: "yesterday you walked forward 2 m|the robot moved 2 m|昨天它往前走了三米",
     SmallTalk.GREETING: "hello|Hi there!|good morning, robot|你好|@quadruped|@quadruped 早上好呀|@dog2 @quadruped",
     SmallTalk.ASSENT: "yes|Go ahead!|please|now|yes please|@quadruped come on|开始|拜托|继续",

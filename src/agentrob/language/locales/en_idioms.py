@@ -156,6 +156,12 @@ IDIOMS: tuple[tuple[str, str], ...] = (
     (r"^\s*(?:after|following|having done) an? (.{3,30}?) (?:turn|rotation),? (?=\w)", r"turn \1, then "),
     (r"^([^,]+?) (?:after|following) an? ([^,]{3,30}?) (?:turn|rotation)$", r"turn \2, then \1"),
     (r"^\s*(?:start|begin) with (.+?)[, ]+(?:and |then |and then )*(?:end|finish) with (.+)$", r"please \1, then \2"),
+    (
+        r"^\s*(?:(?:my |our |a |the |new )*(?:request|task|mission|job|order|instructions?|assignment|challenge)"
+        r"(?: (?:for|of) (?:today|tonight|the day|you|now))?|here(?:'s| is) (?:what (?:i|we) (?:want|need|would like)"
+        r"(?: you to do)?|your (?:task|job|mission)))\s*:\s*",
+        "please ",
+    ),
     (r"^\s*(?:let's |we'll |please )?(?:start|begin|kick|lead)(?: off| out)? (?:with|by) ", "please "),
     (
         r"(?<=[,.;!]) *(?:please )?(?:end|finish|clos|conclud)(?:e|ing)?(?: up| off)? (?:with|by) (?=[^,.;!]*$)",

@@ -91,6 +91,8 @@ class SentenceState:
     def _request(self, token: Token) -> None:
         if self.mode is Mode.TALK and token.value == "stated" and self.talk_doubts:
             return  # "I do not think I want you to …", "do you think we should …"
+        if token.value == "tag" and not any(draft.is_action for draft in self.sentence.drafts):
+            return  # 天气好吗
         if self.mode is Mode.TALK and self._asks_how():
             return  # "how far can you walk"
         self.sentence.requested = True

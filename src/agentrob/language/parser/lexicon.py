@@ -418,7 +418,9 @@ def _is_replaced(pieces: Sequence[Piece], at: int, words: Lexicon, *, side: bool
 
 # ---------------------------------------------------------------------- spelling mistakes
 #: Real words that are one typing mistake away from a known word, and must not be corrected.
-_OTHER_WORDS = frozenset("ever mere mete ford feat riot rotes sake step steps taps trod".split())  # noqa: SIM905
+_OTHER_WORDS = """ange carb cree crepe dane dive ever feat ford gallo hart heat loop mach marc mere mete moor moto
+    niches nude revere riot rotes sake sand saps sasha scot serve shit sift sill sins slid soot stan steep step
+    steps swig taps tort trad trod twit""".split()  # noqa: SIM905
 _SHORTEST, _SHORTEST_WITH_GAP = 4, 5
 
 
@@ -426,7 +428,7 @@ def misspellings(word: str) -> frozenset[str]:
     """Return the likely typing mistakes of a word of at least four Latin letters; the first letter is never dropped."""
     if len(word) < _SHORTEST or not (word.isascii() and word.isalpha()):
         return frozenset()
-    return frozenset(_slips(word)) - _OTHER_WORDS - {word}
+    return frozenset(_slips(word)).difference(_OTHER_WORDS, {word})
 
 
 def _slips(word: str) -> Iterator[str]:
