@@ -45,10 +45,12 @@ class Locale:
     rights, or introduces what another person said. `looks` lists words that turn the robot and are also said of
     looking: "I look at it".
     `prohibits` matches the beginning of a prohibition ("do not"), and `reassures` those that limit no command: wishes,
-    and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it").
+    and bumps and falls, which the robot's guard prevents ("don't worry", "don't bump into it"). `warns` matches denials
+    that deny no action, but say why not to do what is commanded ("it isn't safe").
     A walk in the words of one of these is asked about: `circular` matches what is said of turns only ("clockwise"),
     `some_side` a side that may be the left or the right one, `pointing` where somebody points ("that way"). So are two
-    steps that are to be done at the same time, by the words of `meanwhile`.
+    steps that are to be done at the same time, by the words of `meanwhile`. `free_way` matches a whole clause that says
+    that nothing is in the way, and changes nothing: the guard measures it.
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -90,10 +92,12 @@ class Locale:
     looks: str = ""
     prohibits: str = "(?!)"
     reassures: str = "(?!)"
+    warns: str = "(?!)"
     circular: str = "(?!)"
     some_side: str = "(?!)"
     pointing: str = "(?!)"
     meanwhile: str = "(?!)"
+    free_way: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
@@ -135,6 +139,14 @@ class Locale:
     @cached_property
     def calls(self) -> Prefiltered:
         return Prefiltered(self.called)
+
+    def says_way_is_free(self, clause: str) -> bool:
+        """Return whether a clause in lower case only says that nothing is in the way: "nobody is behind you"."""
+        return self._free_way.fullmatch(clause.strip()) is not None
+
+    @cached_property
+    def _free_way(self) -> re.Pattern[str]:
+        return re.compile(self.free_way)
 
     def states(self, clause: str) -> bool:
         """Return whether a clause in lower case is a statement, by its form or its words."""

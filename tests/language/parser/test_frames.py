@@ -10,7 +10,7 @@ import pytest
 from agentrob.language.parser.grammar import parse
 from agentrob.language.parser.repetition import ParseContext
 from agentrob.model import Direction, Intent, Plan
-from tests.language.saying import OPS, read, walk
+from tests.language.saying import OPS, read, short, walk
 
 THREAD = ParseContext(history=(Plan((walk(Direction.LEFT, 3.0),)),))
 COMMANDS = """
@@ -146,6 +146,36 @@ def test_law_18_what_is_to_be_done_at_the_same_time_is_asked_about(text: str) ->
 @pytest.mark.parametrize("text", _rows("walk l 1 m|step rig 1 m|walk bck 1 m|walk n 1 m|turn r 90|walk > 1 m|走 > 1米"))
 def test_law_18_a_side_that_is_cut_short_and_a_comparison_are_not_passed_over(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
+
+
+WARNED = """
+walk 1 m, it isn't safe|walk 1 m, not safe|it won't be safe, walk 1 m|the way isn't clear, walk 1 m
+walk 1 m, it doesn't look safe|walk 1 m if the way is clear|walk 1 m, the floor is not dry yet|走一米，不安全
+走一米，没地板|走一米，不稳|走一米，路不通|后面没人的话，后退一米
+"""
+
+
+@pytest.mark.parametrize("text", _rows(WARNED))
+def test_laws_13_and_18_a_warning_beside_a_command_is_asked_about(text: str) -> None:
+    assert read(text).intent is Intent.ASK_BACK
+
+
+FREE = {
+    "walk 1 m, the way is clear": "F1",
+    "nothing behind you, walk back 1 m": "B1",
+    "walk back 1 m, nobody is behind you": "B1",
+    "You have plenty of space. Walk 2 m.": "F2",
+    "the floor is dry, walk 1 m": "F1",
+    "后面没人，后退一米": "B1",
+    "地板是干的，走一米": "F1",
+}
+
+
+@pytest.mark.parametrize(("text", "plan"), FREE.items())
+def test_a_free_way_changes_nothing_and_is_noted(text: str, plan: str) -> None:
+    understood = read(text)
+    assert short(understood.plan) == plan
+    assert any("Left out as a remark" in note or "闲话" in note for note in understood.plan.notes)
 
 
 OTHERS = """

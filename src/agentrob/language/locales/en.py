@@ -15,6 +15,7 @@ from agentrob.language.parser.lexicon import lexicon
 from agentrob.language.parser.order import OrderWords
 from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
+from agentrob.language.remarks.english import FREE_WAY
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
 from agentrob.language.talk.words_en import FORMS
@@ -79,6 +80,7 @@ LOCALE = Locale(
     r"|(?:^|[,.;!]|\b(?:and|then)) ?(?:on|along) (?:the|your) way\b(?! (?:home|to|from|here|out|in|over|down|up)\b)"
     r"|\b(?:on|along) (?:the|your) way\s*(?=$|[,.;!]|and\b)"
     r"|\b(?:c?m|met(?:er|re)s?|f(?:ee|oo)?t|steps?|degrees?|forwards?|backwards?|left|right) waving\b",
+    free_way=FREE_WAY,
     prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from|avoid(?:ing)?)\b(?! been\b)"
     r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
     reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
@@ -86,6 +88,9 @@ LOCALE = Locale(
         |hurt|bump|crash|collide|trip|fall|slip|stumble|knock|(?:walk|run|drive|bang|smash)\ (?:in)?to
         |hit|touch|break|go\ too\ (?:far|fast)|too\ (?:far|fast|much)|overdo)\b""",
     phrases=with_phrases,
+    warns=r"(?:n't|\bnot|\bno longer|\bnever)(?: (?:be|been|look|seem|feel|sound|hold|quite|really|all|that|so|very|yet"
+    r"|an?|entirely|completely|currently|still))* (?:safe|secure|clear|free|empty|open|stable|dry|level|flat|strong"
+    r"|steady|solid|sturdy|wise|allowed|permitted|possible|good|working|hold|support|enough|ready)\b",
     in_order=_ORDER,
     idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",

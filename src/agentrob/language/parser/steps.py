@@ -247,6 +247,11 @@ class _StepBuilder:
         words = self.text[denial.start : denial.end].lower()
         return denial.unknown and locale(self.language).limits_command(words)
 
+    def _may_warn(self, denial: Remark) -> bool:
+        """Return whether a denial denies no action, but says why not to do what is commanded."""
+        words = self.text[denial.start : denial.end].lower()
+        return denial.unknown and re.search(locale(self.language).warns, words) is not None
+
     def _clause_of(self, draft: Draft, before: int, after: int) -> str:
         """Return the words of a draft with those around it, but not beyond a pause, nor `before` and `after`."""
         begun = max((pause.end() for pause in _PAUSE.finditer(self.text, before, draft.start)), default=before)
@@ -280,6 +285,9 @@ class _StepBuilder:
                 self.reading.object_to(self._say("ask.denial", words))  # "again, but not the turn"
             elif remark.kind is RemarkKind.DENIED and self._may_limit(remark):
                 self.reading.object_to(self._say("ask.limit", words))  # "don't go past the door"
+                continue
+            elif remark.kind is RemarkKind.DENIED and self._may_warn(remark):
+                self.besides = self.besides or self._say("ask.besides", words)  # "walk 1 m, it isn't safe"
                 continue
             elif remark.kind is RemarkKind.DENIED:
                 self.reading.note(self._say("note.not_done", words))

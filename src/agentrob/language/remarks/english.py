@@ -21,6 +21,22 @@ _FEELINGS = """adorable|amazing|amused|awesome|awful|bad|beautiful|bored|brillia
    |sleepy|smart|sorry|speechless|strange|surprised|sweet|terrible|thirsty|thrilled|tired|typical|weird|wonderful"""
 _WORDS_OF_FEELING = "|".join(word.strip() for word in _FEELINGS.split("|"))
 
+_WHERE = r"""(?:ahead(?: of you)?|in front(?: of you)?|behind you|around(?: you)?|near(?:by| you)?|next to you
+    |there|here|now|in sight|(?:to|on) (?:the|your) (?:left|right)|in (?:the|your) way|on the (?:floor|ground|way)
+    |in the (?:room|area|lab|hall|hallway|corridor))""".replace("\n    ", "")
+_FREE = "(?:clear|free|empty|dry|clean|flat|level|even|safe|open)"
+#: A whole clause that says that nothing is in the way.
+FREE_WAY = (
+    r"(?:(?:and|because|since|as|so|also|but|don't worry|no worries|ok|okay) )*(?:"
+    r"(?:(?:the|your|our|this) )?(?:way|path|route|floor|ground|carpet|room|area|lane|space|lab|hall|hallway|corridor"
+    r"|stage)"
+    rf"(?: {_WHERE})? (?:is|looks) (?:(?:all|quite|totally|completely|perfectly|now) )*{_FREE}(?: and {_FREE})?"
+    r"|(?:there(?:'s| is| are) )?(?:nobody|no ?one|nothing|no people|no obstacles?)(?: is| are| stands)?"
+    rf"(?= {_WHERE})|(?:it's|it is|all is|everything is|all) (?:all )?(?:clear|free|safe)"
+    r"|(?:there(?:'s| is)|you have|you've got) (?:plenty of|enough|lots of) (?:space|room))"
+    rf"(?: {_WHERE})*"
+)
+
 WORDS = RemarkWords(
     leads="""tbh|honestly|frankly|seriously|obviously|literally|apparently|sadly|luckily|fortunately|finally|wow|woah
        |whoa|haha|hahaha|hehe|ha|yay|ugh|argh|phew|hmm|yeah|yes|yep|sure|cool|great|nice|ok so|right|guess what|fun fact
@@ -238,6 +254,9 @@ WORDS = RemarkWords(
             |draw|count|thank|get over|help it|stop laughing|stop smiling|be happier|agree more|been|had)\b)
            |against|vot(?:e|es|ed|ing) (?:no|down|for nothing)|(?:decided|chose|agreed|voted) not
        |cannot(?! (?:wait|believe|complain|imagine|remember|resist|sleep|afford|thank)\b)""",
+        "blocked": r"""(?:(?:is|are|was|looks?|'s|'re)(?:n't| not)|ain't|no longer|hardly|barely)
+            (?: (?:yet|quite|really|all|that|so|very|entirely|completely))*
+            (?:clear|free|safe|empty|open|flat|level|dry)""",
         "time": r"""
             (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
            |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
@@ -302,7 +321,7 @@ WORDS = RemarkWords(
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "order", "question", "request", "quotation", "speech", "another", "rule"),
-    decisive=("correction", "authority", "causative", "demand", "tampering", "time"),
+    decisive=("blocked", "correction", "authority", "causative", "demand", "tampering", "time"),
     doers="""i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to
         |have to|had to""",
     often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",
