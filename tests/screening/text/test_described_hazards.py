@@ -35,6 +35,7 @@ def met(text: str, *steps: Primitive) -> str | None:
         ("a child is 2 m in front of you", 1.6, 1.7),  # 35 cm before it, the robot's front end is 10 cm from it
         ("2 m in front of you is a child", 1.6, 1.7),
         ("there is a wall 2 m in front of you", 1.6, 1.7),
+        ("there's a wall in 2 m", 1.6, 1.7),
         ("the stairs begin 2 m ahead", 1.6, 1.7),
         ("前面两米有楼梯", 1.6, 1.7),
         ("the stairs are right in front of you", 0.1, 0.2),  # taken for half a metre

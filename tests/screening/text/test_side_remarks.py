@@ -25,6 +25,9 @@ def rule_of(remark: str) -> str | None:
 @pytest.mark.parametrize(
     "remark",
     [
+        "nobody is behind you",
+        "the way is clear",
+        "后面没人",
         "the cat is in another room",
         "keep obstacle avoidance on",
         "nobody is in the hallway",
@@ -64,6 +67,12 @@ def test_a_harmless_remark_passes(remark: str) -> None:
 @pytest.mark.parametrize(
     "remark",
     [
+        "there's a step",
+        "there is no space",
+        "it's narrow",
+        "it will break",
+        "I'm standing there",
+        "you are limping",
         "a pot of soup is on your back",
         "there is a hot pot of soup on your back",
         "my phone is on your head",

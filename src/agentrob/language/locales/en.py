@@ -90,7 +90,8 @@ LOCALE = Locale(
     phrases=with_phrases,
     warns=r"(?:n't|\bnot|\bno longer|\bnever)(?: (?:be|been|look|seem|feel|sound|hold|quite|really|all|that|so|very|yet"
     r"|an?|entirely|completely|currently|still))* (?:safe|secure|clear|free|empty|open|stable|dry|level|flat|strong"
-    r"|steady|solid|sturdy|wise|allowed|permitted|possible|good|working|hold|support|enough|ready)\b",
+    r"|steady|solid|sturdy|wise|allowed|permitted|possible|good|working|hold|support|enough|ready)\b"
+    r"|^not yet\b|\b(?:execute|run|perform|carry out) (?:this|it|that)\b",
     in_order=_ORDER,
     idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",

@@ -28,7 +28,7 @@ from agentrob.language.remarks.verbs import BEFORE_VERB, HAN_VERBS, VERBS
 
 WEIGHTS = Path(__file__).with_name("statement_weights.json")
 #: The checksum of `WEIGHTS`; the training script prints it.
-SHA256 = "dac1f10b1710aa3f5ef712e7b21c26f88e7568634d0e68e57cef444fc5d444a7"
+SHA256 = "46d6a411747d7a37db39e1fcc8b7f5b44e3b8cd75c6ac8081790a7dc09495095"
 #: Features are hashed to this many weights.
 SIZE = 16384
 #: Words that are read; longer clauses are judged by their beginning and their end.

@@ -257,6 +257,9 @@ WORDS = RemarkWords(
         "blocked": r"""(?:(?:is|are|was|looks?|'s|'re)(?:n't| not)|ain't|no longer|hardly|barely)
             (?: (?:yet|quite|really|all|that|so|very|entirely|completely))*
             (?:clear|free|safe|empty|open|flat|level|dry)""",
+        "objection": r"""i (?:disagree|object|protest|oppose)
+            |(?:do not|don't|never) (?:execute|run|perform|carry out|follow|obey) (?:this|that|it|any|the)
+            |in theory|theoretically|hypothetically|per (?:day|hour|week|person|minute)""",
         "time": r"""
             (?:once|when|after) (?:that|this|it)(?:'s| is| has been) [a-z]+
            |then [a-z]+|[a-z]+ [&+] [a-z]+|(?:once|when|after|before) [a-z]+ing
@@ -297,7 +300,9 @@ WORDS = RemarkWords(
         "tampering": "secret*|hack*|password|off|disabled|unplugged|stop*|halt*",
     },
     danger={
-        "the way": """ahead|in front|right there|edge|wet|oil|oily|icy?|ice|slipp*|spil*|covered|water|fires?|smoke|gas
+        "the way": """ahead|in front|right there|steps?$|stairs?|narrow|tight$|(?:little|no|not much) (?:space|room)
+           |(?:will|might|may|could|would|gonna) break|limping|limps?|damaged|injured|upside down
+           |edge|wet|oil|oily|icy?|ice|slipp*|spil*|covered|water|fires?|smoke|gas
            |wires?|cables?|broken|crack*|holes?|pits?|steep|glass|hot|burn*|loose|drop|drops|cords?|ropes?|glue*|sticky|tacky
            |varnish*|marbles?|drawing pins?|pins somewhere|nails|puddles?|shards?|strewn|scattered|spread|stretched
            |ankle height|paint tins?|over there|around there|(?:that|this|your) side
@@ -310,7 +315,9 @@ WORDS = RemarkWords(
            |[a-z]{3,}s (?:right |just |over )?there$(?<!like there)
            |(?:put|left|set|placed|dropped|parked|stood|laid|hung|threw) (?:\w+ ){1,4}?(?:there|here|around|about|across
             |in the (?:middle|way|hall\w*|corridor|corner|doorway)|by the \w+|near the \w+)""",
-        "people": """asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
+        "people": r"""asleep|sleeping|lying|lies|hurts?|blood|barefoot|blind|deaf|afraid|scared|baby|toddler|crawl*
+           |i(?:'m| am)(?: \w+)? (?:standing|sitting|lying|kneeling|behind|beside|in front|near|next to|right there)
+           |my (?:foot|feet|hands?|legs?|fingers?|kids?|son|daughter|cat|dog) (?:is|are) (?:there|here|in|on|under)
            |coming|approach*|crossing|falling|fall(?! (?:weather|semester|season|break|colou?rs|in love))|falls
         |crash*|fragile|careful*|watch out|beware|mind the|danger*|risk*|safety|sharp
            |knife|knives|weapons?""",
@@ -321,7 +328,7 @@ WORDS = RemarkWords(
     near_robot="""in|on|under|underneath|behind|near|beside|below|above|around|at|by|to|toward|towards|over|against
        |before|between|inside|close to|next to|across|onto|into|round|on top of|in front of|ahead of""",
     light=("condition", "denial", "order", "question", "request", "quotation", "speech", "another", "rule"),
-    decisive=("blocked", "correction", "authority", "causative", "demand", "tampering", "time"),
+    decisive=("blocked", "objection", "correction", "authority", "causative", "demand", "tampering", "time"),
     doers="""i|we|he|she|they|who|people|kids|everyone|everybody|nobody|can|can't|could|couldn't|will|won't|used to
         |have to|had to""",
     often="always|never|usually|often|sometimes|also|still|really|just|mostly|mainly|all|both|even",

@@ -55,6 +55,13 @@ _EN = (
     r"wet|slippery|icy|dark|steep|loose|unstable|fragile|photographed|filmed|recorded|faces?|naked|private"
     r"|danger\w*|risk\w*|accident|blood|police|enem\w+|victims?"
     r"|thie(?:f|ves)|intruders?|hostage",
+    # Little room, what the robot may stumble over, and how it is.
+    r"there(?:'s| is| are) (?:an? |some |two |three )?(?:\w+ ){0,2}?(?:steps?|stairs?|thresholds?|bumps?|ramps?|rails?"
+    r"|gaps?)(?! (?:forward|back|to the))",
+    r"(?:no|little|not much|not enough|barely any|hardly any) (?:space|room)|narrow|cramped|(?:it's|is|too|very) tight"
+    r"|(?:will|might|may|could|gonna|going to) (?:break|slip|trip|tip)|limp(?:ing|s)|injured|damaged|upside down"
+    r"|on your (?:left |right )?side(?! of)"
+    r"|i(?:'m| am)(?: \w+)? (?:standing|sitting|lying|kneeling) (?:right |just |over )?there",
     # The floor, people who rest, and the robot's body with what it carries.
     r"gas(?! (?:station|mask|price\w*))|slick|greasy"
     r"|oily|muddy|frozen|polished|waxed|spilled|spilt|covered in|mopped|asleep|sleep(?:s|ing)?|naps?"
@@ -121,7 +128,7 @@ _UNRELATED = re.compile(
     r"|her) [\w']+$"
     r"|\b(?:show|send|print|give|forward|mail|frame) (?:it|this|that|these|them) to (?:my|our|his|her|the) [\w']+"
     r"(?: at [\w' ]+)?$|\bit's for (?:my|our|the) [\w' ]+$"
-    r"|\b(?:(?:lunch|coffee|tea|smoke|my|our|a|the|on) )*break(?:'s| is| was| time)?(?: (?:over|done|finished|time))?$"
+    r"|(?:^|\b(?:lunch|coffee|tea|smoke|my|our|a|the|on) )break(?:'s| is| was| time)?(?: (?:over|done|finished|time))?$"
     r"|\breminds? (?:me|us) of (?:my|our|a|an|the) [\w' ]+$"
     rf"|\b{_SOMEBODY} (?:\w+ )?(?:used to have|had|has|have) an? (?:\w+ )?(?:dog|cat|pet|robot|puppy) (?:just "
     rf"|exactly )?like"
@@ -167,10 +174,11 @@ _ACTION = re.compile(
     r"^(?:please|now|first|just|finally|also|ok|okay|can you|could you|would you|will you|@[\w-]+|\W| )*"
     r"(?:(?:take|send|get|give|show|make|grab|snap|post) (?:me |us )?(?:\w+ ){0,4}?"
     r"(?:photo|picture|pic|image|shot|snapshot|selfie|heart|hello|wave)"
-    r"|photograph|wave|greet|thank|say (?:hi|hello|goodbye)|show me|face|sit|stand|stretch|do a|backflip|shake)\b"
+    r"|photograph|wave|dance|greet|thank|say (?:hi|hello|goodbye)|show me|face|sit|stand|stretch|do a|backflip|shake)\b"
     r"|^(?:狗狗|小狗|狗子|机器狗|小车)?(?:请|再|先|然后|接着|最后|并|跟住|就)*(?:[跟向给对和同冲朝]着?[^,，。]{1,10})?"
     r"(?:拍|照|挥手|[挥摆招]{2}手|打招呼|打[个個]招呼|说声?(?:hi|hello|嗨|你好)|问好|比心|看|坐|站|伸|后空翻"
     r"|感谢|欢迎|迎接)"
+    r"|^(?:请|再|先|然后|接着|最后|并|就)*(?:给|为)[^,，。]{1,6}跳[个支段一]{0,2}舞$|^跳[个支段一]{0,2}舞给[^,，。]{1,6}看$"
 )
 #: Requests to be careful: "don't hit anything", 小心别踩到猫.
 _CARE = re.compile(
