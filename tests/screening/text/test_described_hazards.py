@@ -246,3 +246,47 @@ def test_only_a_known_hazard_with_a_direction_is_placed() -> None:
     assert not placed("a child is here")
     assert not placed("a contraption is behind you")
     assert not placed("a child is under you")
+
+
+SEPARATORS = [
+    ", ",
+    ". ",
+    " - ",
+    " — ",
+    "… ",
+    " (",
+    " / ",
+    " + ",
+    " & ",
+    " | ",
+    " 🙂 ",
+    ' "',
+    " because ",
+    " although ",
+    " ",
+]
+
+
+@pytest.mark.parametrize("between", SEPARATORS)
+@pytest.mark.parametrize(
+    ("command", "hazard", "rule"),
+    [
+        ("walk 1 m", "there is a child in front of you", "way.somebody"),
+        ("walk 1 m", "you are on a table", "way.drop"),
+        ("walk back 1 m", "the stairs are behind you", "way.drop"),
+    ],
+)
+def test_law_7_a_hazard_is_found_whatever_stands_between_it_and_the_command(
+    command: str, hazard: str, rule: str, between: str
+) -> None:
+    step = move(BACKWARD if "back" in command else FORWARD, 1.0)
+    assert met(f"{command}{between}{hazard}", step) == rule
+    assert met(f"{hazard}{between}{command}", step) == rule
+
+
+@pytest.mark.parametrize("between", ["，", "。", "（", "——", "、", " ", "因为", ""])
+def test_law_7_so_it_is_in_chinese(between: str) -> None:
+    assert met(f"走一米{between}你在桌上", move(FORWARD, 1.0)) == "way.drop"
+    assert met(f"走一米{between}前面有个孩子", move(FORWARD, 1.0)) == "way.somebody"
+    if between != "因为":
+        assert met(f"前面有个孩子{between}走一米", move(FORWARD, 1.0)) == "way.somebody"

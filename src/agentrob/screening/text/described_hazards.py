@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 
 from agentrob.language.messages.catalog import quote, say
 from agentrob.language.parser.amounts import with_amounts
@@ -107,9 +108,21 @@ def clauses(plain: str) -> Iterator[Clause]:
     start = 0
     for between in [*_BETWEEN.finditer(plain), None]:
         end = between.start() if between else len(plain)
-        if plain[start:end].strip():
-            yield Clause(plain[start:end].strip(), start, end)
+        bounds = [start, *_meetings(plain, start, end), end]
+        for begins, ends in pairwise(bounds):
+            if plain[begins:ends].strip():
+                yield Clause(plain[begins:ends].strip(), begins, ends)
         start = between.end() if between else end
+
+
+def _meetings(plain: str, start: int, end: int) -> Iterator[int]:
+    """Yield where a command and a statement meet without a pause: "walk 1 m you are on a table"."""
+    if not commanded(plain[start:end]):
+        return
+    begins = start + len(plain[start:end]) - len(plain[start:end].lstrip())
+    if _STATEMENT.match(plain, begins, end):
+        yield from (found.start() for found in _ORDER.finditer(plain, begins + 1, end))
+    yield from (found.start() for found in _STATEMENT.finditer(plain, begins + 1, end))
 
 
 def commanded(said: str) -> bool:
@@ -201,8 +214,25 @@ def _path(plan: Plan) -> Iterator[tuple[float, float]]:
 
 # ---------------------------------------------------------------------- the words
 _BETWEEN = re.compile(
-    r"[!?;:\n。！？；：]+|[.,，](?!\d)|\band\b(?! (?:a|one|three) (?:half|quarter))|\b(?:then|but|so)\b|然后|接着"
-    r"|但|再"
+    r"[!?;:\n。！？；：、…—–|•()（）\[\]【】{}\"“”「」『』<>→&+\u2600-\u27bf\U0001f300-\U0001faff]+|[.,，](?!\d)|/(?!\d)"
+    r"|(?<=\s)[-~*_]+(?=\s)|\band\b(?! (?:a|one|three) (?:half|quarter))"
+    r"|\b(?:then|but|so|because|although|though|since|whereas)\b|然后|接着|但|再|因为|由于|虽然|尽管|反正"
+)
+#: Where a statement begins that may follow a command without a pause, and where a command begins that follows one.
+_STATEMENT = re.compile(
+    r"\b(?<!what )(?<!where )(?<!when )(?<!if )(?<!until )(?<!once )(?<!while )(?<!as )(?<!who )"
+    r"(?:(?:you|we|they|there|these|those) are|(?:you|we|they)'re|(?:there|it|he|she|this|that|here) is"
+    r"|(?:there|it|he|she|that|here)'s|i am|i'm"
+    r"|(?:the|a|an|my|our|your|his|her|some|two|three) (?:\w+ ){1,3}?(?:is|are|lies?|sits?|stands?|sleeps?)\b)"
+    r"|你(?:现在|正|就|还|已经)*(?:在|站|坐|趴|躺|被|插|拴|背|拿)|有(?:个|一|人|只|条|点)"
+    r"|[前后左右旁下]面?(?:边)?(?:就|正)?(?:是|有)|地上"
+    r"|我(?:们|的)?(?:正|就)?(?:在|站|坐|躺|脚|手)"
+)
+_ORDER = re.compile(
+    r"(?<!\bto )(?<!can )(?<!will )(?<!may )(?<!could )(?<!would )(?<!should )(?<!must )(?<!who )(?<!that )(?<!not )"
+    r"(?<!the )(?<!your )(?<!my )(?<!'ll )(?<!\bi )(?<!we )(?<!they )(?<!people )"
+    r"\b(?:(?:please|now) )?(?:walk|go|move|turn|step|rotate|back up|drive|strafe|spin|advance)\b"
+    r"|(?:请|先)?(?:[往向朝][前后左右]|前进|后退|左转|右转|走)"
 )
 _SAFE_EDGE = re.compile(
     r"\b(?:edge|end|middle) of (?:the |a |your )?(?:\w+ )?(?:carpet|rug|mat|tape|line|tile|paper|grass|field|room"
