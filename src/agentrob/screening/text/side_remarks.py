@@ -71,8 +71,9 @@ _EN = (
     r"|shoulders?|neck|body|legs?|tray|paws?|feet)",
     r"you(?:'re| are|'ve got| have)(?: \w+)? (?:carrying|holding|wearing|tied|tethered|plugged|chained|strapped"
     r"|attached|charging|loaded)",
-    r"your (?:\w+ )?(?:legs?|battery|motors?|knees?|joints?|foot|feet|cables?|cord|sensors?|camera)(?: \w+){0,3}? "
-    r"(?:broken|loose|hot|smok\w+|stuck|tangled|missing|damaged|overheat\w*|cracked|leaking|off|dead)",
+    r"low on (?:battery|power|charge)|(?:your|one|the|its) (?:\w+ )?(?:legs?|battery|motors?|knees?|joints?|foot|feet"
+    r"|cables?|cord|sensors?|camera)(?: \w+){0,3}? (?:bent|low|empty|weak|broken|loose|hot|smok\w+|stuck"
+    r"|tangled|missing|damaged|overheat\w*|cracked|leaking|off|dead)",
 )
 _OTHERS_ZH = (r"<other>(?!好)|(?:他|她|它)们?",)
 _ZH = (
@@ -85,7 +86,8 @@ _ZH = (
     r"地上?(?:都|全|到处)(?:是|有)|到处(?:都)?是|在(?:船|车|火车|电梯|卡车)(?:上|里)|蒙[住着]",
     r"(?:摄像头|镜头|传感器|雷达|眼睛)[^，。,]{0,3}?(?:挡|遮|盖|蒙|坏|脏)",
     r"你(?:正|还|现在)*(?:背|顶|驮|拿|端|抱|拴|插|连)着",
-    r"你[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
+    r"你(?:看起来|看上去|好像|似乎|有点)*(?:坏|不稳|瘸|受伤)",
+    r"(?:你|一[条只])[^，。,.]{0,4}?(?:腿|脚|电池|电机|关节|线|爪)[^，。,.]{0,6}?(?:断|坏|松|烫|冒烟|卡|缠|裂|掉)",
     r"横在|[线绳管棍杆]子?[^，。,.]{0,4}?(?:横|拖在|绷)|打滑|有油|油[渍污]|(?:滩|漏|是|上)了?油"
     r"|(?<!潇)洒|刚拖|打过?蜡|结冰|积水|睡着|睡觉|在睡|午睡"
     r"|在烧|烧着|点着|滚烫|开水|热汤|煤油|汽油|酒精|漏电|带电|刀",
