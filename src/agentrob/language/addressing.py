@@ -11,7 +11,7 @@ from agentrob.language.visible_text import mention_spans, without_mentions
 
 _ONLY_JOINT = re.compile(r"(?:[\s,;&+/，、;]|\band\b|和|与|跟|还有|both|of|you|all|please|请|你|都)*", re.IGNORECASE)
 
-_POSSESSIVE = re.compile(r"(?P<latin>['’]s\b)|的")
+_POSSESSIVE = re.compile(r"(?P<latin>['’]s\b)|\s*的")
 
 
 def part_for(visible: str, names: Sequence[str], others: Sequence[str]) -> str:

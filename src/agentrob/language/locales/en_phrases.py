@@ -17,7 +17,7 @@ _ACTION = (
     "waves?|waving|dance|dancing|dance moves|moves?|walk|walking|turns?|turning|rotation|spin|twirl|flip|backflip"
     "|sit|sitting|stretch|stretching|heart|handshake|bow|clap|clapping|high five|greeting|gesture|pose|routine"
 )
-_LEAD = "wow|oh|ah|ha(?:ha)*|ok|okay|hey|hi|thanks|thank you|cheers|yay|yes|well|lol|robot|buddy|doggo|rex"
+_LEAD = "wow|oh|ah|ha(?:ha)*|ok|okay|hey|hi|thanks|thank you|cheers|yay|yes|well|lol|robot|buddy|doggo"
 _TAIL = (
     "there|today|indeed|ever|earlier|just now|by the way|btw|thanks|thank you|buddy|pal|mate|friend|bro|dude|man|robot"
     "|bot|dog|doggo|doggy|boy|girl|sir|lol"
@@ -36,7 +36,7 @@ _WORD = re.compile(rf"\b(?:{_JUDGES}|job|done|congrat\w*|kudos|props|bravo)\b", 
 
 
 def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
-    """Rewrite the tokens of an English post; `text` is the post."""
+    """Return the tokens of an English post, with praise of an action as thanks; `text` is the post."""
     found = list(tokens)
     if not _WORD.search(text):
         return found

@@ -108,21 +108,22 @@ def clauses(plain: str) -> Iterator[Clause]:
     start = 0
     for between in [*_BETWEEN.finditer(plain), None]:
         end = between.start() if between else len(plain)
-        bounds = [start, *_meetings(plain, start, end), end]
+        bounds = [start, *sorted(_meetings(plain, start, end)), end]
         for begins, ends in pairwise(bounds):
             if plain[begins:ends].strip():
                 yield Clause(plain[begins:ends].strip(), begins, ends)
         start = between.end() if between else end
 
 
-def _meetings(plain: str, start: int, end: int) -> Iterator[int]:
-    """Yield where a command and a statement meet without a pause: "walk 1 m you are on a table"."""
+def _meetings(plain: str, start: int, end: int) -> set[int]:
+    """Return where a command and a statement meet without a pause: "walk 1 m you are on a table"."""
     if not commanded(plain[start:end]):
-        return
+        return set()
     begins = start + len(plain[start:end]) - len(plain[start:end].lstrip())
+    found = {statement.start() for statement in _STATEMENT.finditer(plain, begins + 1, end)}
     if _STATEMENT.match(plain, begins, end):
-        yield from (found.start() for found in _ORDER.finditer(plain, begins + 1, end))
-    yield from (found.start() for found in _STATEMENT.finditer(plain, begins + 1, end))
+        found |= {order.start() for order in _ORDER.finditer(plain, begins + 1, end)}
+    return found
 
 
 def commanded(said: str) -> bool:
