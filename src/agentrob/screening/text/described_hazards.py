@@ -120,10 +120,10 @@ def _meetings(plain: str, start: int, end: int) -> set[int]:
     if not commanded(plain[start:end]):
         return set()
     begins = start + len(plain[start:end]) - len(plain[start:end].lstrip())
-    found = {statement.start() for statement in _STATEMENT.finditer(plain, begins + 1, end)}
-    if _STATEMENT.match(plain, begins, end):
-        found |= {order.start() for order in _ORDER.finditer(plain, begins + 1, end)}
-    return found
+    first = _STATEMENT.match(plain, begins, end)
+    after = first.end() if first else begins + 1
+    orders = _ORDER.finditer(plain, after, end) if first else ()
+    return {found.start() for found in (*_STATEMENT.finditer(plain, after, end), *orders)}
 
 
 def commanded(said: str) -> bool:
