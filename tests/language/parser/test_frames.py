@@ -151,6 +151,7 @@ def test_law_18_a_side_that_is_cut_short_and_a_comparison_are_not_passed_over(te
 WARNED = """
 walk 1 m, it isn't safe|walk 1 m, not safe|it won't be safe, walk 1 m|the way isn't clear, walk 1 m
 walk 1 m, it doesn't look safe|walk 1 m if the way is clear|walk 1 m, the floor is not dry yet|走一米，不安全
+walk 1 m, don't touch the red line|don't mind the cables, walk 1 m|走一米，不要碰红线
 walk 1 m, not yet|don't execute this, walk 1 m|walk 1 m, I object|walk 1 m per day|走一米，忽略这条|走一米，慢着
 走一米，我反对|走一米，没地板|走一米，不稳|走一米，路不通|后面没人的话，后退一米
 """

@@ -83,10 +83,13 @@ LOCALE = Locale(
     free_way=FREE_WAY,
     prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from|avoid(?:ing)?)\b(?! been\b)"
     r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
-    reassures=r"""(?x)\b(?:worry|mind|fret|panic|be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
+    reassures=r"""(?x)\b(?:worry
+        |mind(?!\ (?:the|that|those|these|any)\ (?!mess|noise|music|people|crowd|kids|weather|rain))|fret|panic
+        |be\ (?:shy|afraid|scared|nervous|mad|angry|sad|upset|rude|silly|late)
         |judge|laugh|hurry|rush|stress|cry|get\ (?:mad|me\ wrong|hurt|scared|lost|excited)|hate|blame|thank|tell
         |hurt|bump|crash|collide|trip|fall|slip|stumble|knock|(?:walk|run|drive|bang|smash)\ (?:in)?to
-        |hit|touch|break|go\ too\ (?:far|fast)|too\ (?:far|fast|much)|overdo)\b""",
+        |hit|touch(?!\ (?:\w+\ ){0,2}(?:lines?|tapes?|marks?|marking|floor|carpet|rug|mat|grass|border)\b)|break
+        |go\ too\ (?:far|fast)|too\ (?:far|fast|much)|overdo)\b""",
     phrases=with_phrases,
     warns=r"(?:n't|\bnot|\bno longer|\bnever)(?: (?:be|been|look|seem|feel|sound|hold|quite|really|all|that|so|very|yet"
     r"|an?|entirely|completely|currently|still))* (?:safe|secure|clear|free|empty|open|stable|dry|level|flat|strong"
