@@ -208,6 +208,8 @@ COMMANDS = [
     ("walk 1 m, then right after that wave", "F1 hello"),
     ("let's start with a photo, then walk 1 m", "photo F1"),
     ("begin with a wave", "hello"),
+    ("turn left by a right angle", "l90"),
+    ("make a right-angle turn to the left", "l90"),
     ("Mission: walk 1 m, take a photo", "F1 photo"),
     ("Here's what I want: a photo.", "photo"),
     ("walk 1 m, finishing with a photo", "F1 photo"),

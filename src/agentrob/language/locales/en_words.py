@@ -279,7 +279,9 @@ TABLE = {
     "step_unit": "steps|pace|paces|stride|strides|footsteps",
     "time_unit=1": "s|second|seconds|sec|secs",
     "time_unit=60": "minute|minutes|min|mins",
-    "turn angle=90": """one quarter turn|one quarter of a turn|a quarter of a full turn|1/4 turn|a 1/4 turn
+    "turn angle=90": """right angle turn|a right angle turn|make a right angle turn|take a right angle turn
+        |right angled turn|a right angled turn|do a right angle turn|make a right angled turn
+        |one quarter turn|one quarter of a turn|a quarter of a full turn|1/4 turn|a 1/4 turn
         |1/4 of a turn|quarter turn|a quarter turn|a quarter of a turn""",
     "turn angle=180 ": """a half circle|half circle|half a circle|a half rotation|half a rotation|one half turn
         |one half of a turn|half of a full turn|1/2 turn|a 1/2 turn|half turn|a half turn|half a turn""",
@@ -303,6 +305,7 @@ TABLE = {
     "angle=300": _part_of_turn("five sixths|5/6"),
     "angle=90": _part_of_turn("a quarter|one quarter|1/4|a fourth|one fourth", "circle|rotation|revolution|spin")
     + _PI_HALF,
+    "angle=90 ": "right angle|a right angle|one right angle|at right angles|at a right angle|through a right angle",
     "angle=180": _part_of_turn("half|half of|one half|a half", "rotation|revolution|spin", " a|") + _PI,
     "angle=360": "all the way around|all the way round|the whole way round|the whole way around|once around",
     "half": "a half of a|half a|half an|half of a|a half|half|one half|one half of a",
@@ -672,6 +675,7 @@ _TIMES_OF_DAY = ("sunrise", "sunset", "dawn", "dusk", "night", "nightfall", "day
     "the end of the day")  # fmt: skip
 TABLE["condition"] += "".join(f"|at {time}" for time in _TIMES_OF_DAY)
 TABLE["op=hello condition"] = "|".join(f"wave at {time}" for time in _TIMES_OF_DAY)
+TABLE["condition"] += "|and then some|and a bit|and a little|and a bit more|and a little more|and some more"
 TABLE["condition"] += "|only if you can|only if you|only when you|only if"
 TABLE["condition"] += "|not quite|not exactly|not fully|not entirely|not completely|not all the way"
 #: For what somebody is thanked is done: nothing is asked.
