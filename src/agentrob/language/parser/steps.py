@@ -637,7 +637,9 @@ def _is_whole(amount: Token | None) -> bool:
 
 def _in_whole_turns(step: Primitive, amount: Token | None) -> list[Primitive]:
     """Return a step for each turn of "two and a half turns": no step may turn further than once around."""
-    if amount is None or amount.unit != _WHOLE_TURN_DEG or not step.rotates or not step.degrees:
+    if amount is None or amount.kind is not TokenKind.ANGLE or not step.rotates or not step.degrees:
+        return [step]
+    if amount.unit not in (0.0, _WHOLE_TURN_DEG):  # a word such as 一圈半 has no unit
         return [step]
     turns, rest_deg = divmod(step.degrees, _WHOLE_TURN_DEG)
     return [replace(step, degrees=_WHOLE_TURN_DEG)] * int(turns) + [replace(step, degrees=rest_deg)] * bool(rest_deg)

@@ -225,7 +225,7 @@ _STATEMENT = re.compile(
     r"(?:(?:you|we|they|there|these|those) are|(?:you|we|they)'re|(?:there|it|he|she|this|that|here) is"
     r"|(?:there|it|he|she|that|here)'s|i am|i'm"
     r"|(?:the|a|an|my|our|your|his|her|some|two|three) (?:\w+ ){1,3}?(?:is|are|lies?|sits?|stands?|sleeps?)\b)"
-    r"|你(?:现在|正|就|还|已经)*(?:在|站|坐|趴|躺|被|插|拴|背|拿)|有(?:个|一|人|只|条|点)"
+    r"|你(?:现在|正|就|还|已经)*(?:在|站|坐|趴|躺|被|插|拴|背|拿)|(?<![没所拥])有"
     r"|[前后左右旁下]面?(?:边)?(?:就|正)?(?:是|有)|地上"
     r"|我(?:们|的)?(?:正|就)?(?:在|站|坐|躺|脚|手)"
 )
