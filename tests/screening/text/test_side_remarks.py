@@ -259,3 +259,17 @@ def test_a_gesture_waits_for_who_touches_the_robot_and_a_photo_for_nobody(
     plan, language = Plan((step,)), language_of(remark)
     found = hazard_in_path(remark, plan, language) or doubtful_remark(remark, plan, language)
     assert (found is None) is passes
+
+
+@pytest.mark.parametrize(
+    ("text", "op"),
+    [
+        ("stretch you are on a shelf", Op.STRETCH),
+        ("take a photo she is naked", Op.GET_FRONT_IMAGE),
+        ("take a photo (she is naked)", Op.GET_FRONT_IMAGE),
+    ],
+)
+def test_a_remark_is_asked_about_without_a_pause_before_it_too(text: str, op: Op) -> None:
+    plan = Plan((Primitive(op),))
+    verdict = hazard_in_path(text, plan, "en") or doubtful_remark(text, plan, "en")
+    assert verdict is not None

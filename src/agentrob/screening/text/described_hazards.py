@@ -117,7 +117,7 @@ def clauses(plain: str) -> Iterator[Clause]:
 
 def _meetings(plain: str, start: int, end: int) -> set[int]:
     """Return where a command and a statement meet without a pause: "walk 1 m you are on a table"."""
-    if not commanded(plain[start:end]):
+    if not commanded(plain[start:end]) and not _ACTED.match(plain, start, end):
         return set()
     begins = start + len(plain[start:end]) - len(plain[start:end].lstrip())
     first = _STATEMENT.match(plain, begins, end)
@@ -228,6 +228,12 @@ _STATEMENT = re.compile(
     r"|你(?:现在|正|就|还|已经)*(?:在|站|坐|趴|躺|被|插|拴|背|拿)|(?<![没所拥])有"
     r"|[前后左右旁下]面?(?:边)?(?:就|正)?(?:是|有)|地上"
     r"|我(?:们|的)?(?:正|就)?(?:在|站|坐|躺|脚|手)"
+)
+#: Where a clause begins that asks for a picture or a gesture.
+_ACTED = re.compile(
+    r"\s*(?:(?:please|now|just|can you|could you) )*"
+    r"(?:take|send|snap|photograph|wave|sit|stand|stretch|dance|shake|clap)\b"
+    r"|\s*(?:请|再|先|麻烦你?)*(?:拍|照|挥|招|坐|站|伸|跳舞|握手|鼓掌|比心)"
 )
 _ORDER = re.compile(
     r"(?<!\bto )(?<!can )(?<!will )(?<!may )(?<!could )(?<!would )(?<!should )(?<!must )(?<!who )(?<!that )(?<!not )"
