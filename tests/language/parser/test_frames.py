@@ -194,6 +194,11 @@ def test_law_18_what_is_said_of_a_robot_or_of_oneself_and_words_like_commands_mo
     assert parse(text, ["quadruped"], [], OPS).intent in (Intent.NOTHING, Intent.ASK_BACK)
 
 
-@pytest.mark.parametrize("text", _rows("finish with a photo, walk 1 m|walk 1 m, finish with a photo, turn left"))
-def test_law_18_a_last_step_that_is_not_said_last_is_asked_about(text: str) -> None:
+MISPLACED = """
+walk 1 m, first sit|walk 1 m. First of all wave.|finish with a photo, walk 1 m|walk 1 m, finish with a photo, turn left
+"""
+
+
+@pytest.mark.parametrize("text", _rows(MISPLACED))
+def test_law_18_a_first_step_that_is_not_said_first_and_a_last_one_that_is_not_last_are_asked_about(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK

@@ -103,7 +103,7 @@ COMMANDS = [
     ("前进一米，右转90度，每走完一步都拍张照", "F1 photo r90 photo"),
     ("turn, slowly, left 30 degrees", "l30"),
     ("walk 1 m, slowly, forward", "F1@0.2"),
-    ("顺时针转一圈半", "r540"),
+    ("顺时针转一圈半", "r360 r180"),
     ("左转两圈半", "l360 l360 l180"),
     ("前进1米20", "F1.2"),
     ("挥手两下", "hello hello"),

@@ -98,7 +98,8 @@ LOCALE = Locale(
     in_order=_ORDER,
     idioms=IDIOMS,
     called=rf"(?:^|[,.;!?(\n]|\b(?:dear|hey|hi|hello|now|oi|ok|okay|please|thanks|um|uh|well|yo)\b)\s*(?P<name>{_PET})(?!['\w])",
-    put_first=r"\b(?:but|though|and|then)\b,? (?:please )?first\b|\b(?:but|and) before (?:that|this)\b|\bbeforehand\b"
+    put_first=r"(?:\b(?:but|though|and|then)\b,?|[,;.!]) (?:please )?first(?:ly| of all)?\b(?! \w+ing\b)"
+    r"|\b(?:but|and) before (?:that|this)\b|\bbeforehand\b"
     r"|[,;.!:]\s*(?:but )?(?:[^,;.!:]|(?<=\d)\.(?=\d))*(?<!at )\bfirst"
     r"(?=\s*(?:$|[,;.!&+—]|(?:and|then|please|instead|without|rather|so|because|thanks)\b))"
     r"|\b(?:but|and)\b (?:(?!\b(?:and|but|then)\b)(?:[^,;.!]|(?<=\d)\.(?=\d)))*(?<!at )(?<!my )(?<!the )\bfirst\b",
