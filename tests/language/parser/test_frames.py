@@ -143,10 +143,12 @@ def test_law_18_what_is_to_be_done_at_the_same_time_is_asked_about(text: str) ->
     assert read(text).intent is Intent.ASK_BACK
 
 
-@pytest.mark.parametrize(
-    "text",
-    _rows("walk l 1 m|step rig 1 m|walk bck 1 m|walk n 1 m|turn r 90|walk > 1 m|走 > 1米|walk a metre and a bit"),
-)
+CUT_SHORT = """
+walk l 1 m|step rig 1 m|walk bck 1 m|walk n 1 m|turn r 90|walk > 1 m|walk 1 m -->|走 > 1米|walk a metre and a bit
+"""
+
+
+@pytest.mark.parametrize("text", _rows(CUT_SHORT))
 def test_law_18_a_side_that_is_cut_short_and_a_comparison_are_not_passed_over(text: str) -> None:
     assert read(text).intent is Intent.ASK_BACK
 

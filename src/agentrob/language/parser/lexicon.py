@@ -269,8 +269,8 @@ def _symbol(text: str) -> tuple[TokenKind, Value]:
 _PIECE = re.compile(
     # 1,500 · -2 · 2-3 · 2x3: not to be guessed
     r"(?P<bad>[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?|(?<![^\W\u3400-\u9fff])[-−]\.?[0-9]+|[0-9]+[-–~][0-9]+|[0-9]+[x×*^][0-9]+)"
-    # Before an amount an arrow may be "more than".
-    r"|(?P<arrow>(?:[=-]*>+|[→➡➜➔⇒⟶])\ufe0f?(?!\s*[>0-9.一二两三四五六七八九十百半]))"
+    # An arrow leads to a word: before an amount it may be "more than", and before nothing the end of a comment.
+    r"|(?P<arrow>(?:[=-]*>+|[→➡➜➔⇒⟶])\ufe0f?(?=\s*[^\W\d_一二两三四五六七八九十百半]))"
     r"|(?P<feet>[0-9]+)['′]\s?(?P<inches>[0-9]+)(?:[\"”″]|''|′′)?(?!\w)"  # 6'2"
     r"|[0-9]+[/⁄][1-9][0-9]*|[0-9]+(?:\.[0-9]+)?(?![.]?[0-9])|\.[0-9]+"
     r"|[^\W\d_\u3400-\u9fff]+(?:'[^\W\d_\u3400-\u9fff]+)*"
