@@ -189,6 +189,7 @@ REQUESTED_KINDLY = {
     "a great big wave": "hello",
     "Nice wave! Now walk 1 m": "F1",
     "great dance, now sit": "sit",
+    "terrible dance, sit": "sit",
     "nice, wave": "hello",
     "来个漂亮的挥手": "hello",
     "走得好，坐下": "sit",

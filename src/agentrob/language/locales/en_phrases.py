@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 from agentrob.language.parser.lexicon import Token, TokenKind
 
+_BLAME = "bad|poor|terrible|awful|horrible|sloppy|wobbly|weird|odd|strange"
 _JUDGES = (
     "nice|good|great|lovely|cool|sweet|cute|neat|awesome|amazing|wonderful|beautiful|fantastic|brilliant|excellent"
     "|perfect|superb|impressive|incredible|fabulous|terrific|marvell?ous|splendid|gorgeous|elegant|graceful|flawless"
-    "|adorable|charming|delightful|outstanding|epic|stunning|best|solid|decent|bad|poor|terrible|awful|horrible|sloppy"
-    "|wobbly|weird|odd|strange"
+    "|adorable|charming|delightful|outstanding|epic|stunning|best|solid|decent"
+    f"|{_BLAME}"
 )
 _ACTION = (
     "waves?|waving|dance|dancing|dance moves|moves?|walk|walking|turns?|turning|rotation|spin|twirl|flip|backflip"
@@ -36,7 +37,8 @@ _WORD = re.compile(rf"\b(?:{_JUDGES}|job|done|congrat\w*|kudos|props|bravo)\b", 
 
 
 def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
-    """Return the tokens of an English post, with praise of an action as thanks; `text` is the post."""
+    """Return the tokens of an English post, with praise of an action as thanks and blame as a report; `text` is the
+    post."""
     found = list(tokens)
     if not _WORD.search(text):
         return found
@@ -44,7 +46,16 @@ def with_phrases(tokens: Sequence[Token], text: str) -> list[Token]:
         start, end = praise.start("praise"), praise.end("tail")
         if _REQUESTED.search(re.split(r"[.!?,\n]|\band\b", text[end:], maxsplit=1)[0]):
             continue
-        at = next((n for n, token in enumerate(found) if token.start >= start), len(found))
-        after = next((n for n, token in enumerate(found) if token.start >= end), len(found))
-        found[at:after] = [Token(TokenKind.THANKS, None, start, end)]
+        blames = re.search(rf"\b(?:{_BLAME})\b", praise["praise"], re.IGNORECASE)
+        found = as_judgement(found, start, end, blames=blames is not None)
     return found
+
+
+def as_judgement(tokens: Sequence[Token], start: int, end: int, *, blames: bool) -> list[Token]:
+    """Return the tokens with those of a judgement as one: thanks for praise; blame is a report, and ends its sentence,
+    so that what follows is read by itself."""
+    before = [token for token in tokens if token.start < start]
+    behind = [token for token in tokens if token.start >= end]
+    if not blames:
+        return [*before, Token(TokenKind.THANKS, None, start, end), *behind]
+    return [*before, Token(TokenKind.REPORT, None, start, end), Token(TokenKind.END, None, end - 1, end), *behind]

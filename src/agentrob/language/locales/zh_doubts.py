@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 
+from agentrob.language.locales.en_phrases import as_judgement
 from agentrob.language.parser.lexicon import Token, TokenKind
 
 _PICTURES = "照片|相片|图片|图像|截图|合影|合照|特写|美照|快照|画面|视图|图|照"
@@ -30,9 +31,9 @@ _DID = (
     "(?:拍照?|照相|挥手|招手|握手|比心|跳舞|舞蹈?|转圈|转身|坐下?|站"
     "|伸懒腰|后空翻|鞠躬|走路?|转|打招呼|问好|动作|姿势|表演|鼓掌|击掌|拜年|作揖)"
 )
+_BLAME = "丑|难看|差|烂|奇怪|僵硬|笨"
 _FOUND = (
-    "(?:棒极了?|棒|好看|漂亮|可爱|帅气?|酷|乖|厉害|精彩"
-    "|不错|优雅|好|稳|萌|甜|赞|牛|标准|到位|有趣|搞笑|美|丑|难看|差|烂|奇怪|僵硬|笨)"
+    f"(?:棒极了?|棒|好看|漂亮|可爱|帅气?|酷|乖|厉害|精彩|不错|优雅|好|稳|萌|甜|赞|牛|标准|到位|有趣|搞笑|美|{_BLAME})"
 )
 _VERY = "(?:真的?|好|太|很|非常|超级?|特别|挺|相当|这么|那么|有点)"
 _PRAISED = re.compile(
@@ -113,10 +114,7 @@ def sits_or_does(tokens: list[Token], said: str) -> list[Token]:
 
 def praised(tokens: list[Token], said: str) -> list[Token]:
     """漂亮的挥手, 跳得真棒: the robot is praised, or blamed, for what it did, and nothing is asked for."""
-    found = list(tokens)
+    found = tokens
     for praise in _PRAISED.finditer(said):
-        start, end = praise.span("praise")
-        at = next((n for n, token in enumerate(found) if token.start >= start), len(found))
-        after = next((n for n, token in enumerate(found) if token.start >= end), len(found))
-        found[at:after] = [Token(TokenKind.THANKS, None, start, end)]
+        found = as_judgement(found, *praise.span("praise"), blames=re.search(_BLAME, praise["praise"]) is not None)
     return found

@@ -158,6 +158,10 @@ FORMS = TalkForms(
             r"|you did it|well done|congrat|impressive|bravo|that was (?:great|awesome|cool|amazing|sick|nice|good"
             r"|perfect|brilliant)"
             r"|so cute|how cute"
+            r"|(?:^|[,.!;] ?|\b(?:that was an?|what an?|such an?|really|very) )(?:nice|good|great|lovely|cool|sweet"
+            r"|amazing|awesome|wonderful|beautiful|perfect|excellent|fantastic|brilliant) (?:waves?|dance|moves?|walk"
+            r"|turns?|spin|flip|backflip|sit|stretch|heart|handshake|bow|clap|pose|greeting|gesture|photos?|pictures?"
+            r"|pics?|shots?)\b"
         ),
         "bye": (r"\b(?:good ?bye|bye|good ?night|see (?:you|ya|u)|talk to you later|take care|farewell)\b"),
         "greeting": (
