@@ -49,8 +49,8 @@ class Locale:
     that deny no action, but say why not to do what is commanded ("it isn't safe").
     A walk in the words of one of these is asked about: `circular` matches what is said of turns only ("clockwise"),
     `some_side` a side that may be the left or the right one, `pointing` where somebody points ("that way"). So are two
-    steps that are to be done at the same time, by the words of `meanwhile`. `free_way` matches a whole clause that says
-    that nothing is in the way, and changes nothing: the guard measures it.
+    steps at the same time, which `meanwhile` matches. `clear_path` matches a whole clause that says that nothing is in
+    the way; it is left out, because the guard measures that.
     `never_where` lists directions that nobody says of a place. `put_first` matches words that put a later
     clause before an earlier one.
 
@@ -97,7 +97,7 @@ class Locale:
     some_side: str = "(?!)"
     pointing: str = "(?!)"
     meanwhile: str = "(?!)"
-    free_way: str = "(?!)"
+    clear_path: str = "(?!)"
     never_where: str = ""
     claims: str = "(?!)"
     put_first: str = "(?!)"
@@ -140,13 +140,13 @@ class Locale:
     def calls(self) -> Prefiltered:
         return Prefiltered(self.called)
 
-    def says_way_is_free(self, clause: str) -> bool:
+    def says_path_is_clear(self, clause: str) -> bool:
         """Return whether a clause in lower case only says that nothing is in the way: "nobody is behind you"."""
-        return self._free_way.fullmatch(clause.strip()) is not None
+        return self._clear_path.fullmatch(clause.strip()) is not None
 
     @cached_property
-    def _free_way(self) -> re.Pattern[str]:
-        return re.compile(self.free_way)
+    def _clear_path(self) -> re.Pattern[str]:
+        return re.compile(self.clear_path)
 
     def states(self, clause: str) -> bool:
         """Return whether a clause in lower case is a statement, by its form or its words."""

@@ -167,7 +167,7 @@ def test_laws_13_and_18_a_warning_beside_a_command_is_asked_about(text: str) -> 
     assert read(text).intent is Intent.ASK_BACK
 
 
-FREE = {
+CLEAR = {
     "walk 1 m, the way is clear": "F1",
     "nothing behind you, walk back 1 m": "B1",
     "walk back 1 m, nobody is behind you": "B1",
@@ -178,8 +178,8 @@ FREE = {
 }
 
 
-@pytest.mark.parametrize(("text", "plan"), FREE.items())
-def test_a_free_way_changes_nothing_and_is_noted(text: str, plan: str) -> None:
+@pytest.mark.parametrize(("text", "plan"), CLEAR.items())
+def test_a_clear_path_changes_nothing_and_is_noted(text: str, plan: str) -> None:
     understood = read(text)
     assert short(understood.plan) == plan
     assert any("Left out as a remark" in note or "闲话" in note for note in understood.plan.notes)

@@ -285,7 +285,7 @@ def test_law_7_a_hazard_is_found_whatever_stands_between_it_and_the_command(
 
 
 @pytest.mark.parametrize("between", ["，", "。", "（", "——", "、", " ", "因为", ""])
-def test_law_7_so_it_is_in_chinese(between: str) -> None:
+def test_law_7_a_hazard_is_found_without_a_pause_in_chinese(between: str) -> None:
     assert met(f"走一米{between}你在桌上", move(FORWARD, 1.0)) == "way.drop"
     assert met(f"走一米{between}前面有个孩子", move(FORWARD, 1.0)) == "way.somebody"
     if between != "因为":

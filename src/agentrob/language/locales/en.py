@@ -15,7 +15,7 @@ from agentrob.language.parser.lexicon import lexicon
 from agentrob.language.parser.order import OrderWords
 from agentrob.language.previews.words import PreviewWords
 from agentrob.language.remarks.classifier import StatementClassifier
-from agentrob.language.remarks.english import FREE_WAY
+from agentrob.language.remarks.english import CLEAR_PATH
 from agentrob.language.remarks.english import WORDS as REMARKS
 from agentrob.language.schedule.english import WORDS as SCHEDULE
 from agentrob.language.talk.words_en import FORMS
@@ -80,7 +80,7 @@ LOCALE = Locale(
     r"|(?:^|[,.;!]|\b(?:and|then)) ?(?:on|along) (?:the|your) way\b(?! (?:home|to|from|here|out|in|over|down|up)\b)"
     r"|\b(?:on|along) (?:the|your) way\s*(?=$|[,.;!]|and\b)"
     r"|\b(?:c?m|met(?:er|re)s?|f(?:ee|oo)?t|steps?|degrees?|forwards?|backwards?|left|right) waving\b",
-    free_way=FREE_WAY,
+    clear_path=CLEAR_PATH,
     prohibits=r"(?:please )?(?:do not|don't|dont|do n't|never|no need to|refrain from|avoid(?:ing)?)\b(?! been\b)"
     r"|(?:but )?not (?:on|onto|in|into|inside|past|over|across|under|through|near|beyond|to|towards?|against|by)\b",
     reassures=r"""(?x)\b(?:worry

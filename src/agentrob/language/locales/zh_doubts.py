@@ -26,20 +26,20 @@ _TAKEN = re.compile("[拍照摄][下到好]?的")
 _VERBS = (TokenKind.MOVE, TokenKind.TURN, TokenKind.OP)
 _BREAKS = (TokenKind.COMMA, TokenKind.AND, TokenKind.END)
 _AMOUNTS = (TokenKind.LENGTH, TokenKind.ANGLE, TokenKind.STEPS, TokenKind.DURATION, TokenKind.TIMES)
-#: What a robot did, and how somebody finds it.
-_DID = (
+#: An action of the robot, and an opinion about it.
+_ACTION = (
     "(?:拍照?|照相|挥手|招手|握手|比心|跳舞|舞蹈?|转圈|转身|坐下?|站"
     "|伸懒腰|后空翻|鞠躬|走路?|转|打招呼|问好|动作|姿势|表演|鼓掌|击掌|拜年|作揖)"
 )
 _BLAME = "丑|难看|差|烂|奇怪|僵硬|笨"
-_FOUND = (
+_OPINION = (
     f"(?:棒极了?|棒|好看|漂亮|可爱|帅气?|酷|乖|厉害|精彩|不错|优雅|好|稳|萌|甜|赞|牛|标准|到位|有趣|搞笑|美|{_BLAME})"
 )
 _VERY = "(?:真的?|好|太|很|非常|超级?|特别|挺|相当|这么|那么|有点)"
 _PRAISED = re.compile(
     r"(?:^|[。！!？?\n])[\s，,]*(?:(?:哇|哈+|谢谢|嗯|天哪|哎呀|厉害)[啊呀哦\s，,]*)*(?:你的|这个?|那个?|刚才的?|这次的?)*"
-    rf"(?P<praise>(?:好|真|很|太|超|非常)?{_FOUND}的{_DID}"
-    rf"|{_DID}(?:{_DID})?(?:得{_VERY}?{_FOUND}|{_VERY}{_FOUND}|不错|棒极))[了啊呀哦哈呢吧的]*"
+    rf"(?P<praise>(?:好|真|很|太|超|非常)?{_OPINION}的{_ACTION}"
+    rf"|{_ACTION}(?:{_ACTION})?(?:得{_VERY}?{_OPINION}|{_VERY}{_OPINION}|不错|棒极))[了啊呀哦哈呢吧的]*"
     r"\s*(?=$|[。！!？?，,~～…\n])"
 )
 

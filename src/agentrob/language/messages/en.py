@@ -101,7 +101,7 @@ PHRASES = {
     "ask.fix": "I cannot tell what {words} corrects; please repeat the whole command.",
     "ask.what": "What shall I do with {words}?",
     "ask.view": "{words}: my camera looks straight ahead, so I would have to turn first.",
-    "ask.meanwhile": "I do one thing after the other, and cannot follow {words}; please say what comes first.",
+    "ask.meanwhile": "I do one step at a time and cannot follow {words}; please say which step comes first.",
     "ask.condition": "I cannot follow conditions or choices such as {words}; please say plainly what to do.",
     "ask.denial": "I cannot tell what {words} refers to.",
     "ask.limit": "I cannot make sure of {words} on the way; please give the amount itself, or leave this out.",

@@ -111,7 +111,7 @@ class Clause:
     @cached_property
     def is_remark(self) -> bool:
         known, said = self.known, self.plain
-        if known.says_way_is_free(said):
+        if known.says_path_is_clear(said):
             return True
         formed = self.introduces or known.has_form_of_remark(said)
         if formed and _found(known.fragment, said) and self.without_asides.has_side:

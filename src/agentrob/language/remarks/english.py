@@ -26,7 +26,7 @@ _WHERE = r"""(?:ahead(?: of you)?|in front(?: of you)?|behind you|around(?: you)
     |in the (?:room|area|lab|hall|hallway|corridor))""".replace("\n    ", "")
 _FREE = "(?:clear|free|empty|dry|clean|flat|level|even|safe|open)"
 #: A whole clause that says that nothing is in the way.
-FREE_WAY = (
+CLEAR_PATH = (
     r"(?:(?:and|because|since|as|so|also|but|don't worry|no worries|ok|okay) )*(?:"
     r"(?:(?:the|your|our|this) )?(?:way|path|route|floor|ground|carpet|room|area|lane|space|lab|hall|hallway|corridor"
     r"|stage)"

@@ -219,7 +219,7 @@ _BETWEEN = re.compile(
     r"|(?<=\s)[-~*_]+(?=\s)|\band\b(?! (?:a|one|three) (?:half|quarter))"
     r"|\b(?:then|but|so|because|although|though|since|whereas)\b|然后|接着|但|再|因为|由于|虽然|尽管|反正"
 )
-#: Where a statement begins that may follow a command without a pause, and where a command begins that follows one.
+#: Where a statement begins that may follow a command without a pause.
 _STATEMENT = re.compile(
     r"\b(?<!what )(?<!where )(?<!when )(?<!if )(?<!until )(?<!once )(?<!while )(?<!as )(?<!who )"
     r"(?:(?:you|we|they|there|these|those) are|(?:you|we|they)'re|(?:there|it|he|she|this|that|here) is"
@@ -235,6 +235,7 @@ _ACTED = re.compile(
     r"(?:take|send|snap|photograph|wave|sit|stand|stretch|dance|shake|clap)\b"
     r"|\s*(?:请|再|先|麻烦你?)*(?:拍|照|挥|招|坐|站|伸|跳舞|握手|鼓掌|比心)"
 )
+#: Where a command begins that may follow a statement without a pause.
 _ORDER = re.compile(
     r"(?<!\bto )(?<!can )(?<!will )(?<!may )(?<!could )(?<!would )(?<!should )(?<!must )(?<!who )(?<!that )(?<!not )"
     r"(?<!the )(?<!your )(?<!my )(?<!'ll )(?<!\bi )(?<!we )(?<!they )(?<!people )"

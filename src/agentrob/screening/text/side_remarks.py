@@ -204,7 +204,7 @@ def doubtful_remark(text: str, plan: Plan, language: Language) -> Verdict | None
         goes = commanded(clause.said) and not any(near.search(clause.said) for near in _phrases().near)
         if goes or _ACTION.search(clause.said) or _CARE.search(clause.said):
             continue
-        if locale(language).says_way_is_free(clause.said):
+        if locale(language).says_path_is_clear(clause.said):
             continue
         said = _UNRELATED.sub(" ", _AUDIENCE.sub(" ", _KIND.sub(" ", clause.said)))
         said = _phrases().myself.sub(" ", said)
